@@ -1,0 +1,45 @@
+#include "base/error.h"
+
+#include <cerrno>
+#include <cstring>
+
+namespace kiln {
+namespace {
+
+std::string sentence(const std::filesystem::path& path, const std::string& place, const std::string& what) {
+  std::string out = path.string();
+  if (!place.empty()) out += (out.empty() ? "" : ": ") + place;
+  out += (out.empty() ? "" : ": ") + what;
+  // One line, whatever a hostile file name or a library's message holds.
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return out;
+}
+
+ErrorCode codeOf(int error_number) {
+  switch (error_number) {
+    case ENOSPC:
+    case EDQUOT: return ErrorCode::kNoSpace;
+    case ENOENT:
+    case ENOTDIR: return ErrorCode::kNotFound;
+    case EEXIST: return ErrorCode::kExists;
+    default: return ErrorCode::kIo;
+  }
+}
+
+}  // namespace
+
+Error::Error(ErrorCode code, const std::filesystem::path& path, const std::string& place, const std::string& what)
+    : std::runtime_error(sentence(path, place, what)), code_(code), path_(path) {}
+
+Error::Error(ErrorCode code, const std::string& what) : Error(code, {}, {}, what) {}
+
+Error systemError(int error_number, const std::filesystem::path& path, const std::string& doing) {
+  const ErrorCode code = codeOf(error_number);
+  std::string what = std::strerror(error_number);
+  if (code == ErrorCode::kNoSpace) what += "; free space or choose another place, then run the command again";
+  return Error(code, path, doing, what);
+}
+
+}  // namespace kiln

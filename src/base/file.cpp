@@ -1,0 +1,148 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// Closes on every way out; a failed close after a write is an error of its own and is asked for explicitly.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  int close() { return ::close(std::exchange(fd_, -1)); }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+File::File(const fs::path& path) : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (descriptor_ < 0) throw systemError(errno, path, "opening for reading");
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode)) {
+    const int error_number = S_ISDIR(status.st_mode) ? EISDIR : errno;
+    ::close(descriptor_);
+    throw systemError(error_number, path, "opening for reading");
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+File::~File() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+File::File(File&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+
+std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t got =
+        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw systemError(errno, path_, "reading at byte " + std::to_string(offset + done));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+void File::readAt(std::uint64_t offset, std::span<std::byte> out) const {
+  const std::size_t got = readSomeAt(offset, out);
+  if (got < out.size()) {
+    throw Error(ErrorCode::kFormat, path_, "byte " + std::to_string(offset + got),
+                "the file ends here, but " + std::to_string(out.size() - got) + " more bytes are expected");
+  }
+}
+
+std::vector<std::byte> readFile(const fs::path& path, std::uint64_t limit_bytes) {
+  const File file(path);
+  if (file.size() > limit_bytes) {
+    throw Error(ErrorCode::kFormat, path, "",
+                "has " + std::to_string(file.size()) + " bytes, more than the " + std::to_string(limit_bytes) +
+                    " that are expected");
+  }
+  std::vector<std::byte> data(file.size());
+  file.readAt(0, data);
+  return data;
+}
+
+std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
+  const std::vector<std::byte> data = readFile(path, limit_bytes);
+  return std::string(reinterpret_cast<const char*>(data.data()), data.size());
+}
+
+FileSystem& FileSystem::real() {
+  static FileSystem instance;
+  return instance;
+}
+
+void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data, bool durable) {
+  const fs::path temporary = path.string() + ".tmp";
+  try {
+    writeFile(temporary, data, durable);
+    rename(temporary, path);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+void FileSystem::writeAtomic(const fs::path& path, std::string_view text) {
+  writeAtomic(path, std::as_bytes(std::span(text.data(), text.size())), true);
+}
+
+void FileSystem::makeDirectories(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw systemError(error.value(), path, "making the directory");
+}
+
+void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, bool durable) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (file.get() < 0) throw systemError(errno, path, "creating the file");
+  std::size_t done = 0;
+  while (done < data.size()) {
+    const ssize_t put = ::write(file.get(), data.data() + done, data.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(done));
+    done += static_cast<std::size_t>(put);
+  }
+  if (durable && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  if (file.close() != 0) throw systemError(errno, path, "closing after writing");
+}
+
+void FileSystem::rename(const fs::path& from, const fs::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) throw systemError(errno, to, "renaming into place");
+}
+
+void FileSystem::syncDirectory(const fs::path& path) {
+  const Descriptor directory(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.get() < 0) throw systemError(errno, path, "opening the directory");
+  if (::fsync(directory.get()) != 0) throw systemError(errno, path, "syncing the directory");
+}
+
+void FileSystem::removeAll(const fs::path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error) throw systemError(error.value(), path, "removing");
+}
+
+}  // namespace kiln

@@ -1,0 +1,63 @@
+// Files as Kiln uses them: read whole or at an offset, and written so that a reader sees all of a file or none of it.
+// Every write to a store goes through `FileSystem`, so that a test can make the n-th one fail.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kiln {
+
+/// A file open for reading. thread: `readAt` may be called from several threads at once.
+class File {
+ public:
+  /// throws: Error kNotFound, kIo; kIo for a directory.
+  explicit File(const std::filesystem::path& path);
+  ~File();
+  File(File&& other) noexcept;
+  File& operator=(File&&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// unit: bytes.
+  std::uint64_t size() const { return size_; }
+
+  /// Fills `out` from `offset`. throws: Error kFormat where the file ends before `out` is full, kIo.
+  void readAt(std::uint64_t offset, std::span<std::byte> out) const;
+  /// Up to `out.size()` bytes from `offset`; returns how many there were. throws: Error kIo.
+  std::size_t readSomeAt(std::uint64_t offset, std::span<std::byte> out) const;
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+/// The whole of a file. throws: Error kNotFound, kIo, kFormat where it is larger than `limit_bytes`.
+std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
+std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
+
+/// The changes Kiln makes to a disk. Tests derive from it to fail at the n-th call (tests/support).
+class FileSystem {
+ public:
+  virtual ~FileSystem() = default;
+  /// The machine's own.
+  static FileSystem& real();
+
+  /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file or
+  /// the new one, never a part. With `durable` false the sync is left to the caller's later `syncDirectory`.
+  /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
+  void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data, bool durable = true);
+  void writeAtomic(const std::filesystem::path& path, std::string_view text);
+
+  virtual void makeDirectories(const std::filesystem::path& path);
+  virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
+  virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
+  virtual void syncDirectory(const std::filesystem::path& path);
+  virtual void removeAll(const std::filesystem::path& path);
+};
+
+}  // namespace kiln

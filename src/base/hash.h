@@ -1,0 +1,25 @@
+// 128-bit content hashes (XXH3): what the store's checksums and reproducible file identifiers are made of.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kiln {
+
+struct Hash128 {
+  std::array<std::uint8_t, 16> bytes{};
+  bool operator==(const Hash128&) const = default;
+};
+
+/// The XXH3-128 hash of `data` in its canonical (big-endian) byte order. cost: about 10 GB/s.
+Hash128 hashOf(std::span<const std::byte> data);
+Hash128 hashOf(std::string_view text);
+
+/// 32 lower-case hexadecimal digits, and back. throws: Error kFormat where `hex` is not 32 such digits.
+std::string toHex(const Hash128& hash);
+Hash128 hashFromHex(std::string_view hex);
+
+}  // namespace kiln

@@ -1,0 +1,56 @@
+#include "base/memory.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace kiln {
+
+std::uint64_t peakResidentBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::uint64_t parseBytes(std::string_view text) {
+  const auto refuse = [&] {
+    return Error(ErrorCode::kUsage, "'" + std::string(text) + "' is not an amount of memory; write 512M, 2G or bytes");
+  };
+  double number = 0;
+  const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc() || !(number >= 0)) throw refuse();
+  std::string unit;
+  for (const char* c = rest; c != text.data() + text.size(); ++c) {
+    unit += static_cast<char>(std::toupper(static_cast<unsigned char>(*c)));
+  }
+  if (unit.ends_with("IB")) unit.resize(unit.size() - 2);
+  else if (unit.ends_with("B")) unit.resize(unit.size() - 1);
+  static constexpr std::array<std::string_view, 5> kUnits = {"", "K", "M", "G", "T"};
+  for (std::size_t power = 0; power < kUnits.size(); ++power) {
+    if (unit != kUnits[power]) continue;
+    const double bytes = std::ldexp(number, static_cast<int>(10 * power));
+    if (bytes >= 9e18) throw refuse();
+    return static_cast<std::uint64_t>(bytes);
+  }
+  throw refuse();
+}
+
+std::string formatBytes(std::uint64_t bytes) {
+  static constexpr std::array<const char*, 5> kUnits = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+  double amount = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  while (amount >= 1024 && unit + 1 < kUnits.size()) {
+    amount /= 1024;
+    ++unit;
+  }
+  if (unit == 0) return fmt::format("{} bytes", bytes);
+  return fmt::format("{:.{}f} {}", amount, amount < 10 ? 2 : 1, kUnits[unit]);
+}
+
+}  // namespace kiln

@@ -1,0 +1,20 @@
+// What the process holds: the resident memory that the operating system counts.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace kiln {
+
+/// The largest resident memory of this process so far. unit: bytes.
+std::uint64_t peakResidentBytes();
+
+/// "2G", "512M", "64K", "1.5GiB" or a plain number of bytes; K, M, G and T are powers of 1024.
+/// throws: Error kUsage.
+std::uint64_t parseBytes(std::string_view text);
+
+/// For people: "1.50 GiB", "32.0 MiB", "17 bytes".
+std::string formatBytes(std::uint64_t bytes);
+
+}  // namespace kiln

@@ -1,0 +1,40 @@
+#include "grid/geometry.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/error.h"
+
+namespace kiln {
+
+glm::dvec3 VolumeGeometry::spacing() const {
+  return {glm::length(glm::dvec3(world_from_index[0])), glm::length(glm::dvec3(world_from_index[1])),
+          glm::length(glm::dvec3(world_from_index[2]))};
+}
+
+double VolumeGeometry::voxelVolume() const { return std::abs(glm::determinant(glm::dmat3(world_from_index))); }
+
+double VolumeGeometry::meanSpacing() const { return std::cbrt(voxelVolume()); }
+
+void requireInvertible(const glm::dmat4& world_from_index, const std::string& path) {
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) {
+      if (!std::isfinite(world_from_index[column][row])) {
+        throw Error(ErrorCode::kFormat, path, "geometry", "spacing, direction or origin is not a finite number");
+      }
+    }
+  }
+  // Scale-free: the volume of the voxel against that of the box with its edge lengths.
+  VolumeGeometry geometry;
+  geometry.world_from_index = world_from_index;
+  const glm::dvec3 edge = geometry.spacing();
+  const double box = edge.x * edge.y * edge.z;
+  if (!(box > 0) || !(geometry.voxelVolume() > 1e-9 * box) || !std::isfinite(box)) {
+    throw Error(ErrorCode::kFormat, path, "geometry",
+                "the three voxel axes do not span space (a spacing is zero, or directions coincide)");
+  }
+}
+
+}  // namespace kiln

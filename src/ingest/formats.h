@@ -1,0 +1,14 @@
+// The formats behind `openSource`, one opener a file. Each throws Error as `openSource` says.
+#pragma once
+
+#include "ingest/volume_source.h"
+
+namespace kiln {
+
+std::unique_ptr<VolumeSource> openRaw(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const SourceOptions& options);
+
+}  // namespace kiln

@@ -1,0 +1,33 @@
+// What raw, NRRD, MetaImage and NIfTI have in common once their headers are read: voxels x fastest at an offset of a
+// file or in a gzip or zlib stream, in one of two byte orders, perhaps with a linear map to the values that are meant.
+#pragma once
+
+#include "ingest/volume_source.h"
+
+namespace kiln {
+
+enum class DataEncoding { kRaw, kGzip, kZlib };
+
+struct LinearData {
+  std::filesystem::path file;
+  DataEncoding encoding = DataEncoding::kRaw;
+  /// Where the data, or its compressed stream, begins. unit: bytes into the file.
+  std::uint64_t offset_bytes = 0;
+  /// Bytes of the decompressed stream to drop before the first voxel.
+  std::uint64_t skip_decompressed_bytes = 0;
+  VoxelType stored_type = VoxelType::u8;
+  bool big_endian = false;
+  /// value = stored * slope + intercept, in double, rounded once to `info.type`; exactly (1, 0) copies.
+  double slope = 1;
+  double intercept = 0;
+};
+
+/// throws: Error kFormat where a raw file is too short for the header's dimensions, or sizes overflow; kUnsupported
+/// never.
+std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data);
+
+/// The bytes that `dims` voxels of `type` take. throws: Error kFormat naming `path` where a dimension is not positive,
+/// is above 2³¹-1 (OpenVDB's coordinates) or the product overflows 63 bits.
+std::uint64_t checkedBytes(const Extent3& dims, VoxelType type, const std::filesystem::path& path);
+
+}  // namespace kiln

@@ -1,0 +1,75 @@
+// A foreign volume as the conversion sees it: what it is, and its voxels box by box. One file a format stands behind
+// this interface; nothing above it knows which.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "grid/coords.h"
+#include "grid/geometry.h"
+#include "grid/voxel_type.h"
+
+namespace kiln {
+
+/// How the values are meant, where the source says so: it chooses the default transfer function and the export.
+enum class VolumeClass { kUnknown, kFog, kLevelSet };
+
+/// What an OpenVDB source said of its grid, so that an export gives it back.
+struct VdbOrigin {
+  std::string grid_name;
+  /// The grid coordinate of voxel (0,0,0).
+  VoxelCoord index_origin;
+  /// From the grid's own coordinates to the world.
+  glm::dmat4 world_from_grid{1.0};
+};
+
+struct SourceInfo {
+  std::string format;  // "NRRD", "raw", …: for people
+  std::vector<std::filesystem::path> files;
+  VolumeGeometry geometry;
+  VoxelType type = VoxelType::u8;
+  VolumeClass volume_class = VolumeClass::kUnknown;
+  /// The value of empty space where the source defines one, else 0.
+  double background = 0;
+  std::optional<VdbOrigin> vdb;
+};
+
+enum class ReadOrder {
+  kAnyBox,         // boxes in any order, from any thread
+  kForwardSlices,  // whole slices z, z+1, … once, from one thread: a compressed stream
+};
+
+class VolumeSource {
+ public:
+  virtual ~VolumeSource() = default;
+  virtual const SourceInfo& info() const = 0;
+  virtual ReadOrder order() const = 0;
+  /// Fills `out` with the voxels of `box`. shape: x fastest, then y, then z, densely packed, in `info().type` and the
+  /// machine's byte order. requires: box inside the volume; for kForwardSlices whole slices that start where the last
+  /// read ended. throws: Error kFormat (truncated or corrupt data, with the byte or slice), kIo.
+  virtual void read(const VoxelBox& box, std::span<std::byte> out) = 0;
+  /// After the last voxel: throws where a stream's own checksum or length does not agree with what was read.
+  virtual void finish() {}
+};
+
+/// What a user may say of a source; empty means "as the file says".
+struct SourceOptions {
+  std::optional<Extent3> dims;            // headerless raw
+  std::optional<VoxelType> type;          // headerless raw
+  std::optional<bool> big_endian;         // headerless raw; little-endian where not given
+  std::uint64_t skip_bytes = 0;           // headerless raw
+  std::optional<glm::dvec3> spacing;      // replaces the spacing of a file without directions
+  std::optional<std::string> grid_name;   // OpenVDB
+};
+
+/// Opens `input` by what it holds (its first bytes, then its name).
+/// throws: Error kNotFound, kFormat, kUnsupported (naming what it is: vector data, an unknown format), kUsage where raw
+/// data comes without --dims and --type or an option does not apply to the format.
+std::unique_ptr<VolumeSource> openSource(const std::filesystem::path& input, const SourceOptions& options = {});
+
+}  // namespace kiln
