@@ -1,0 +1,40 @@
+// Pictures on disk: OpenEXR (linear, premultiplied) and PNG (sRGB, straight alpha as PNG defines it). Written whole or
+// not at all.
+#pragma once
+
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "base/file.h"
+#include "output/image.h"
+
+namespace kiln {
+
+/// What an EXR's header says beside the pixels.
+struct ImageMetadata {
+  std::optional<glm::dmat4> world_to_camera, world_to_ndc;
+  /// String attributes by name: "kiln:job", "comments", …
+  std::map<std::string, std::string> text;
+};
+
+struct ImageFileOptions {
+  bool exr_float = false;  // else half
+  int png_bits = 8;        // 8 or 16
+};
+
+/// Writes by the file's extension, .exr or .png. throws: Error kUsage (another extension), kNoSpace, kIo.
+void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+
+/// throws: Error kUsage where `path` has an extension that `writeImage` refuses. For a check before long work.
+void requireImagePath(const std::filesystem::path& path);
+
+/// Reads R, G, B, A (or Y) of an EXR, or a PNG back to linear premultiplied. throws: Error kFormat, kNotFound, kUnsupported.
+Image readImage(const std::filesystem::path& path);
+/// The string attributes of an EXR. throws: as readImage.
+std::map<std::string, std::string> readImageText(const std::filesystem::path& path);
+
+}  // namespace kiln

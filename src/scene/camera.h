@@ -1,0 +1,52 @@
+// The camera: where the eye is, what it looks at, and how a world point becomes a pixel.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace kiln {
+
+enum class Projection { kPerspective, kOrthographic };
+
+/// unit: pixels.
+struct ImageSize {
+  int width = 1024, height = 1024;
+};
+
+struct Camera {
+  Projection projection = Projection::kPerspective;
+  glm::dvec3 eye{0, 0, 1}, target{0, 0, 0}, up{0, 1, 0};
+  double fov_deg = 60;  // vertical; perspective only
+  double height = 1;    // world units the image spans vertically; orthographic only
+};
+
+/// A camera resolved for an image. View space has x to the right, y down, z into the scene (depth); the pixel (column,
+/// row) covers [column, column+1) × [row, row+1), and row 0 is the top.
+struct View {
+  Projection projection = Projection::kPerspective;
+  ImageSize size;
+  glm::dmat4 view_from_world{1.0};
+  glm::dvec3 eye_world{0};
+  /// Perspective: pixels per unit of x/z. Orthographic: pixels per world unit.
+  double focal_px = 1;
+  glm::dvec2 centre_px{0};
+
+  /// requires: perspective points have depth > 0.
+  glm::dvec2 pixelOf(const glm::dvec3& view_point) const {
+    const double scale = projection == Projection::kPerspective ? focal_px / view_point.z : focal_px;
+    return centre_px + scale * glm::dvec2(view_point);
+  }
+  /// World direction in which the parallel rays run, or the optical axis. Unit length.
+  glm::dvec3 forward_world{0, 0, 1};
+};
+
+/// throws: Error kUsage where eye and target coincide, up is along the view, or fov, height or size are out of range.
+View resolve(const Camera& camera, const ImageSize& size);
+
+/// World to camera as EXR files hold it (camera looks along -z, y up), and to normalised device coordinates in [0,1],
+/// y down.
+glm::dmat4 exrWorldToCamera(const View& view);
+glm::dmat4 exrWorldToNdc(const View& view);
+
+}  // namespace kiln

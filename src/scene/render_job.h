@@ -1,0 +1,84 @@
+// A render job: what the picture is, and, apart, how fast it appears. Nothing in the second group changes a bit of the
+// picture. The JSON form and its keys are those of the command line.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "scene/camera.h"
+#include "scene/framing.h"
+#include "scene/transfer_function.h"
+
+namespace kiln {
+
+struct Shading {
+  bool phong = true;  // model "phong"; "none" leaves colours as the transfer function has them
+  double ambient = 0.2, diffuse = 0.8, specular = 0.2, power = 16;
+};
+
+enum class VisibilityMethod { kNone, kMask };
+enum class Lattice { kVoxel };
+
+/// A camera said in part: either where the eye is, or a framing, each key optional.
+struct CameraSpec {
+  std::optional<Projection> projection;
+  std::optional<glm::dvec3> eye, target, up;
+  std::optional<double> fov_deg, height;
+  std::optional<Side> side;
+  std::optional<double> azimuth_deg, elevation_deg, zoom;
+
+  /// throws: Error kUsage where the parts contradict each other (an eye and a side).
+  Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
+};
+
+/// What the picture is.
+struct PictureOptions {
+  ImageSize size;
+  std::array<double, 4> background{0, 0, 0, 0};  // linear, premultiplied
+  CameraSpec camera;
+  /// The name of a preset, a transfer function file's path, or the function itself.
+  std::variant<std::string, std::filesystem::path, TransferFunction> transfer_function = std::string("auto");
+  Shading shading;
+  double opacity_threshold = 0.998;
+  Lattice lattice = Lattice::kVoxel;
+  int level = 0;
+};
+
+/// How fast it appears.
+struct SpeedOptions {
+  VisibilityMethod visibility = VisibilityMethod::kMask;
+  std::uint64_t memory_bytes = 2ull << 30;
+  unsigned threads = 0;  // 0: all
+  int tile_px = 64;      // a multiple of 64
+};
+
+/// How the picture is written.
+struct OutputOptions {
+  std::filesystem::path path;
+  bool exr_float = false;  // else half
+  int png_bits = 8;        // 8 or 16
+};
+
+struct RenderJob {
+  std::filesystem::path volume;
+  PictureOptions picture;
+  SpeedOptions speed;
+  OutputOptions output;
+};
+
+/// Reads a job; paths in it are relative to the job's folder; comments are allowed.
+/// throws: Error kUsage/kFormat naming file, line or key, what was found and what was expected; an unknown key is an
+/// error that names the nearest known one.
+RenderJob parseJob(const std::string& text, const std::filesystem::path& path);
+RenderJob readJob(const std::filesystem::path& path);
+
+/// Reads a transfer function file: the `transferFunction` object of a job. throws: as parseJob.
+TransferFunction readTransferFunction(const std::filesystem::path& path);
+
+/// The job as JSON with every choice made: what an EXR header keeps. `camera` and `transfer_function` are the resolved ones.
+std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
+
+}  // namespace kiln

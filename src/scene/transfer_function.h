@@ -1,0 +1,40 @@
+// From a voxel's value to colour and opacity: piecewise linear between points, the end points hold outside.
+#pragma once
+
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace kiln {
+
+struct TransferPoint {
+  double value = 0;
+  glm::dvec3 color{1};  // linear light, 0..1
+  double opacity = 0;   // per `unit` of length, 0..1
+};
+
+struct Classified {
+  glm::dvec3 color;
+  double opacity;
+};
+
+struct TransferFunction {
+  /// The length that `opacity` is per. unit: world; 0 means the volume's mean spacing.
+  double unit = 0;
+  /// Sorted by value; several points may share a value (a step: the last of them holds from there on).
+  std::vector<TransferPoint> points;
+
+  /// NaN is transparent. cost: a binary search.
+  Classified at(double value) const;
+  bool interesting(double value) const { return at(value).opacity > 0; }
+};
+
+/// Opacity per `unit` as extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
+double extinctionOf(double opacity, double unit);
+
+/// sRGB's decoding curve for one channel in [0, 1].
+double linearFromSrgb(double encoded);
+double srgbFromLinear(double linear);
+
+}  // namespace kiln

@@ -1,0 +1,50 @@
+// One entry a brick and level (FORMAT.md, index.bin): enough to decide whether a brick is worth reading, and to know
+// that what was read is what was written.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "base/hash.h"
+#include "grid/coords.h"
+#include "grid/value_range.h"
+
+namespace kiln {
+
+struct BrickEntry {
+  bool constant = false;
+  ValueRange core;     // of the brick's own voxels
+  ValueRange support;  // of all voxels within 2 of them: bounds every value interpolated in the core
+  std::uint64_t file_bytes = 0;
+  Hash128 checksum;
+};
+
+class BrickIndex {
+ public:
+  BrickIndex() = default;
+  /// shape: the brick lattice of each level.
+  explicit BrickIndex(std::vector<Extent3> lattices);
+
+  int levels() const { return static_cast<int>(lattices_.size()); }
+  const Extent3& lattice(int level) const { return lattices_[static_cast<std::size_t>(level)]; }
+  bool contains(const BrickKey& key) const;
+  /// requires: contains(key).
+  const BrickEntry& at(const BrickKey& key) const { return entries_[place(key)]; }
+  BrickEntry& at(const BrickKey& key) { return entries_[place(key)]; }
+  std::size_t size() const { return entries_.size(); }
+
+  std::vector<std::byte> encode() const;
+  /// throws: Error kFormat naming `path` where the bytes are not an index of these lattices.
+  static BrickIndex decode(std::span<const std::byte> data, const std::vector<Extent3>& lattices,
+                           const std::filesystem::path& path);
+
+ private:
+  std::size_t place(const BrickKey& key) const;
+  std::vector<Extent3> lattices_;
+  std::vector<std::size_t> first_;  // of each level in entries_
+  std::vector<BrickEntry> entries_;
+};
+
+}  // namespace kiln

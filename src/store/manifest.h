@@ -1,0 +1,67 @@
+// What a store says of itself (FORMAT.md, manifest.json), as a struct and as checked text.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/hash.h"
+#include "grid/geometry.h"
+#include "grid/value_range.h"
+#include "grid/voxel_type.h"
+#include "ingest/volume_source.h"
+
+namespace kiln {
+
+inline constexpr int kFormatVersion = 1;
+inline constexpr std::int64_t kCellSize = 8;
+inline constexpr std::int64_t kApron = 6;
+inline constexpr std::int64_t kDefaultBrickSize = 128;
+
+/// Counts of voxels by value: `counts.size()` equal bins of [lo, hi].
+struct ValueHistogram {
+  double lo = 0, hi = 0;
+  std::vector<std::uint64_t> counts;
+};
+
+struct LevelInfo {
+  VolumeGeometry geometry;
+  Extent3 bricks;
+  std::uint64_t stored_bricks = 0;
+  /// unit: bytes of all brick files.
+  std::uint64_t stored_bytes = 0;
+};
+
+struct Provenance {
+  std::string format;
+  std::vector<std::string> files;
+  std::string command;
+  std::string time;  // ISO 8601, UTC; what the caller of the conversion gave
+  std::optional<VdbOrigin> vdb;
+};
+
+struct Manifest {
+  VoxelType type = VoxelType::u8;
+  ValueRange range;
+  std::uint64_t nan_count = 0;
+  ValueHistogram histogram;
+  double background = 0;
+  VolumeClass volume_class = VolumeClass::kUnknown;
+  std::int64_t brick_size = kDefaultBrickSize;
+  std::int64_t apron = kApron;
+  std::vector<LevelInfo> levels;
+  std::string container_version;
+  Provenance source;
+  std::uint64_t index_bytes = 0;
+  Hash128 index_checksum;
+
+  const VolumeGeometry& geometry() const { return levels.front().geometry; }
+};
+
+/// The text of manifest.json, checksum included.
+std::string manifestText(const Manifest& manifest);
+/// throws: Error kDamaged (checksum), kFormat (another format number, a missing or wrong key), naming `path`.
+Manifest parseManifest(const std::string& text, const std::filesystem::path& path);
+
+}  // namespace kiln

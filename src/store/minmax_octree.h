@@ -1,0 +1,47 @@
+// Min-max octree of one brick: the leaves are cells of 8³ voxels, each node holds the least and greatest value below
+// it. It is a subtree of the store's one octree, whose upper part is the index. Source: Wilhelms and Van Gelder 1992;
+// Lee and Ihm §2.1.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "grid/coords.h"
+#include "grid/value_range.h"
+#include "grid/voxel_type.h"
+
+namespace kiln {
+
+class MinMaxOctree {
+ public:
+  MinMaxOctree() = default;
+  /// shape: `cells` holds edge³ ranges, x fastest; cells outside of the volume are empty. requires: edge a power of two.
+  MinMaxOctree(std::vector<ValueRange> cells, int edge);
+
+  /// 0 is the cells; depth() - 1 is the root.
+  int depth() const { return static_cast<int>(levels_.size()); }
+  /// Nodes along an axis of a level.
+  int edge(int level) const { return edge_ >> level; }
+  const ValueRange& at(int level, int x, int y, int z) const {
+    const std::int64_t n = edge(level);
+    return levels_[static_cast<std::size_t>(level)][static_cast<std::size_t>((z * n + y) * n + x)];
+  }
+  std::span<const ValueRange> cells() const { return levels_.front(); }
+  std::size_t bytes() const;
+
+ private:
+  int edge_ = 0;
+  std::vector<std::vector<ValueRange>> levels_;
+};
+
+/// The ranges of the cells of a brick, computed from its voxels. shape: `voxels` covers `box` (x fastest), which
+/// contains `core`; the result is edge³ cells from the core's first voxel, x fastest.
+std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
+                                   const VoxelBox& core, int edge);
+
+/// The range of the voxels of `region`. requires: region inside box.
+ValueRange rangeOf(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box, const VoxelBox& region);
+
+}  // namespace kiln
