@@ -1,0 +1,111 @@
+#include "store/brick_index.h"
+
+#include <bit>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "index.bin is little-endian and copied as it is");
+
+constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '1'};
+constexpr std::uint32_t kConstantFlag = 1;
+
+// FORMAT.md, index.bin: the 64 bytes of an entry.
+struct RawEntry {
+  std::uint32_t flags, zero;
+  double core_min, core_max, support_min, support_max;
+  std::uint64_t file_bytes;
+  std::uint8_t checksum[16];
+};
+static_assert(sizeof(RawEntry) == 64);
+
+template <class T>
+void append(std::vector<std::byte>& out, const T& value) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
+
+}  // namespace
+
+BrickIndex::BrickIndex(std::vector<Extent3> lattices) : lattices_(std::move(lattices)) {
+  std::size_t total = 0;
+  for (const Extent3& lattice : lattices_) {
+    first_.push_back(total);
+    total += static_cast<std::size_t>(lattice.count());
+  }
+  entries_.resize(total);
+}
+
+bool BrickIndex::contains(const BrickKey& key) const {
+  if (key.level < 0 || key.level >= levels()) return false;
+  return boxOf(lattice(key.level)).contains({key.brick.x, key.brick.y, key.brick.z});
+}
+
+std::size_t BrickIndex::place(const BrickKey& key) const {
+  const Extent3& n = lattice(key.level);
+  return first_[static_cast<std::size_t>(key.level)] +
+         static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
+}
+
+std::vector<std::byte> BrickIndex::encode() const {
+  std::vector<std::byte> out;
+  out.reserve(12 + lattices_.size() * 24 + entries_.size() * sizeof(RawEntry));
+  for (const char c : kMagic) append(out, c);
+  append(out, static_cast<std::uint32_t>(lattices_.size()));
+  for (std::size_t level = 0; level < lattices_.size(); ++level) {
+    append(out, lattices_[level]);
+    const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
+    for (std::size_t i = first_[level]; i < first_[level] + count; ++i) {
+      const BrickEntry& entry = entries_[i];
+      RawEntry raw{entry.constant ? kConstantFlag : 0, 0,
+                   entry.core.lo, entry.core.hi, entry.support.lo, entry.support.hi,
+                   entry.file_bytes, {}};
+      std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
+      append(out, raw);
+    }
+  }
+  return out;
+}
+
+BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector<Extent3>& lattices,
+                              const std::filesystem::path& path) {
+  BrickIndex index(lattices);
+  std::size_t at = 0;
+  const auto take = [&](void* into, std::size_t bytes) {
+    if (data.size() - at < bytes) throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "the index ends here");
+    std::memcpy(into, data.data() + at, bytes);
+    at += bytes;
+  };
+  char magic[8];
+  std::uint32_t levels = 0;
+  take(magic, sizeof magic);
+  take(&levels, sizeof levels);
+  if (std::memcmp(magic, kMagic, sizeof magic) != 0 || levels != lattices.size()) {
+    throw Error(ErrorCode::kFormat, path, "byte 0", "not the index of this store");
+  }
+  std::size_t next = 0;
+  for (const Extent3& expected : lattices) {
+    Extent3 lattice;
+    take(&lattice, sizeof lattice);
+    if (lattice != expected) {
+      throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "brick counts disagree with the manifest");
+    }
+    for (std::int64_t i = 0; i < lattice.count(); ++i) {
+      RawEntry raw;
+      take(&raw, sizeof raw);
+      BrickEntry& entry = index.entries_[next++];
+      entry.constant = (raw.flags & kConstantFlag) != 0;
+      entry.core = {raw.core_min, raw.core_max};
+      entry.support = {raw.support_min, raw.support_max};
+      entry.file_bytes = raw.file_bytes;
+      std::memcpy(entry.checksum.bytes.data(), raw.checksum, sizeof raw.checksum);
+    }
+  }
+  if (at != data.size()) throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "bytes beyond the index");
+  return index;
+}
+
+}  // namespace kiln

@@ -1,0 +1,99 @@
+#include "store/store_reader.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "store/store_writer.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kLargestManifest = 64ull << 20;
+
+// Checks a file's bytes before anything interprets them.
+void requireChecksum(std::span<const std::byte> data, std::uint64_t bytes, const Hash128& expected, const fs::path& path) {
+  if (data.size() != bytes) {
+    throw Error(ErrorCode::kDamaged, path, "",
+                fmt::format("has {} bytes, expected {}; restore the file or convert the source again", data.size(), bytes));
+  }
+  const Hash128 found = hashOf(data);
+  if (found != expected) {
+    throw Error(ErrorCode::kDamaged, path, "",
+                fmt::format("checksum {}, expected {}; restore the file or convert the source again", toHex(found), toHex(expected)));
+  }
+}
+
+Manifest loadManifest(const fs::path& directory) {
+  const fs::path path = directory / "manifest.json";
+  std::error_code ignored;
+  if (!fs::exists(directory, ignored)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
+  if (!fs::exists(path, ignored)) {
+    throw Error(ErrorCode::kFormat, directory, "manifest.json",
+                "is missing: not a store, or a conversion that did not finish; run kiln convert again");
+  }
+  return parseManifest(readTextFile(path, kLargestManifest), path);
+}
+
+}  // namespace
+
+StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(loadManifest(directory)) {
+  const fs::path path = directory_ / "index.bin";
+  const std::vector<std::byte> data = readFile(path, manifest_.index_bytes);
+  requireChecksum(data, manifest_.index_bytes, manifest_.index_checksum, path);
+  std::vector<Extent3> lattices;
+  for (const LevelInfo& level : manifest_.levels) lattices.push_back(level.bricks);
+  index_ = BrickIndex::decode(data, lattices, path);
+}
+
+BrickFrame StoreReader::frame(const BrickKey& key) const {
+  return {key, manifest_.type, manifest_.brick_size, manifest_.apron, level(key.level).geometry};
+}
+
+std::vector<std::byte> StoreReader::readChecked(const BrickKey& key) const {
+  const BrickEntry& entry = index_.at(key);
+  const fs::path path = directory_ / brickPath(key);
+  std::vector<std::byte> data = readFile(path, entry.file_bytes);
+  requireChecksum(data, entry.file_bytes, entry.checksum, path);
+  return data;
+}
+
+BrickBlock StoreReader::read(const BrickKey& key) const {
+  const BrickEntry& entry = index_.at(key);
+  if (entry.constant) return constantBrick(frame(key), entry.core.lo);
+  return decodeBrick(frame(key), readChecked(key), directory_ / brickPath(key));
+}
+
+std::size_t StoreReader::readBytes(const BrickKey& key) const {
+  return decodeBytes(frame(key)) + index_.at(key).file_bytes;
+}
+
+std::uint64_t StoreReader::verify() const {
+  std::uint64_t files = 2;  // the manifest and the index passed on opening
+  for (int l = 0; l < index_.levels(); ++l) {
+    const Extent3& lattice = index_.lattice(l);
+    for (std::int64_t i = 0; i < lattice.count(); ++i) {
+      const BrickKey key{l, {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
+                             static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+      if (index_.at(key).constant) continue;
+      const BrickBlock block = read(key);
+      const int edge = block.octree.edge(0);
+      const std::vector<ValueRange> cells = cellRanges(block.voxels, block.type, block.extent, block.core, edge);
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        if (cells[c] == block.octree.cells()[c]) continue;
+        throw Error(ErrorCode::kDamaged, directory_ / brickPath(key), fmt::format("cell {}", c),
+                    "the min-max octree disagrees with the voxels; convert the source again");
+      }
+      ++files;
+    }
+  }
+  return files;
+}
+
+bool isStore(const fs::path& directory) {
+  std::error_code ignored;
+  return fs::exists(directory / "manifest.json", ignored);
+}
+
+}  // namespace kiln

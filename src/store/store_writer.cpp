@@ -1,0 +1,90 @@
+#include "store/store_writer.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// Every interpolated value in the core lies in the range of the voxels this near: cubic interpolation reaches 2.
+constexpr std::int64_t kSupport = 2;
+
+bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
+  // Bit for bit: a buffer that equals itself moved by one voxel has one value.
+  return std::memcmp(voxels.data(), voxels.data() + voxel_bytes, voxels.size() - voxel_bytes) == 0;
+}
+
+}  // namespace
+
+fs::path brickPath(const BrickKey& key) {
+  return fmt::format("bricks/{}/{}_{}_{}.vdb", key.level, key.brick.x, key.brick.y, key.brick.z);
+}
+
+StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk)
+    : directory_(directory), manifest_(std::move(draft)), disk_(disk) {
+  std::error_code ignored;
+  if (fs::exists(directory, ignored) && !fs::is_empty(directory, ignored)) {
+    throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
+  }
+  std::vector<Extent3> lattices;
+  for (std::size_t i = 0; i < manifest_.levels.size(); ++i) {
+    LevelInfo& level = manifest_.levels[i];
+    level.bricks = brickLattice(level.geometry.dims, manifest_.brick_size);
+    lattices.push_back(level.bricks);
+    disk_.makeDirectories(directory_ / "bricks" / std::to_string(i));
+  }
+  manifest_.container_version = containerVersion();
+  index_ = BrickIndex(std::move(lattices));
+}
+
+BrickFrame StoreWriter::frame(const BrickKey& key) const {
+  return {key, manifest_.type, manifest_.brick_size, manifest_.apron, manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
+}
+
+void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {
+  const BrickFrame brick = frame(key);
+  const VoxelBox box = brick.stored();
+  BrickEntry entry;
+  entry.core = rangeOf(voxels, brick.type, box, brick.core());
+  entry.support = rangeOf(voxels, brick.type, box, intersection(dilated(brick.core(), kSupport), box));
+  entry.constant = !entry.core.empty() && allEqual(voxels, sizeOf(brick.type));
+  if (!entry.constant) {
+    const std::vector<std::byte> file = encodeBrick(brick, voxels);
+    entry.file_bytes = file.size();
+    entry.checksum = hashOf(file);
+    disk_.writeAtomic(directory_ / brickPath(key), file);
+  }
+  const std::scoped_lock lock(mutex_);
+  LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
+  if (!entry.constant) ++level.stored_bricks;
+  level.stored_bytes += entry.file_bytes;
+  bytes_written_ += entry.file_bytes;
+  if (key.level == 0) manifest_.range.include(entry.core);
+  index_.at(key) = entry;
+}
+
+void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_count) {
+  for (std::size_t level = 0; level < manifest_.levels.size(); ++level) {
+    disk_.syncDirectory(directory_ / "bricks" / std::to_string(level));
+  }
+  const std::vector<std::byte> index = index_.encode();
+  disk_.writeAtomic(directory_ / "index.bin", index);
+  disk_.syncDirectory(directory_);
+  manifest_.index_bytes = index.size();
+  manifest_.index_checksum = hashOf(index);
+  manifest_.histogram = histogram;
+  manifest_.nan_count = nan_count;
+  disk_.writeAtomic(directory_ / "manifest.json", manifestText(manifest_));
+  disk_.syncDirectory(directory_);
+}
+
+std::uint64_t StoreWriter::bytesWritten() const {
+  const std::scoped_lock lock(mutex_);
+  return bytes_written_;
+}
+
+}  // namespace kiln

@@ -1,0 +1,248 @@
+#include "reference_renderer.h"
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace kiln::test {
+namespace {
+
+/// Beyond this, what is behind adds less than a picture can hold.
+constexpr double kStopTransmittance = 1e-6;
+
+/// The volume as a function of index space.
+class Field {
+ public:
+  explicit Field(const DenseVolume& volume) : dims_(volume.geometry.dims) {
+    values_.resize(static_cast<std::size_t>(dims_.count()));
+    std::size_t n = 0;
+    for (std::int64_t k = 0; k < dims_.z; ++k) {
+      for (std::int64_t j = 0; j < dims_.y; ++j) {
+        for (std::int64_t i = 0; i < dims_.x; ++i) values_[n++] = volume.valueAt(i, j, k);
+      }
+    }
+  }
+
+  /// Trilinear, edge-clamped; NaN where a voxel that has weight is NaN.
+  double at(const glm::dvec3& index) const {
+    std::int64_t base[3];
+    double fraction[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double place = std::clamp(index[axis], 0.0, static_cast<double>(dims_[axis] - 1));
+      base[axis] = static_cast<std::int64_t>(std::floor(place));
+      fraction[axis] = place - static_cast<double>(base[axis]);
+    }
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2 & 1;
+      const double weight = (dx ? fraction[0] : 1 - fraction[0]) * (dy ? fraction[1] : 1 - fraction[1]) *
+                            (dz ? fraction[2] : 1 - fraction[2]);
+      // Skipped, not multiplied: 0 * NaN is NaN, and a corner without weight may lie outside of the volume.
+      if (weight > 0) sum += weight * voxel(base[0] + dx, base[1] + dy, base[2] + dz);
+    }
+    return sum;
+  }
+
+  /// At voxel scale: over two voxels along each axis. unit: value per voxel.
+  glm::dvec3 centralDifference(const glm::dvec3& index) const {
+    glm::dvec3 difference;
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 one(0);
+      one[axis] = 1;
+      difference[axis] = (at(index + one) - at(index - one)) / 2;
+    }
+    return difference;
+  }
+
+ private:
+  double voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return values_[static_cast<std::size_t>((k * dims_.y + j) * dims_.x + i)];
+  }
+  Extent3 dims_;
+  std::vector<double> values_;
+};
+
+/// Everything about a picture that no ray changes.
+struct Scene {
+  Scene(const DenseVolume& volume, const View& the_view, const TransferFunction& function,
+        const ReferenceSettings& the_settings)
+      : field(volume),
+        view(the_view),
+        transfer_function(function),
+        settings(the_settings),
+        dims(volume.geometry.dims),
+        index_from_world(glm::inverse(volume.geometry.world_from_index)),
+        gradient_world_from_index(glm::transpose(glm::inverse(glm::dmat3(volume.geometry.world_from_index)))) {
+    const ValueRange range = volume.range();
+    gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
+    const glm::dvec3 spacing = volume.geometry.spacing();
+    step_world = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
+    unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
+  }
+
+  Field field;
+  const View& view;
+  const TransferFunction& transfer_function;
+  const ReferenceSettings& settings;
+  Extent3 dims;
+  glm::dmat4 index_from_world;
+  glm::dmat3 gradient_world_from_index;
+  double gradient_noise = 0, step_world = 1, unit_world = 1;
+};
+
+/// The part [begin, end] of the ray that lies in the volume's box; empty where begin >= end.
+struct Segment {
+  double begin, end;
+};
+
+Segment clipped(const Scene& scene, const Ray& ray) {
+  const glm::dvec3 origin = glm::dvec3(scene.index_from_world * glm::dvec4(ray.origin, 1));
+  const glm::dvec3 direction = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0));
+  Segment segment{ray.begin, std::numeric_limits<double>::infinity()};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = -0.5 - origin[axis];
+    const double hi = static_cast<double>(scene.dims[axis]) - 0.5 - origin[axis];
+    if (direction[axis] == 0) {
+      if (lo > 0 || hi <= 0) return {0, 0};
+      continue;
+    }
+    const double a = lo / direction[axis], b = hi / direction[axis];
+    segment.begin = std::max(segment.begin, std::min(a, b));
+    segment.end = std::min(segment.end, std::max(a, b));
+  }
+  return segment;
+}
+
+/// Calls sample(index position, length of the step) at the middle of each step, front to back, until it returns false.
+/// Steps begin where the ray enters; the last one is as long as what is left.
+template <class Sample>
+void march(const Scene& scene, const Ray& ray, const Sample& sample) {
+  const Segment segment = clipped(scene, ray);
+  if (!(segment.begin < segment.end)) return;
+  // A remainder of a billionth of a step is rounding and belongs to the step before it.
+  const double steps = std::max(1.0, std::ceil((segment.end - segment.begin) / scene.step_world - 1e-9));
+  for (double step = 0; step < steps; ++step) {
+    const double begin = segment.begin + step * scene.step_world;
+    const double end = step + 1 < steps ? begin + scene.step_world : segment.end;
+    const glm::dvec3 world = ray.origin + 0.5 * (begin + end) * ray.direction;
+    if (!sample(glm::dvec3(scene.index_from_world * glm::dvec4(world, 1)), end - begin)) return;
+  }
+}
+
+/// DESIGN §10: colour·(ambient + diffuse·|n·v|) + specular·|n·v|^power, the light at the eye, both sides lit.
+glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& color, const glm::dvec3& index,
+                  const glm::dvec3& to_eye) {
+  if (!shading.phong) return color;
+  const glm::dvec3 difference = scene.field.centralDifference(index);
+  // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
+  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return color;
+  const glm::dvec3 normal = glm::normalize(scene.gradient_world_from_index * difference);
+  const double facing = std::abs(glm::dot(normal, to_eye));
+  return color * (shading.ambient + shading.diffuse * facing) + shading.specular * std::pow(facing, shading.power);
+}
+
+/// Premultiplied RGBA of one ray over nothing.
+glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray) {
+  glm::dvec3 light(0);
+  double transmittance = 1;
+  bool closed = false;
+  march(scene, ray, [&](const glm::dvec3& index, double length) {
+    const Classified sample = scene.transfer_function.at(scene.field.at(index));
+    if (!(sample.opacity > 0)) return true;
+    const double alpha = 1 - std::exp(-extinctionOf(sample.opacity, scene.unit_world) * length);
+    light += transmittance * alpha * shaded(scene, shading, sample.color, index, -ray.direction);
+    transmittance *= 1 - alpha;
+    closed = scene.settings.opacity_threshold < 1 && 1 - transmittance >= scene.settings.opacity_threshold;
+    return !closed && transmittance >= kStopTransmittance;
+  });
+  if (closed) return {light / (1 - transmittance), 1};
+  return {light, 1 - transmittance};
+}
+
+double depthAlong(const Scene& scene, const Ray& ray) {
+  double depth = 0;
+  march(scene, ray, [&](const glm::dvec3& index, double length) {
+    const Classified sample = scene.transfer_function.at(scene.field.at(index));
+    if (sample.opacity > 0) depth += extinctionOf(sample.opacity, scene.unit_world) * length;
+    return true;
+  });
+  return depth;
+}
+
+/// Calls draw(column, row, rays) for every pixel with its n × n rays, through the centres of n × n equal squares.
+template <class Draw>
+void forEachPixel(const Scene& scene, const Draw& draw) {
+  const int n = scene.settings.rays_per_axis;
+  parallelFor(static_cast<std::size_t>(scene.view.size.height), [&](std::size_t line) {
+    const int row = static_cast<int>(line);
+    std::vector<Ray> rays;
+    for (int column = 0; column < scene.view.size.width; ++column) {
+      rays.clear();
+      for (int sub_row = 0; sub_row < n; ++sub_row) {
+        for (int sub_column = 0; sub_column < n; ++sub_column) {
+          rays.push_back(rayThrough(scene.view, {column + (sub_column + 0.5) / n, row + (sub_row + 0.5) / n}));
+        }
+      }
+      draw(column, row, rays);
+    }
+  });
+}
+
+}  // namespace
+
+Ray rayThrough(const View& view, const glm::dvec2& pixel) {
+  const glm::dmat4 world_from_view = glm::inverse(view.view_from_world);
+  const glm::dvec2 offset = (pixel - view.centre_px) / view.focal_px;
+  if (view.projection == Projection::kPerspective) {
+    const glm::dvec3 direction = glm::dvec3(world_from_view * glm::dvec4(offset, 1, 0));
+    return {glm::dvec3(world_from_view[3]), glm::normalize(direction), 0};
+  }
+  return {glm::dvec3(world_from_view * glm::dvec4(offset, 0, 1)),
+          glm::normalize(glm::dvec3(world_from_view * glm::dvec4(0, 0, 1, 0))),
+          -std::numeric_limits<double>::infinity()};
+}
+
+Image referenceImage(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                     const Shading& shading, const std::array<double, 4>& background,
+                     const ReferenceSettings& settings) {
+  const Scene scene(volume, view, transfer_function, settings);
+  const glm::dvec4 behind(background[0], background[1], background[2], background[3]);
+  Image image(view.size.width, view.size.height);
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    glm::dvec4 sum(0);
+    for (const Ray& ray : rays) {
+      const glm::dvec4 light = lightAlong(scene, shading, ray);
+      sum += light + (1 - light.a) * behind;
+    }
+    for (int channel = 0; channel < 4; ++channel) {
+      image.pixel(column, row)[channel] = static_cast<float>(sum[channel] / static_cast<double>(rays.size()));
+    }
+  });
+  return image;
+}
+
+OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
+                                    const TransferFunction& transfer_function, const ReferenceSettings& settings) {
+  const Scene scene(volume, view, transfer_function, settings);
+  OpticalDepthImage image{view.size.width, view.size.height, {}, {}};
+  const auto pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  image.depth.resize(pixels);
+  image.transmittance.resize(pixels);
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const auto place = static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(column);
+    for (const Ray& ray : rays) {
+      const double depth = depthAlong(scene, ray);
+      image.depth[place] += depth / static_cast<double>(rays.size());
+      image.transmittance[place] += std::exp(-depth) / static_cast<double>(rays.size());
+    }
+  });
+  return image;
+}
+
+}  // namespace kiln::test

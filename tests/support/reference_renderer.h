@@ -1,0 +1,58 @@
+// The judge of every picture: a ray caster in double precision that is slow and obviously right. It shares with the
+// renderer only what defines the picture (View, TransferFunction, Shading) and none of what makes it fast: no bricks,
+// no pyramid, no occlusion, no tables.
+//
+// The picture: the volume is the trilinear interpolation of its voxels on [-1/2, N-1/2)³ of index space, clamped at the
+// edge. The transfer function classifies the interpolated value; light is absorbed and emitted along each ray as
+// DESIGN §6 and §10 say. Perspective rays start at the eye; orthographic rays cross the whole volume.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "output/image.h"
+#include "scene/camera.h"
+#include "scene/render_job.h"
+#include "scene/transfer_function.h"
+#include "support/procedural.h"
+
+namespace kiln::test {
+
+/// A central difference (index units) shorter than this part of the volume's value range has no direction worth the
+/// name: the sample is unshaded.
+inline constexpr double kGradientNoise = 1e-5;
+
+struct ReferenceSettings {
+  /// n × n regular rays a pixel.
+  int rays_per_axis = 4;
+  /// unit: the smallest voxel spacing.
+  double step_voxels = 0.1;
+  /// A ray that reaches this alpha is divided by it and ends (DESIGN §4); 1: never.
+  double opacity_threshold = 1;
+
+  /// What VTK and the like draw: one ray a pixel, a step of one voxel.
+  static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }
+};
+
+/// The picture. shape: view.size. `background` is linear and premultiplied. thread: uses all.
+Image referenceImage(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                     const Shading& shading, const std::array<double, 4>& background = {0, 0, 0, 0},
+                     const ReferenceSettings& settings = {});
+
+/// Absorption alone, in doubles. shape: view.size, row 0 at the top.
+struct OpticalDepthImage {
+  int width = 0, height = 0;
+  std::vector<double> depth;          // ∫τ ds, the mean over the pixel's rays
+  std::vector<double> transmittance;  // exp(-∫τ ds), the mean over the pixel's rays
+};
+OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
+                                    const TransferFunction& transfer_function, const ReferenceSettings& settings = {});
+
+/// A ray of the picture in world space.
+struct Ray {
+  glm::dvec3 origin, direction;  // direction has unit length
+  double begin;                  // distance from origin where it starts: 0, or -infinity for parallel rays
+};
+Ray rayThrough(const View& view, const glm::dvec2& pixel);
+
+}  // namespace kiln::test
