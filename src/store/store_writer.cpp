@@ -62,7 +62,6 @@ void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {
   LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
   if (!entry.constant) ++level.stored_bricks;
   level.stored_bytes += entry.file_bytes;
-  bytes_written_ += entry.file_bytes;
   if (key.level == 0) manifest_.range.include(entry.core);
   index_.at(key) = entry;
 }
@@ -80,11 +79,6 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   manifest_.nan_count = nan_count;
   disk_.writeAtomic(directory_ / "manifest.json", manifestText(manifest_));
   disk_.syncDirectory(directory_);
-}
-
-std::uint64_t StoreWriter::bytesWritten() const {
-  const std::scoped_lock lock(mutex_);
-  return bytes_written_;
 }
 
 }  // namespace kiln

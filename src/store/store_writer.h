@@ -27,16 +27,18 @@ class StoreWriter {
   /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was put.
   void finish(const ValueHistogram& histogram, std::uint64_t nan_count);
 
-  /// unit: bytes of brick files so far.
-  std::uint64_t bytesWritten() const;
+  /// The range of all voxels put so far, NaN aside. thread: not while bricks are being put.
+  const ValueRange& range() const { return manifest_.range; }
+  /// Brick files so far, and their bytes. thread: as range.
+  std::uint64_t storedBricks() const { return manifest_.levels.front().stored_bricks; }
+  std::uint64_t bytesWritten() const { return manifest_.levels.front().stored_bytes; }
 
  private:
   std::filesystem::path directory_;
   Manifest manifest_;
   FileSystem& disk_;
   BrickIndex index_;
-  mutable std::mutex mutex_;
-  std::uint64_t bytes_written_ = 0;
+  std::mutex mutex_;
 };
 
 /// bricks/L/X_Y_Z.vdb

@@ -1,0 +1,41 @@
+// A foreign volume becomes a brick store: read box by box, cut into bricks, encoded on all cores, written once.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/file.h"
+#include "base/progress.h"
+#include "ingest/volume_source.h"
+#include "store/manifest.h"
+
+namespace kiln {
+
+struct ConvertOptions {
+  /// A power of two from 8.
+  std::int64_t brick_size = kDefaultBrickSize;
+  /// The most memory the conversion may hold in its buffers. unit: bytes.
+  std::uint64_t memory_bytes = 2ull << 30;
+  /// Replace a store that is there; it stays whole until the new one is.
+  bool overwrite = false;
+  /// What the manifest says of its making.
+  std::string command, time;
+};
+
+struct ConvertReport {
+  std::uint64_t voxels = 0;
+  std::uint64_t bricks = 0, stored_bricks = 0;
+  std::uint64_t source_bytes = 0, stored_bytes = 0;
+  std::uint64_t nan_count = 0;
+  std::uint64_t buffer_bytes = 0;  // the most the conversion planned to hold
+  double seconds = 0;
+};
+
+/// Converts `source` to a store at `out`. On any error nothing that could be taken for a store is left at `out`, and a
+/// store that was there before is untouched.
+/// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size), and what the source and
+/// the disk throw.
+ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
+                      Progress& progress, FileSystem& disk = FileSystem::real());
+
+}  // namespace kiln

@@ -1,0 +1,104 @@
+#include "convert/value_counter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace kiln {
+namespace {
+
+constexpr std::size_t kKeys = 65536;
+
+template <class T>
+constexpr bool kExact = sizeof(T) <= 2;
+
+// Negative floats order backwards by their bits: flip them all, and set the sign of the others.
+std::uint32_t orderedBits(float value) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
+  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+float fromOrderedBits(std::uint32_t ordered) {
+  return std::bit_cast<float>((ordered & 0x80000000u) != 0 ? ordered & 0x7fffffffu : ~ordered);
+}
+
+template <class T>
+std::size_t keyOf(T value) {
+  if constexpr (kExact<T>) {
+    return static_cast<std::size_t>(static_cast<int>(value) - static_cast<int>(std::numeric_limits<T>::min()));
+  } else {
+    return orderedBits(static_cast<float>(value)) >> 16;
+  }
+}
+
+// The values [lo, hi) that share a key.
+template <class T>
+ValueRange valuesOf(std::size_t key) {
+  if constexpr (kExact<T>) {
+    const double value = static_cast<double>(key) + static_cast<double>(std::numeric_limits<T>::min());
+    return {value, value};
+  } else {
+    return {fromOrderedBits(static_cast<std::uint32_t>(key) << 16), fromOrderedBits((static_cast<std::uint32_t>(key) << 16) | 0xffffu)};
+  }
+}
+
+}  // namespace
+
+ValueCounter::ValueCounter(VoxelType type) : type_(type), counts_(kKeys) {}
+
+void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region) {
+  const Extent3 size = box.extent();
+  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
+    const T* const data = reinterpret_cast<const T*>(voxels.data());
+    for (std::int64_t z = region.lo.z; z < region.hi.z; ++z) {
+      for (std::int64_t y = region.lo.y; y < region.hi.y; ++y) {
+        const T* row = data + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x - box.lo.x;
+        for (std::int64_t x = region.lo.x; x < region.hi.x; ++x) {
+          if constexpr (std::is_floating_point_v<T>) {
+            if (std::isnan(row[x])) {
+              ++nan_count_;
+              continue;
+            }
+          }
+          ++counts_[keyOf(row[x])];
+        }
+      }
+    }
+  });
+}
+
+void ValueCounter::add(const ValueCounter& other) {
+  for (std::size_t key = 0; key < kKeys; ++key) counts_[key] += other.counts_[key];
+  nan_count_ += other.nan_count_;
+}
+
+ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins) const {
+  ValueHistogram out;
+  out.counts.assign(bins, 0);
+  if (range.empty()) return out;
+  // Infinite values are legal voxels; the bins cover what is finite.
+  const double largest = std::numeric_limits<float>::max();
+  out.lo = std::clamp(range.lo, -largest, largest);
+  out.hi = std::clamp(range.hi, -largest, largest);
+  const double width = (out.hi - out.lo) / static_cast<double>(bins);
+  const auto binOf = [&](double value) {
+    if (!(width > 0)) return std::size_t{0};
+    const double bin = (value - out.lo) / width;
+    return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(bins - 1)));
+  };
+  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t key = 0; key < kKeys; ++key) {
+      if (counts_[key] == 0) continue;
+      const ValueRange values = valuesOf<T>(key);
+      const std::size_t first = binOf(values.lo);
+      const std::size_t last = binOf(values.hi);
+      const std::uint64_t share = counts_[key] / (last - first + 1);
+      for (std::size_t bin = first; bin <= last; ++bin) out.counts[bin] += share;
+      out.counts[first] += counts_[key] - share * (last - first + 1);
+    }
+  });
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,35 @@
+// Counts voxels by value in one pass, before anyone knows their range: exactly for 8 and 16 bits, else by the upper 16
+// bits of the value's float (sign, exponent, 7 bits of mantissa), whose order is the order of the values. Bins of equal
+// width over the range, which is what people look at, are cut from that at the end.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "grid/coords.h"
+#include "grid/value_range.h"
+#include "grid/voxel_type.h"
+#include "store/manifest.h"
+
+namespace kiln {
+
+class ValueCounter {
+ public:
+  explicit ValueCounter(VoxelType type);
+
+  /// Counts the voxels of `region`. shape: `voxels` covers `box`, x fastest.
+  void count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region);
+  void add(const ValueCounter& other);
+
+  std::uint64_t nanCount() const { return nan_count_; }
+  /// The counts in equal bins over [least, greatest] value counted; voxels of a wide key are spread evenly over it.
+  ValueHistogram histogram(const ValueRange& range, std::size_t bins = 256) const;
+
+ private:
+  VoxelType type_;
+  std::vector<std::uint64_t> counts_;  // by key
+  std::uint64_t nan_count_ = 0;
+};
+
+}  // namespace kiln
