@@ -1,0 +1,40 @@
+// Image-space coherence: one question, whether a rectangle of pixels is already opaque, and one update, that a pixel has
+// become so. The answers differ in price and exactness, one file each. Source: Lee and Ihm §2.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+namespace kiln {
+
+/// Half-open, in pixels; may reach outside of the image.
+struct PixelRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool operator==(const PixelRect&) const = default;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+};
+
+inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+/// The edge of a tile, in pixels: calls for pixels of different tiles may run at the same time.
+inline constexpr int kVisibilityTile = 64;
+
+class Visibility {
+ public:
+  virtual ~Visibility() = default;
+  /// Whether every pixel of `rect` that is in the image is opaque. An exact method says so only where it is true.
+  /// thread: safe against `close` in tiles that `rect` does not touch.
+  virtual bool hidden(const PixelRect& rect) const = 0;
+  /// Pixel (x, y) has become opaque. requires: in the image, and not closed before.
+  virtual void close(int x, int y) = 0;
+};
+
+/// Knows nothing: octree only, the baseline of Lee and Ihm.
+std::unique_ptr<Visibility> makeNoVisibility();
+/// The 64-bit mask. unit: pixels.
+std::unique_ptr<Visibility> makeMaskVisibility(int width, int height);
+
+}  // namespace kiln

@@ -1,0 +1,30 @@
+// One frame as a list of steps (DESIGN §3): classify, walk the bricks front to back, draw each in parallel tiles, lay the
+// result over the background.
+#pragma once
+
+#include "base/progress.h"
+#include "cache/brick_cache.h"
+#include "output/image.h"
+#include "render/statistics.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+/// What a frame needs beside the volume, every choice made.
+struct FrameRequest {
+  View view;
+  TransferFunction transfer_function;
+  Shading shading;
+  std::array<double, 4> background{0, 0, 0, 0};
+  double opacity_threshold = 0.998;
+  int level = 0;
+  VisibilityMethod visibility = VisibilityMethod::kMask;
+  int tile_px = 64;
+};
+
+/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on an
+/// exact visibility method. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
+Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+                  FrameStatistics& statistics);
+
+}  // namespace kiln

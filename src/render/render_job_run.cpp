@@ -1,0 +1,92 @@
+#include "render/render_job_run.h"
+
+#include <chrono>
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "output/image_file.h"
+#include "render/render_frame.h"
+#include "scene/presets.h"
+
+namespace kiln {
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+FrameRequest requestOf(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
+  FrameRequest request;
+  request.view = resolve(camera, job.picture.size);
+  request.transfer_function = transfer_function;
+  request.shading = job.picture.shading;
+  request.background = job.picture.background;
+  request.opacity_threshold = job.picture.opacity_threshold;
+  request.level = job.picture.level;
+  request.visibility = job.speed.visibility;
+  request.tile_px = job.speed.tile_px;
+  return request;
+}
+
+void writePicture(const RenderJob& job, const RenderResult& result, const View& view) {
+  ImageMetadata metadata;
+  metadata.world_to_camera = exrWorldToCamera(view);
+  metadata.world_to_ndc = exrWorldToNdc(view);
+  metadata.text["kiln:job"] = resolvedJobText(job, result.camera, result.transfer_function);
+  metadata.text["kiln:version"] = KILN_VERSION;
+  writeImage(result.image, metadata, {job.output.exr_float, job.output.png_bits}, job.output.path);
+}
+
+}  // namespace
+
+Camera cameraFor(const PictureOptions& picture, const StoreReader& store) {
+  return picture.camera.resolve(store.manifest().geometry(), picture.size);
+}
+
+TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store) {
+  TransferFunction out;
+  if (const auto* name = std::get_if<std::string>(&picture.transfer_function)) {
+    out = presetFor(*name, store.manifest());
+  } else if (const auto* path = std::get_if<std::filesystem::path>(&picture.transfer_function)) {
+    out = readTransferFunction(*path);
+  } else {
+    out = std::get<TransferFunction>(picture.transfer_function);
+  }
+  if (!(out.unit > 0)) out.unit = store.manifest().geometry().meanSpacing();
+  return out;
+}
+
+RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
+  if (!job.output.path.empty()) requireImagePath(job.output.path);
+  const ThreadLimit threads(job.speed.threads);
+  const StoreReader store(job.volume);
+  BrickCache cache(store, job.speed.memory_bytes);
+  RenderResult result;
+  result.camera = cameraFor(job.picture, store);
+  result.transfer_function = transferFunctionFor(job.picture, store);
+  const FrameRequest request = requestOf(job, result.camera, result.transfer_function);
+
+  RenderStatistics& statistics = result.statistics;
+  for (int i = 0; i < repeat; ++i) {
+    FrameStatistics frame;
+    result.image = Image();  // the picture before is not held while the next is drawn
+    result.image = renderFrame(store, cache, request, progress, frame);
+    statistics.frames.push_back(frame);
+    statistics.load_s += frame.load_s;
+    statistics.render_s += frame.wall_s - frame.load_s;
+    progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
+  }
+  if (!job.output.path.empty()) {
+    const auto begin = std::chrono::steady_clock::now();
+    writePicture(job, result, request.view);
+    statistics.output_s = secondsSince(begin);
+  }
+  statistics.budget_bytes = cache.budgetBytes();
+  statistics.peak_cache_bytes = cache.peakBytes();
+  statistics.framebuffer_bytes = result.image.rgba.size() * sizeof(float);
+  statistics.index_bytes = store.index().size() * sizeof(BrickEntry);
+  statistics.peak_rss_bytes = peakResidentBytes();
+  return result;
+}
+
+}  // namespace kiln

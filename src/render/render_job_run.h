@@ -1,0 +1,27 @@
+// A render job from the store to the picture on disk.
+#pragma once
+
+#include "base/progress.h"
+#include "output/image.h"
+#include "render/statistics.h"
+#include "scene/render_job.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+struct RenderResult {
+  Image image;
+  Camera camera;                       // with every choice made
+  TransferFunction transfer_function;  // the same
+  RenderStatistics statistics;
+};
+
+/// Draws the job's picture `repeat` times (the first with a cold cache) and writes the last to the job's output, if it
+/// names one. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
+
+/// The camera, the transfer function and the rest of a picture, resolved for a volume.
+Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
+TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
+
+}  // namespace kiln

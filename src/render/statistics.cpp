@@ -1,0 +1,39 @@
+#include "render/statistics.h"
+
+#include <nlohmann/json.hpp>
+
+namespace kiln {
+namespace {
+
+nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
+  return {{"voxels", {{"visited", frame.voxels_visited}, {"splats", frame.voxels_splats}}},
+          {"nodes", {{"tested", frame.nodes_tested}, {"hidden", frame.nodes_hidden}}},
+          {"bricks",
+           {{"total", frame.bricks_total},
+            {"interesting", frame.bricks_interesting},
+            {"read", frame.bricks_read},
+            {"hidden", frame.bricks_hidden},
+            {"read_bytes", frame.bricks_read_bytes}}}};
+}
+
+}  // namespace
+
+std::string statisticsText(const RenderStatistics& s) {
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  for (const FrameStatistics& frame : s.frames) {
+    nlohmann::ordered_json entry = {{"wall_s", frame.wall_s}, {"load_s", frame.load_s}};
+    entry.update(countsOf(frame));
+    frames.push_back(entry);
+  }
+  nlohmann::ordered_json out = {{"frames", frames}};
+  if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
+  out["memory"] = {{"budget_bytes", s.budget_bytes},
+                   {"peak_cache_bytes", s.peak_cache_bytes},
+                   {"framebuffer_bytes", s.framebuffer_bytes},
+                   {"index_bytes", s.index_bytes},
+                   {"peak_rss_bytes", s.peak_rss_bytes}};
+  out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace kiln

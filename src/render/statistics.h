@@ -1,0 +1,27 @@
+// What a render cost, as `--stats` writes it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace kiln {
+
+struct FrameStatistics {
+  double wall_s = 0, load_s = 0;
+  std::uint64_t voxels_visited = 0, voxels_splats = 0;
+  std::uint64_t nodes_tested = 0, nodes_hidden = 0;
+  std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_read_bytes = 0;
+};
+
+struct RenderStatistics {
+  std::vector<FrameStatistics> frames;
+  std::uint64_t budget_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, index_bytes = 0, peak_rss_bytes = 0;
+  double load_s = 0, render_s = 0, output_s = 0;
+};
+
+/// JSON. The keys are a contract (DESIGN §10): frames[].wall_s, frames[].voxels.visited, …, and the totals of the last
+/// frame at the top level. unit: _s seconds, _bytes bytes, the rest counts.
+std::string statisticsText(const RenderStatistics& statistics);
+
+}  // namespace kiln

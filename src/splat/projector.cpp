@@ -1,0 +1,128 @@
+#include "splat/projector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <numbers>
+
+namespace kiln {
+namespace {
+
+// Rectangles are widened by this, so that rounding in a footprint's own arithmetic never leaves them. unit: pixels.
+constexpr double kRounding = 0.01;
+// Beyond the image by more than any image is wide; keeps pixel numbers in the range of int.
+constexpr double kFar = 1e8;
+
+Ellipse ellipseOf(double xx, double xy, double yy) {
+  xx += kPixelSigma * kPixelSigma;
+  yy += kPixelSigma * kPixelSigma;
+  const double determinant = xx * yy - xy * xy;
+  const double cut = kFootprintRadius * kFootprintRadius;
+  Ellipse out;
+  out.a = static_cast<float>(yy / determinant);
+  out.b = static_cast<float>(-xy / determinant);
+  out.c = static_cast<float>(xx / determinant);
+  out.half_x = static_cast<float>(kFootprintRadius * std::sqrt(xx));
+  out.half_y = static_cast<float>(kFootprintRadius * std::sqrt(yy));
+  out.area = static_cast<float>(2 * std::numbers::pi * std::sqrt(determinant) * -std::expm1(-cut / 2));
+  return out;
+}
+
+// No eigenvalue of a symmetric matrix is larger than its largest absolute row sum.
+double eigenvalueBound(const glm::dmat3& m) {
+  double bound = 0;
+  for (int row = 0; row < 3; ++row) bound = std::max(bound, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
+  return bound;
+}
+
+VisitingOrder orderOf(const glm::dmat4& world_from_index, const View& view) {
+  const glm::dmat4 index_from_world = glm::inverse(world_from_index);
+  if (view.projection == Projection::kPerspective) {
+    return VisitingOrder::fromEye(glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1.0)));
+  }
+  return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)));
+}
+
+PixelRect rectOf(double x0, double y0, double x1, double y1) {
+  const auto pixel = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar))); };
+  return {pixel(x0), pixel(y0), pixel(x1) + 1, pixel(y1) + 1};
+}
+
+}  // namespace
+
+Projector::Projector(const VolumeGeometry& volume, const View& view)
+    : perspective_(view.projection == Projection::kPerspective),
+      focal_px_(view.focal_px),
+      centre_px_(view.centre_px),
+      voxel_volume_(volume.voxelVolume()),
+      order_(orderOf(volume.world_from_index, view)) {
+  const glm::dmat4 view_from_index = view.view_from_world * volume.world_from_index;
+  axis_x_ = glm::dvec3(view_from_index[0]);
+  axis_y_ = glm::dvec3(view_from_index[1]);
+  axis_z_ = glm::dvec3(view_from_index[2]);
+  origin_ = glm::dvec3(view_from_index[3]);
+  const glm::dvec3 spacing = volume.spacing();
+  near_depth_ = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
+  const glm::dmat3 linear(view_from_index);
+  covariance_ = kKernelSigma * kKernelSigma * (linear * glm::transpose(linear));
+  largest_variance_ = eigenvalueBound(covariance_);
+  gradient_ = glm::mat3(glm::transpose(glm::inverse(linear)));
+  const double s = focal_px_ * focal_px_;
+  parallel_ellipse_ = ellipseOf(s * covariance_[0][0], s * covariance_[1][0], s * covariance_[1][1]);
+}
+
+Ellipse Projector::ellipseAt(const glm::dvec3& p) const {
+  if (!perspective_) return parallel_ellipse_;
+  // J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the projection's derivative at p.
+  const double s = focal_px_ / p.z * (focal_px_ / p.z);
+  const double u = p.x / p.z;
+  const double v = p.y / p.z;
+  const glm::dmat3& c = covariance_;
+  return ellipseOf(s * (c[0][0] - 2 * u * c[2][0] + u * u * c[2][2]),
+                   s * (c[1][0] - v * c[2][0] - u * c[2][1] + u * v * c[2][2]),
+                   s * (c[1][1] - 2 * v * c[2][1] + v * v * c[2][2]));
+}
+
+double Projector::lengthAt(const glm::dvec3& p) const {
+  if (!perspective_) return voxel_volume_ * focal_px_ * focal_px_;
+  // DESIGN §6: A_px = z² cosθ / f² for a pixel of pitch 1; without cosθ the corner of a wide image is half too thin.
+  const double cosine = p.z / glm::length(p);
+  return voxel_volume_ * focal_px_ * focal_px_ / (p.z * p.z * cosine);
+}
+
+PixelRect Projector::bounds(const VoxelBox& box) const {
+  const double inf = std::numeric_limits<double>::infinity();
+  double x0 = inf, y0 = inf, x1 = -inf, y1 = -inf, nearest = inf, farthest = -inf;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = viewOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x, (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
+                                 (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
+    nearest = std::min(nearest, p.z);
+    farthest = std::max(farthest, p.z);
+    if (perspective_ && p.z < near_depth_) continue;
+    const glm::dvec2 at = pixelOf(p);
+    x0 = std::min(x0, at.x);
+    x1 = std::max(x1, at.x);
+    y0 = std::min(y0, at.y);
+    y1 = std::max(y1, at.y);
+  }
+  if (!perspective_) {
+    const double rx = parallel_ellipse_.half_x + kRounding;
+    const double ry = parallel_ellipse_.half_y + kRounding;
+    return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);
+  }
+  if (farthest < near_depth_) return {};
+  if (nearest < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
+  // The footprint's variance along x is jᵀ C j with |j| = f/z sqrt(1 + u²); z is smallest and |u| largest at corners.
+  const auto radius = [&](double lo, double hi, double centre) {
+    const double u = std::max(std::abs(lo - centre), std::abs(hi - centre)) / focal_px_;
+    const double s = focal_px_ / nearest;
+    return kFootprintRadius * std::sqrt(largest_variance_ * s * s * (1 + u * u) + kPixelSigma * kPixelSigma) + kRounding;
+  };
+  const double rx = radius(x0, x1, centre_px_.x);
+  const double ry = radius(y0, y1, centre_px_.y);
+  return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);
+}
+
+}  // namespace kiln

@@ -1,0 +1,79 @@
+// From the lattice to the image: where a voxel's centre falls, how large and how elliptical its footprint is there, and
+// what rectangle of pixels everything in a box of voxels can touch. Source: EWA splatting (Zwicker et al. 2001) for the
+// footprint of a Gaussian under a projection; Lee and Ihm §2.4 for the projection of nodes.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "grid/geometry.h"
+#include "grid/visiting_order.h"
+#include "occlusion/visibility.h"
+#include "scene/camera.h"
+
+namespace kiln {
+
+/// The reconstruction kernel is a Gaussian of this standard deviation, in voxels: wide enough that a lattice of equal
+/// samples is flat within 1 %, and no wider. unit: voxel edges.
+inline constexpr double kKernelSigma = 0.55;
+/// A footprint narrower than a pixel is widened by a Gaussian of this standard deviation, so that the pixel lattice
+/// catches all of it. unit: pixels.
+inline constexpr double kPixelSigma = 0.4;
+/// Footprints end at this many standard deviations.
+inline constexpr double kFootprintRadius = 3.0;
+
+/// The footprint of one voxel: weight exp(-q/2), q = a dx² + 2 b dx dy + c dy², where q <= kFootprintRadius².
+struct Ellipse {
+  float a = 0, b = 0, c = 0;       // unit: 1 / pixel²
+  float half_x = 0, half_y = 0;    // of its bounding box. unit: pixels
+  float area = 0;                  // integral of the weight over the plane, cut off at the radius. unit: pixels²
+};
+
+class Projector {
+ public:
+  Projector(const VolumeGeometry& volume, const View& view);
+
+  bool perspective() const { return perspective_; }
+  const VisitingOrder& order() const { return order_; }
+
+  /// The centre of voxel (x,y,z) in view space. The same arithmetic for every caller: the picture depends on it.
+  glm::dvec3 viewOf(const VoxelCoord& v) const {
+    return ((origin_ + static_cast<double>(v.z) * axis_z_) + static_cast<double>(v.y) * axis_y_) +
+           static_cast<double>(v.x) * axis_x_;
+  }
+  /// Voxels nearer than this are not drawn: half the smallest spacing. unit: world, depth.
+  double nearDepth() const { return near_depth_; }
+
+  /// requires: perspective views have depth >= nearDepth().
+  glm::dvec2 pixelOf(const glm::dvec3& view_point) const {
+    const double scale = perspective_ ? focal_px_ / view_point.z : focal_px_;
+    return {centre_px_.x + scale * view_point.x, centre_px_.y + scale * view_point.y};
+  }
+  Ellipse ellipseAt(const glm::dvec3& view_point) const;
+
+  /// The length of material that a voxel puts behind each pixel where its footprint's weights sum to one: the volume of
+  /// a voxel over the area of a pixel at that place, taken across the ray. unit: world.
+  double lengthAt(const glm::dvec3& view_point) const;
+
+  /// From the gradient in index space to a normal in view space (not normalised): the inverse transpose.
+  const glm::mat3& viewFromIndexGradient() const { return gradient_; }
+
+  /// Every pixel that a splat of a voxel of `box` can touch, and perhaps more; not cut off at the image. Empty where no
+  /// voxel of the box is drawn.
+  PixelRect bounds(const VoxelBox& box) const;
+
+ private:
+  bool perspective_;
+  glm::dvec3 origin_, axis_x_, axis_y_, axis_z_;
+  double focal_px_;
+  glm::dvec2 centre_px_;
+  double near_depth_;
+  double voxel_volume_;
+  glm::dmat3 covariance_;  // of the kernel in view space. unit: world²
+  double largest_variance_;
+  glm::mat3 gradient_;
+  VisitingOrder order_;
+  Ellipse parallel_ellipse_;
+};
+
+}  // namespace kiln

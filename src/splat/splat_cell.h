@@ -1,0 +1,53 @@
+// The kernel of `--lattice voxel`: the voxels of one cell, each once, front to back, as footprints into one tile. This is
+// Lee and Ihm's algorithm to the letter: classify, test, shade, project, accumulate, update.
+#pragma once
+
+#include <cstdint>
+
+#include "occlusion/visibility.h"
+#include "scene/render_job.h"
+#include "splat/classifier.h"
+#include "splat/projector.h"
+#include "store/brick_block.h"
+
+namespace kiln {
+
+/// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
+inline constexpr double kGradientNoise = 1e-5;
+
+/// What all cells of a frame share.
+struct SplatFrame {
+  const Projector* projector = nullptr;
+  const Classifier* classifier = nullptr;
+  Shading shading;
+  float gradient_noise = 0;   // unit: value per voxel
+  float opaque_at = 1;        // alpha at which a pixel is closed
+  Visibility* visibility = nullptr;
+  bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
+};
+
+/// The pixels of one tile. shape: `rgba` points at pixel (rect.x0, rect.y0), rows `stride` floats apart.
+struct TilePixels {
+  PixelRect rect;
+  float* rgba = nullptr;
+  std::ptrdiff_t stride = 0;
+};
+
+struct SplatCounts {
+  std::uint64_t visited = 0;  // interesting voxels with their centre in the tile
+  std::uint64_t splats = 0;   // those of them that were drawn
+  std::uint64_t nodes_tested = 0, nodes_hidden = 0;
+  void add(const SplatCounts& other) {
+    visited += other.visited;
+    splats += other.splats;
+    nodes_tested += other.nodes_tested;
+    nodes_hidden += other.nodes_hidden;
+  }
+};
+
+/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most 8 voxels along an axis.
+/// The result for a pixel does not depend on the tile's rectangle.
+void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, const TilePixels& tile,
+               SplatCounts& counts) noexcept;
+
+}  // namespace kiln
