@@ -133,10 +133,10 @@ void FileSystem::rename(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) throw systemError(errno, to, "renaming into place");
 }
 
-void FileSystem::syncDirectory(const fs::path& path) {
+void FileSystem::syncAll(const fs::path& path) {
   const Descriptor directory(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() < 0) throw systemError(errno, path, "opening the directory");
-  if (::fsync(directory.get()) != 0) throw systemError(errno, path, "syncing the directory");
+  if (::syncfs(directory.get()) != 0) throw systemError(errno, path, "syncing to disk");
 }
 
 void FileSystem::removeAll(const fs::path& path) {

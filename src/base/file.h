@@ -48,7 +48,7 @@ class FileSystem {
   static FileSystem& real();
 
   /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file or
-  /// the new one, never a part. With `durable` false the sync is left to the caller's later `syncDirectory`.
+  /// the new one, never a part. With `durable` false the sync is left to the caller's later `syncAll`.
   /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data, bool durable = true);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
@@ -56,7 +56,9 @@ class FileSystem {
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
-  virtual void syncDirectory(const std::filesystem::path& path);
+  /// Brings everything written so far to the file system that holds `path` onto its disk. cost: one wait, where a sync of
+  /// each of thousands of files would be thousands.
+  virtual void syncAll(const std::filesystem::path& path);
   virtual void removeAll(const std::filesystem::path& path);
 };
 

@@ -56,7 +56,7 @@ void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {
     const std::vector<std::byte> file = encodeBrick(brick, voxels);
     entry.file_bytes = file.size();
     entry.checksum = hashOf(file);
-    disk_.writeAtomic(directory_ / brickPath(key), file);
+    disk_.writeAtomic(directory_ / brickPath(key), file, /*durable=*/false);  // `finish` syncs them all
   }
   const std::scoped_lock lock(mutex_);
   LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
@@ -67,18 +67,16 @@ void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {
 }
 
 void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_count) {
-  for (std::size_t level = 0; level < manifest_.levels.size(); ++level) {
-    disk_.syncDirectory(directory_ / "bricks" / std::to_string(level));
-  }
   const std::vector<std::byte> index = index_.encode();
   disk_.writeAtomic(directory_ / "index.bin", index);
-  disk_.syncDirectory(directory_);
+  // Nothing the manifest vouches for may reach the disk after it.
+  disk_.syncAll(directory_);
   manifest_.index_bytes = index.size();
   manifest_.index_checksum = hashOf(index);
   manifest_.histogram = histogram;
   manifest_.nan_count = nan_count;
   disk_.writeAtomic(directory_ / "manifest.json", manifestText(manifest_));
-  disk_.syncDirectory(directory_);
+  disk_.syncAll(directory_);
 }
 
 }  // namespace kiln

@@ -1,0 +1,28 @@
+// One slice of the volume as a grey picture: the first look after converting. Reads only the bricks that it crosses.
+#pragma once
+
+#include <optional>
+
+#include "base/progress.h"
+#include "output/image.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+/// Values from centre - width/2 (black) to centre + width/2 (white), as radiologists set it.
+struct Window {
+  double centre = 0, width = 1;
+};
+
+struct SliceRequest {
+  int axis = 2;                        // 0 x, 1 y, 2 z
+  std::optional<std::int64_t> index;   // the middle where not given
+  std::optional<Window> window;        // the middle 99 % of the values where not given
+};
+
+/// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice along z
+/// has y down; the others have z up. NaN is transparent. memory: the slice and one brick.
+/// throws: Error kUsage (axis, index, window), and what StoreReader::read throws.
+Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
+
+}  // namespace kiln

@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file.h"
+#include "base/memory.h"
+#include "commands.h"
+#include "convert/foreign_cache.h"
+#include "output/image_file.h"
+#include "render/render_job_run.h"
+#include "scene/job_names.h"
+#include "scene/presets.h"
+#include "source_arguments.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string input, output, stats;
+  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, lattice, level, memory, exr_type, background;
+  std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
+  std::optional<unsigned> threads;
+  std::optional<int> png_bits;
+  int repeat = 1;
+  SourceArguments source;
+};
+
+// The enumerator that has this name.
+template <class E, std::size_t N>
+E named(const std::array<std::string_view, N>& names, const std::string& found, const char* option) {
+  const auto it = std::find(names.begin(), names.end(), found);
+  if (it == names.end()) throw Error(ErrorCode::kUsage, fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(names, ", "), found));
+  return static_cast<E>(it - names.begin());
+}
+
+// Numbers a job would refuse, refused the same way on the command line.
+double between(double value, double lo, double hi, const char* option) {
+  if (!(value > lo && value <= hi)) throw Error(ErrorCode::kUsage, fmt::format("{}: {} is not above {} and at most {}", option, value, lo, hi));
+  return value;
+}
+
+void applyCamera(const Arguments& a, CameraSpec& camera) {
+  if (a.projection) camera.projection = named<Projection>(kProjectionNames, *a.projection, "--projection");
+  if (a.view) camera.side = named<Side>(kSideNames, *a.view, "--view");
+  if (a.eye) camera.eye = parseTriple(*a.eye, "--eye");
+  if (a.target) camera.target = parseTriple(*a.target, "--target");
+  if (a.up) camera.up = parseTriple(*a.up, "--up");
+  if (a.fov) camera.fov_deg = a.fov;
+  if (a.height) camera.height = a.height;
+  if (a.azimuth) camera.azimuth_deg = a.azimuth;
+  if (a.elevation) camera.elevation_deg = a.elevation;
+  if (a.zoom) camera.zoom = a.zoom;
+}
+
+void applyPicture(const Arguments& a, PictureOptions& picture) {
+  if (a.size) {
+    const auto [width, height] = parseSize(*a.size, "--size");
+    picture.size = {width, height};
+  }
+  applyCamera(a, picture.camera);
+  if (a.background) {
+    const glm::dvec3 rgb = parseTriple(*a.background, "--background");
+    picture.background = {rgb.r, rgb.g, rgb.b, 1.0};
+  }
+  if (a.tf) {
+    std::error_code ignored;
+    const bool preset = std::find(presetNames().begin(), presetNames().end(), *a.tf) != presetNames().end();
+    if (preset) {
+      picture.transfer_function = *a.tf;
+    } else if (fs::exists(*a.tf, ignored)) {
+      picture.transfer_function = fs::path(*a.tf);
+    } else {
+      throw Error(ErrorCode::kUsage, fmt::format("--tf: '{}' is neither a file nor one of {}", *a.tf, fmt::join(presetNames(), ", ")));
+    }
+  }
+  if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
+  if (a.lattice && *a.lattice != "voxel") throw Error(ErrorCode::kUsage, fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
+  if (a.level && *a.level != "auto") {
+    picture.level = static_cast<int>(parseTriple(*a.level + ",0,0", "--level").x);
+  }
+}
+
+void applySpeed(const Arguments& a, SpeedOptions& speed) {
+  if (a.visibility) speed.visibility = named<VisibilityMethod>(kVisibilityNames, *a.visibility, "--visibility");
+  if (a.memory) speed.memory_bytes = parseBytes(*a.memory);
+  if (a.threads) speed.threads = *a.threads;
+}
+
+void applyOutput(const Arguments& a, OutputOptions& output) {
+  if (!a.output.empty()) output.path = a.output;
+  if (output.path.empty()) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
+  if (a.exr_type) {
+    if (*a.exr_type != "half" && *a.exr_type != "float") throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
+    output.exr_float = *a.exr_type == "float";
+  }
+  if (a.png_bits) {
+    if (*a.png_bits != 8 && *a.png_bits != 16) throw Error(ErrorCode::kUsage, fmt::format("--png-bits: expected 8 or 16, found {}", *a.png_bits));
+    output.png_bits = *a.png_bits;
+  }
+}
+
+RenderJob jobOf(const Arguments& a) {
+  RenderJob job;
+  if (fs::path(a.input).extension() == ".json") {
+    job = readJob(a.input);
+  } else {
+    job.volume = a.input;
+  }
+  applyPicture(a, job.picture);
+  applySpeed(a, job.speed);
+  applyOutput(a, job.output);
+  requireImagePath(job.output.path);
+  return job;
+}
+
+void run(const Arguments& a, Context& context) {
+  if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
+  RenderJob job = jobOf(a);
+  ConvertOptions conversion;
+  conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
+  conversion.command = context.command_line;
+  conversion.time = timeNow();
+  job.volume = storeFor(job.volume, a.source.resolve(), conversion, context.progress);
+  const RenderResult result = runRenderJob(job, a.repeat, context.progress);
+  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
+  context.progress.clear();
+  const FrameStatistics& frame = result.statistics.frames.back();
+  fmt::print("{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak cache {} of {}, resident {}\n",
+             job.output.path.string(), job.picture.size.width, job.picture.size.height, frame.wall_s, frame.bricks_read, frame.bricks_total,
+             formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited, frame.voxels_splats,
+             formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.budget_bytes),
+             formatBytes(result.statistics.peak_rss_bytes));
+}
+
+void addCameraOptions(CLI::App& command, Arguments& a) {
+  command.add_option("--projection", a.projection, "perspective or orthographic");
+  command.add_option("--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
+  command.add_option("--height", a.height, "world units the image spans vertically, orthographic");
+  command.add_option("--eye", a.eye, "where the eye is, in the world")->type_name("X,Y,Z");
+  command.add_option("--target", a.target, "what it looks at; the volume's centre if not given")->type_name("X,Y,Z");
+  command.add_option("--up", a.up, "what is up")->type_name("X,Y,Z");
+  command.add_option("--view", a.view, "front, back, left, right, top or bottom, fitted to the volume");
+  command.add_option("--azimuth", a.azimuth, "turn the eye about the up axis")->type_name("DEG");
+  command.add_option("--elevation", a.elevation, "raise the eye")->type_name("DEG");
+  command.add_option("--zoom", a.zoom, "2 draws twice as large");
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, Context& context) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
+  command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")->required();
+  command->add_option("-o,--output", a->output, "the picture, .exr or .png");
+  command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
+  addCameraOptions(*command, *a);
+  command->add_option("--tf", a->tf, fmt::format("transfer function: a file or one of {}", fmt::join(presetNames(), ", ")));
+  command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")->type_name("R,G,B");
+  command->add_option("--visibility", a->visibility, "mask or none: what is hidden is skipped, or all is drawn; the picture is the same");
+  command->add_option("--opacity-threshold", a->threshold, "alpha at which a pixel takes no more light; 0.998 if not given");
+  command->add_option("--lattice", a->lattice, "voxel");
+  command->add_option("--level", a->level, "auto or the number of a level; 0 is finest");
+  command->add_option("--memory", a->memory, "the most memory for bricks; 2G if not given")->type_name("BYTES");
+  command->add_option("--threads", a->threads, "threads; 0 takes all");
+  command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
+  command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")->capture_default_str();
+  command->add_option("--exr-type", a->exr_type, "half or float");
+  command->add_option("--png-bits", a->png_bits, "8 or 16");
+  addSourceArguments(*command, a->source);
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool

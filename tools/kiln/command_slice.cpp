@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "output/image_file.h"
+#include "render/slice.h"
+#include "source_arguments.h"
+
+namespace kiln::tool {
+namespace {
+
+struct Arguments {
+  std::string store, output, axis = "z", window;
+  std::optional<std::int64_t> index;
+};
+
+void run(const Arguments& a, Context& context) {
+  requireImagePath(a.output);
+  SliceRequest request;
+  const std::string axes = "xyz";
+  if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos) throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", a.axis));
+  request.axis = static_cast<int>(axes.find(a.axis));
+  request.index = a.index;
+  if (!a.window.empty()) {
+    const glm::dvec3 parsed = parseTriple(a.window + ",0", "--window");
+    request.window = Window{parsed.x, parsed.y};
+  }
+  const Image image = renderSlice(StoreReader(a.store), request, context.progress);
+  writeImage(image, {}, {}, a.output);
+  context.progress.clear();
+  fmt::print("{}: {} x {} pixels\n", a.output, image.width, image.height);
+}
+
+}  // namespace
+
+void addSlice(CLI::App& app, Context& context) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("slice", "draw one slice, the first look after converting");
+  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("-o,--output", a->output, "the picture, .png or .exr")->required();
+  command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
+  command->add_option("--index", a->index, "the slice; the middle one if not given");
+  command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool

@@ -1,0 +1,26 @@
+// The commands of the program, one file each: every one adds itself to the command line and leaves what to run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "terminal_progress.h"
+
+namespace kiln::tool {
+
+struct Context {
+  TerminalProgress progress;
+  std::string command_line;      // for the manifest
+  std::function<void()> action;  // what the chosen command does
+};
+
+void addConvert(CLI::App& app, Context& context);
+void addInfo(CLI::App& app, Context& context);
+void addVerify(CLI::App& app, Context& context);
+void addExport(CLI::App& app, Context& context);
+void addSlice(CLI::App& app, Context& context);
+void addRender(CLI::App& app, Context& context);
+void addCompare(CLI::App& app, Context& context);
+
+}  // namespace kiln::tool

@@ -1,0 +1,87 @@
+#include "source_arguments.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <ctime>
+#include <vector>
+
+#include "base/error.h"
+
+namespace kiln::tool {
+namespace {
+
+std::vector<double> numbers(const std::string& text, char separator, const char* option, const char* expected) {
+  std::vector<double> out;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    double value = 0;
+    const auto [rest, status] = std::from_chars(at, end, value);
+    if (status != std::errc() || !std::isfinite(value)) break;
+    out.push_back(value);
+    if (rest == end) return out;
+    if (*rest != separator) break;
+    at = rest + 1;
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, expected, text));
+}
+
+}  // namespace
+
+glm::dvec3 parseTriple(const std::string& text, const char* option) {
+  const std::vector<double> values = numbers(text, ',', option, "three numbers X,Y,Z");
+  if (values.size() != 3) throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
+  return {values[0], values[1], values[2]};
+}
+
+std::pair<int, int> parseSize(const std::string& text, const char* option) {
+  const std::vector<double> values = numbers(text, text.find('x') != std::string::npos ? 'x' : ',', option, "WIDTHxHEIGHT");
+  if (values.size() != 2 || values[0] != std::floor(values[0]) || values[1] != std::floor(values[1]) || std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected WIDTHxHEIGHT, found '{}'", option, text));
+  }
+  return {static_cast<int>(values[0]), static_cast<int>(values[1])};
+}
+
+std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+SourceOptions SourceArguments::resolve() const {
+  SourceOptions out;
+  if (!dims.empty()) {
+    const glm::dvec3 d = parseTriple(dims, "--dims");
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(d[axis] >= 1) || d[axis] != std::floor(d[axis]) || d[axis] > 2147483647.0) {
+        throw Error(ErrorCode::kUsage, fmt::format("--dims: expected three positive whole numbers, found '{}'", dims));
+      }
+    }
+    out.dims = Extent3{static_cast<std::int64_t>(d.x), static_cast<std::int64_t>(d.y), static_cast<std::int64_t>(d.z)};
+  }
+  if (!type.empty()) {
+    out.type = voxelTypeNamed(type);
+    if (!out.type) throw Error(ErrorCode::kUsage, fmt::format("--type: '{}' is not one of u8 i8 u16 i16 u32 i32 f32 f64", type));
+  }
+  if (!endian.empty()) {
+    if (endian != "little" && endian != "big") throw Error(ErrorCode::kUsage, fmt::format("--endian: expected little or big, found '{}'", endian));
+    out.big_endian = endian == "big";
+  }
+  out.skip_bytes = skip;
+  if (!spacing.empty()) {
+    out.spacing = parseTriple(spacing, "--spacing");
+    if (!(out.spacing->x > 0 && out.spacing->y > 0 && out.spacing->z > 0)) throw Error(ErrorCode::kUsage, fmt::format("--spacing: expected three positive numbers, found '{}'", spacing));
+  }
+  if (!grid.empty()) out.grid_name = grid;
+  return out;
+}
+
+void addSourceArguments(CLI::App& command, SourceArguments& a) {
+  command.add_option("--dims", a.dims, "headerless raw: voxels along x, y, z")->type_name("X,Y,Z");
+  command.add_option("--type", a.type, "headerless raw: u8 i8 u16 i16 u32 i32 f32 f64")->type_name("TYPE");
+  command.add_option("--endian", a.endian, "headerless raw: little (default) or big")->type_name("ORDER");
+  command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")->type_name("BYTES");
+  command.add_option("--spacing", a.spacing, "spacing where the file does not say, in world units")->type_name("X,Y,Z");
+  command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
+}
+
+}  // namespace kiln::tool

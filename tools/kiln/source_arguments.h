@@ -1,0 +1,28 @@
+// Options that say what a foreign file does not: shared by the commands that read one.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "ingest/volume_source.h"
+
+namespace kiln::tool {
+
+struct SourceArguments {
+  std::string dims, type, endian, spacing, grid;
+  std::uint64_t skip = 0;
+  /// throws: Error kUsage naming the option.
+  SourceOptions resolve() const;
+};
+
+void addSourceArguments(CLI::App& command, SourceArguments& arguments);
+
+/// Three numbers "a,b,c". throws: Error kUsage naming `option`.
+glm::dvec3 parseTriple(const std::string& text, const char* option);
+/// Two integers "AxB" or "A,B". throws: Error kUsage naming `option`.
+std::pair<int, int> parseSize(const std::string& text, const char* option);
+/// Now, as ISO 8601 in UTC.
+std::string timeNow();
+
+}  // namespace kiln::tool

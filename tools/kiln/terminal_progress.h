@@ -1,0 +1,34 @@
+// Progress for people: one line with rate and ETA that is drawn over on a terminal, a plain line every ten seconds
+// otherwise. SIGINT asks the work to stop; the work says when it has.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "base/progress.h"
+
+namespace kiln::tool {
+
+class TerminalProgress : public Progress {
+ public:
+  TerminalProgress();
+  ~TerminalProgress() override;
+
+  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
+  void note(const std::string& sentence) override;
+  bool cancelled() const override;
+  /// Ends a line that is being drawn over.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool terminal_;
+  std::string step_;
+  Clock::time_point begin_, last_;
+  bool drawn_ = false;
+};
+
+/// Makes SIGINT and SIGTERM ask instead of kill; a second one kills.
+void installInterruptHandler();
+
+}  // namespace kiln::tool
