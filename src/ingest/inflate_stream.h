@@ -1,0 +1,47 @@
+// A gzip or zlib stream inside a file, read forwards: what compressed NRRD, MetaImage and NIfTI data are.
+#pragma once
+
+#include <memory>
+
+#include "base/file.h"
+
+namespace kiln {
+
+enum class StreamWrapper { kGzip, kZlib };
+
+/// Decompresses from `offset_bytes` of `file` to its end. Members of a gzip stream that follow each other are one
+/// stream (RFC 1952 §2.2), and zero bytes after the last are padding, as for gzip(1). cost: about 0.3 MB, whatever the
+/// length.
+class InflateStream {
+ public:
+  /// throws: Error kIo where zlib has no memory.
+  InflateStream(File file, std::uint64_t offset_bytes, StreamWrapper wrapper);
+  ~InflateStream();
+
+  /// The number of bytes written to `out`: all of it, or fewer where the stream ended, its checksum verified.
+  /// throws: Error kFormat, with the byte of the file and `where` ("slice 3"), for a cut or damaged stream; kIo.
+  std::size_t readSome(std::span<std::byte> out, const std::string& where);
+  /// Fills `out`; throws: as readSome, and kFormat where the stream ends before.
+  void read(std::span<std::byte> out, const std::string& where);
+  /// Reads `count` bytes and drops them. throws: as read.
+  void skip(std::uint64_t count, const std::string& where);
+  /// throws: Error kFormat where the stream goes on, its checksum is wrong, or other data follow it.
+  void finish();
+
+ private:
+  struct Decoder;
+  std::size_t step(std::span<std::byte> out, const std::string& where);
+  bool refill();
+  void endMember();
+  [[noreturn]] void fail(const std::string& where, const std::string& what) const;
+
+  File file_;
+  std::uint64_t next_offset_bytes_;
+  StreamWrapper wrapper_;
+  std::vector<std::byte> input_;
+  std::unique_ptr<Decoder> decoder_;
+  bool ended_ = false;
+  bool followed_ = false;
+};
+
+}  // namespace kiln

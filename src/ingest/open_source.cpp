@@ -1,0 +1,198 @@
+// Which format a file is: by its first bytes, then by its name. What is recognised but not read is refused by its own
+// name, so that the user knows what to convert.
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "ingest/formats.h"
+#include "ingest/header_text.h"
+#include "ingest/inflate_stream.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using namespace std::string_view_literals;
+
+enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kVdb, kForeign };
+
+struct Finding {
+  Format format = Format::kUnknown;
+  std::string name;
+};
+
+struct Magic {
+  std::size_t offset;
+  std::string_view bytes;
+  Format format;
+  const char* name;
+};
+
+constexpr Magic kMagics[] = {
+    {0, "NRRD0"sv, Format::kNrrd, "NRRD"},
+    {0, " BDV\0\0\0\0"sv, Format::kVdb, "OpenVDB"},
+    {344, "n+1\0"sv, Format::kNifti, "NIfTI"},
+    {344, "ni1\0"sv, Format::kNifti, "NIfTI"},
+    {4, "n+2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
+    {4, "ni2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
+    {128, "DICM"sv, Format::kForeign, "DICOM"},
+    {0, "II*\0"sv, Format::kForeign, "TIFF"},
+    {0, "MM\0*"sv, Format::kForeign, "TIFF"},
+    {0, "II+\0"sv, Format::kForeign, "TIFF"},
+    {0, "MM\0+"sv, Format::kForeign, "TIFF"},
+    {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
+    {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
+    {0, "\x89HDF\r\n\x1a\n"sv, Format::kForeign, "HDF5"},
+    {0, "# vtk DataFile"sv, Format::kForeign, "VTK"},
+    {0, "<VTKFile"sv, Format::kForeign, "VTK XML"},
+    {0, "<?xml"sv, Format::kForeign, "XML"},
+    {0, "PK\x03\x04"sv, Format::kForeign, "ZIP"},
+    {0, "BZh"sv, Format::kForeign, "bzip2"},
+    {0, "\xfd\x37zXZ\0"sv, Format::kForeign, "xz"},
+    {0, "\x28\xb5\x2f\xfd"sv, Format::kForeign, "Zstandard"},
+    {0, "7z\xbc\xaf\x27\x1c"sv, Format::kForeign, "7-Zip"},
+    {0, "\x93NUMPY"sv, Format::kForeign, "NumPy"},
+    {0, "\x76\x2f\x31\x01"sv, Format::kForeign, "OpenEXR"},
+    {0, "CDF\x01"sv, Format::kForeign, "NetCDF"},
+    {0, "CDF\x02"sv, Format::kForeign, "NetCDF"},
+    {0, "GIF8"sv, Format::kForeign, "GIF"},
+    {0, "%PDF"sv, Format::kForeign, "PDF"},
+    {208, "MAP "sv, Format::kForeign, "MRC"},
+};
+
+std::string firstBytes(const File& file) {
+  std::string bytes(512, '\0');
+  bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
+  return bytes;
+}
+
+// The first decompressed bytes, or none where the stream is damaged from the start.
+std::string firstDecompressedBytes(const fs::path& path) {
+  std::string bytes(512, '\0');
+  std::size_t got = 0;
+  try {
+    InflateStream stream(File(path), 0, StreamWrapper::kGzip);
+    // Byte by byte: a stream that is cut short still shows what it was.
+    while (got < bytes.size() && stream.readSome(std::as_writable_bytes(std::span(bytes).subspan(got, 1)), "start"))
+      ++got;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kFormat) throw;
+  }
+  bytes.resize(got);
+  return bytes;
+}
+
+bool endsWith(const fs::path& path, std::initializer_list<const char*> endings) {
+  const std::string name = lowered(path.filename().string());
+  return std::any_of(endings.begin(), endings.end(), [&](const char* ending) { return name.ends_with(ending); });
+}
+
+Finding byBytes(const std::string& bytes) {
+  for (const Magic& magic : kMagics) {
+    if (bytes.size() > magic.offset && std::string_view(bytes).substr(magic.offset).starts_with(magic.bytes)) {
+      return {magic.format, magic.name};
+    }
+  }
+  for (const char* field : {"ObjectType", "NDims"}) {
+    if (!bytes.starts_with(field)) continue;
+    const std::string line = bytes.substr(0, std::min(bytes.find('\n'), bytes.size()));
+    if (line.find('=') != std::string::npos) return {Format::kMetaImage, "MetaImage"};
+  }
+  return {};
+}
+
+Finding byName(const fs::path& path) {
+  if (endsWith(path, {".nrrd", ".nhdr"})) return {Format::kNrrd, "NRRD"};
+  if (endsWith(path, {".mhd", ".mha"})) return {Format::kMetaImage, "MetaImage"};
+  if (endsWith(path, {".nii", ".nii.gz", ".hdr", ".hdr.gz"})) return {Format::kNifti, "NIfTI"};
+  if (endsWith(path, {".vdb"})) return {Format::kVdb, "OpenVDB"};
+  return {};
+}
+
+Finding identify(const fs::path& path) {
+  const std::string bytes = firstBytes(File(path));
+  Finding found = byBytes(bytes);
+  if (found.format != Format::kUnknown) return found;
+  if (bytes.starts_with("\x1f\x8b")) {
+    const Finding inside = byBytes(firstDecompressedBytes(path));
+    if (inside.format == Format::kNifti) return inside;
+    if (!inside.name.empty()) return {Format::kForeign, "gzip-compressed " + inside.name};
+    found = byName(path);
+    return found.format == Format::kNifti ? found : Finding{Format::kForeign, "gzip-compressed"};
+  }
+  return byName(path);
+}
+
+[[noreturn]] void refuseDirectory(const fs::path& path) {
+  std::error_code error;
+  fs::path example;
+  fs::directory_iterator entries(path, error);
+  if (error) throw systemError(error.value(), path, "listing the directory");
+  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+    const fs::path name = entries->path().filename();
+    std::error_code ignored;
+    if (entries->is_regular_file(ignored) && (example.empty() || name < example)) example = name;
+  }
+  throw Error(ErrorCode::kUnsupported, path, "",
+              "the directory holds no slices that this version reads; give a file" +
+                  (example.empty() ? " (it has none)" : ", such as " + inQuotes(example.string())));
+}
+
+void requireOptionsApply(const fs::path& path, const std::string& format, const SourceOptions& options) {
+  const auto refuse = [&](bool given, const std::string& option, const std::string& where) {
+    if (given) {
+      throw Error(ErrorCode::kUsage, path, "",
+                  option + " applies to " + where + " only, and this file is " + format + "; leave it out");
+    }
+  };
+  const bool raw = format == "raw", vdb = format == "OpenVDB";
+  refuse(options.dims && !raw, "--dims", "headerless raw data");
+  refuse(options.type && !raw, "--type", "headerless raw data");
+  refuse(options.big_endian && !raw, "the byte order", "headerless raw data");
+  refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
+  refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
+  refuse(options.spacing && vdb, "--spacing", "files without axes of their own");
+  if (!options.spacing) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double edge = (*options.spacing)[axis];
+    if (!(edge > 0) || !std::isfinite(edge)) throw Error(ErrorCode::kUsage, "--spacing takes three positive numbers");
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
+  std::error_code ignored;
+  if (fs::is_directory(input, ignored)) refuseDirectory(input);
+  Finding found = identify(input);
+  // Some magics are short and raw voxels are anything: who names dimensions and type has said what the file is.
+  const bool described = options.dims && options.type;
+  if (found.format == Format::kForeign && !described) {
+    throw Error(ErrorCode::kUnsupported, input, "",
+                "a " + found.name + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
+  }
+  if (found.format == Format::kForeign || found.format == Format::kUnknown) found = {Format::kUnknown, "raw"};
+  requireOptionsApply(input, found.name, options);
+  switch (found.format) {
+    case Format::kNrrd:
+      return openNrrd(input, options);
+    case Format::kMetaImage:
+      return openMetaImage(input, options);
+    case Format::kNifti:
+      return openNifti(input, options);
+    case Format::kVdb:
+      return openVdb(input, options);
+    case Format::kUnknown:
+    case Format::kForeign:
+      break;
+  }
+  if (!described) {
+    throw Error(ErrorCode::kUsage, input, "",
+                "not a format that is known (NRRD, MetaImage, NIfTI, OpenVDB); if it is headerless raw voxels, give "
+                "--dims and --type, for example --dims 256x256x113 --type u16");
+  }
+  return openRaw(input, options);
+}
+
+}  // namespace kiln
