@@ -1,0 +1,15 @@
+# Install and export, so that find_package(kiln) gives kiln::kiln. The dependencies' bundle is not exported: an installed
+# kilnConfig makes it anew with the same file that this build uses.
+include(CMakePackageConfigHelpers)
+set(kiln_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kiln)
+
+target_include_directories(kiln PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kiln>)
+install(TARGETS kiln EXPORT kilnTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kiln)
+install(TARGETS kiln_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(EXPORT kilnTargets NAMESPACE kiln:: DESTINATION ${kiln_config_dir})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kilnConfig.cmake.in ${PROJECT_BINARY_DIR}/kilnConfig.cmake
+                              INSTALL_DESTINATION ${kiln_config_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/kilnConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/kilnConfig.cmake ${PROJECT_BINARY_DIR}/kilnConfigVersion.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/KilnDependencies.cmake DESTINATION ${kiln_config_dir})

@@ -1,0 +1,28 @@
+// A stranger's program: makes a volume file, converts it, draws it.
+#include <kiln/convert/convert.h>
+#include <kiln/render/render_job_run.h>
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const std::string picture = argv[1];
+  const std::string raw = picture + ".raw";
+  std::ofstream(raw, std::ios::binary) << std::string(16 * 16 * 8, '\0') + std::string(16 * 16 * 8, '\xff');
+  kiln::SourceOptions options;
+  options.dims = kiln::Extent3{16, 16, 16};
+  options.type = kiln::VoxelType::u8;
+  kiln::Progress silent;
+  kiln::ConvertOptions conversion;
+  conversion.overwrite = true;
+  kiln::convert(*kiln::openSource(raw, options), raw + ".kiln", conversion, silent);
+  kiln::RenderJob job;
+  job.volume = raw + ".kiln";
+  job.picture.size = {64, 64};
+  job.output.path = picture;
+  const kiln::RenderResult result = kiln::runRenderJob(job, 1, silent);
+  std::printf("%s: alpha in the middle %.3f\n", picture.c_str(), static_cast<double>(result.image.pixel(32, 32)[3]));
+  return result.image.pixel(32, 32)[3] > 0.5f ? 0 : 1;
+}
