@@ -18,7 +18,7 @@ namespace kiln {
 inline constexpr double kKernelSigma = 0.55;
 /// A footprint narrower than a pixel is widened by a Gaussian of this standard deviation, so that the pixel lattice
 /// catches all of it. unit: pixels.
-inline constexpr double kPixelSigma = 0.4;
+inline constexpr double kPixelSigma = 0.3;
 /// Footprints end at this many standard deviations.
 inline constexpr double kFootprintRadius = 3.0;
 

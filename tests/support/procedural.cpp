@@ -102,14 +102,22 @@ glm::dmat4 mirroredAffine(const glm::dmat4& world_from_index, int axis, const Ex
 
 ValueRange usualRange(VoxelType type) {
   switch (type) {
-    case VoxelType::u8: return {0, 255};
-    case VoxelType::i8: return {-128, 127};
-    case VoxelType::u16: return {0, 65535};
-    case VoxelType::i16: return {-1024, 3071};
-    case VoxelType::u32: return {0, 4'000'000'001.0};
-    case VoxelType::i32: return {-2'000'000'001.0, 2'000'000'001.0};
-    case VoxelType::f32: return {0, 1};
-    case VoxelType::f64: return {-1, 1};
+    case VoxelType::u8:
+      return {0, 255};
+    case VoxelType::i8:
+      return {-128, 127};
+    case VoxelType::u16:
+      return {0, 65535};
+    case VoxelType::i16:
+      return {-1024, 3071};
+    case VoxelType::u32:
+      return {0, 4'000'000'001.0};
+    case VoxelType::i32:
+      return {-2'000'000'001.0, 2'000'000'001.0};
+    case VoxelType::f32:
+      return {0, 1};
+    case VoxelType::f64:
+      return {-1, 1};
   }
   return {0, 1};
 }
@@ -144,7 +152,8 @@ DenseVolume ball(const VolumeShape& shape, const glm::dvec3& centre, double radi
 }
 
 DenseVolume ramp(const VolumeShape& shape, double first, double slope) {
-  return fill(shape, [=](std::int64_t i, std::int64_t, std::int64_t) { return first + slope * static_cast<double>(i); });
+  return fill(shape,
+              [=](std::int64_t i, std::int64_t, std::int64_t) { return first + slope * static_cast<double>(i); });
 }
 
 DenseVolume noise(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range) {

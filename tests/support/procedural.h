@@ -64,17 +64,19 @@ glm::dmat4 obliqueAffine();
 /// The affine of the same voxels mirrored in place: `axis` of the index space runs the other way.
 glm::dmat4 mirroredAffine(const glm::dmat4& world_from_index, int axis, const Extent3& dims);
 
-/// A range that exercises the type: all of u8, i8 and u16; CT numbers for i16; for i32 and u32 more bits than a float holds.
+/// A range that exercises the type: all of u8, i8 and u16; CT numbers for i16; for i32 and u32 more bits than a float
+/// holds.
 ValueRange usualRange(VoxelType type);
 
 /// The volume whose voxel (i,j,k) is value(i,j,k). thread: `value` is called from several threads.
 DenseVolume fill(const VolumeShape& shape,
                  const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& value);
 
-/// `value` in voxels [lo, hi) along `axis`, else 0. Its trilinear half-value planes lie exactly at lo - 1/2 and hi - 1/2.
+/// `value` in voxels [lo, hi) along `axis`, else 0. Its trilinear half-value planes lie exactly at lo - 1/2 and hi -
+/// 1/2.
 DenseVolume slab(const VolumeShape& shape, int axis, std::int64_t lo, std::int64_t hi, double value);
-/// `value` times the part of each voxel that a ball of index space covers, by 8³ sub-samples in boundary voxels: the sum
-/// of the voxels is the ball's volume times `value`, and trilinear interpolation keeps it. unit: voxels.
+/// `value` times the part of each voxel that a ball of index space covers, by 8³ sub-samples in boundary voxels: the
+/// sum of the voxels is the ball's volume times `value`, and trilinear interpolation keeps it. unit: voxels.
 DenseVolume ball(const VolumeShape& shape, const glm::dvec3& centre, double radius, double value);
 /// first + slope * i.
 DenseVolume ramp(const VolumeShape& shape, double first, double slope);

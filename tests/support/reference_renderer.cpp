@@ -234,8 +234,8 @@ OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
   image.depth.resize(pixels);
   image.transmittance.resize(pixels);
   forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
-    const auto place = static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
-                       static_cast<std::size_t>(column);
+    const auto place =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
     for (const Ray& ray : rays) {
       const double depth = depthAlong(scene, ray);
       image.depth[place] += depth / static_cast<double>(rays.size());

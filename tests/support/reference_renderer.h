@@ -19,7 +19,7 @@
 namespace kiln::test {
 
 /// A central difference (index units) shorter than this part of the volume's value range has no direction worth the
-/// name: the sample is unshaded.
+/// name: the sample is unshaded. So is one next to a NaN, whose gradient is NaN.
 inline constexpr double kGradientNoise = 1e-5;
 
 struct ReferenceSettings {

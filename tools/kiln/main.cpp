@@ -18,7 +18,7 @@ int run(int argc, char** argv) {
   addConvert(app, context);
   addInfo(app, context);
   addVerify(app, context);
-  // addExport(app, context);
+  addExport(app, context);
   addSlice(app, context);
   addRender(app, context);
   addCompare(app, context);

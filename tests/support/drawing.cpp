@@ -1,0 +1,45 @@
+#include "support/drawing.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "support/procedural.h"
+
+namespace kiln::test {
+
+Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes, FrameStatistics* statistics) {
+  const StoreReader reader(store);
+  BrickCache cache(reader, budget_bytes);
+  Progress silent;
+  FrameStatistics unused;
+  return renderFrame(reader, cache, request, silent, statistics != nullptr ? *statistics : unused);
+}
+
+Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection) {
+  const Extent3& n = volume.dims;
+  const glm::dvec3 centre = volume.worldOf(glm::dvec3(n.x - 1, n.y - 1, n.z - 1) / 2.0);
+  double radius = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 index((corner & 1) != 0 ? n.x - 0.5 : -0.5, (corner & 2) != 0 ? n.y - 0.5 : -0.5, (corner & 4) != 0 ? n.z - 0.5 : -0.5);
+    radius = std::max(radius, glm::length(volume.worldOf(index) - centre));
+  }
+  const glm::dvec3 direction = glm::normalize(from);
+  Camera camera;
+  camera.projection = projection;
+  camera.target = centre;
+  camera.eye = centre + direction * (3.0 * radius);
+  camera.up = std::abs(direction.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  camera.height = 2.05 * radius;
+  camera.fov_deg = 2 * std::asin(1.025 / 3.0) * 180 / std::numbers::pi;
+  return camera;
+}
+
+glm::dvec3 randomDirection(std::uint64_t seed, std::uint64_t n) {
+  const double z = 2 * hashUnit(seed, 2 * n) - 1;
+  const double angle = 2 * std::numbers::pi * hashUnit(seed, 2 * n + 1);
+  const double r = std::sqrt(1 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+}  // namespace kiln::test

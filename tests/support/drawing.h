@@ -1,0 +1,20 @@
+// Draws a frame of a store, for tests that ask what is in the picture.
+#pragma once
+
+#include <filesystem>
+
+#include "render/render_frame.h"
+
+namespace kiln::test {
+
+/// Opens the store with a cache of its own and draws one frame.
+Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
+           FrameStatistics* statistics = nullptr);
+
+/// A camera that sees all of the volume's box, the eye in direction `from` (world, any length).
+Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection);
+
+/// The seed's n-th direction, uniform on the sphere.
+glm::dvec3 randomDirection(std::uint64_t seed, std::uint64_t n);
+
+}  // namespace kiln::test

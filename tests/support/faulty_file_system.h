@@ -1,0 +1,58 @@
+// A disk that fails when it is told to: the n-th change, for every n, is how a test finds the writer that believes in
+// disks. Source: leveldb's db/fault_injection_test.cc.
+#pragma once
+
+#include <cerrno>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "base/file.h"
+
+namespace kiln::test {
+
+struct DiskFault {
+  /// Changes that succeed before the one that fails; the default never fails.
+  std::uint64_t after_calls = std::numeric_limits<std::uint64_t>::max();
+  int error_number = ENOSPC;
+  /// A failing write leaves the first half of its bytes behind.
+  bool torn_write = false;
+  /// The process is as good as dead from the fault on: every later change fails, too.
+  bool crash = false;
+};
+
+/// Changes the real disk until the fault. thread: safe; with several threads, which of them meets the fault is chance.
+class FaultyFileSystem : public FileSystem {
+ public:
+  explicit FaultyFileSystem(const DiskFault& fault = {}) : fault_(fault) {}
+
+  /// Changes asked for so far, the failed ones included. A run without a fault tells a test how many n there are.
+  std::uint64_t calls() const;
+  /// True once the fault has happened.
+  bool failed() const { return calls() > fault_.after_calls; }
+
+  /// Puts back what a power cut at the fault would have left and a tidy process has since removed: the half of a
+  /// torn write, or the whole temporary file that was not renamed. Call it after a crash, before looking at the disk.
+  void leaveWreckage();
+
+  void makeDirectories(const std::filesystem::path& path) override;
+  void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable) override;
+  void rename(const std::filesystem::path& from, const std::filesystem::path& to) override;
+  void syncAll(const std::filesystem::path& path) override;
+  void removeAll(const std::filesystem::path& path) override;
+
+ private:
+  enum class Outcome { kWorks, kFails, kDead };
+  Outcome nextCall();
+  void failIfTold(const std::filesystem::path& path, const char* doing);
+  [[noreturn]] void fail(const std::filesystem::path& path, const char* doing) const;
+
+  const DiskFault fault_;
+  mutable std::mutex mutex_;
+  std::uint64_t calls_ = 0;
+  std::vector<std::pair<std::filesystem::path, std::vector<std::byte>>> wreckage_;
+};
+
+}  // namespace kiln::test

@@ -1,0 +1,28 @@
+#include "test_store.h"
+
+#include "base/progress.h"
+#include "convert/convert.h"
+
+namespace kiln::test {
+namespace fs = std::filesystem;
+
+fs::path freshDirectory(const std::string& name) {
+  const fs::path directory = fs::path(KILN_TEST_OUTPUT_DIR) / name;
+  fs::remove_all(directory);
+  fs::create_directories(directory);
+  return directory;
+}
+
+fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size) {
+  const fs::path store = freshDirectory(name) / "volume.kiln";
+  DenseSource source(volume);
+  ConvertOptions options;
+  options.brick_size = brick_size;
+  options.command = "test " + name;
+  options.time = "2000-01-01T00:00:00Z";  // the same in every run, so that equal stores are equal bytes
+  Progress silent;
+  convert(source, store, options, silent);
+  return store;
+}
+
+}  // namespace kiln::test

@@ -1,0 +1,19 @@
+// Stores made of small volumes, in a place of their own on the disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "support/procedural.h"
+
+namespace kiln::test {
+
+/// An empty directory under the build's test output; what an earlier run left there is removed. requires: no test that
+/// runs at the same time uses the same `name`.
+std::filesystem::path freshDirectory(const std::string& name);
+
+/// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.
+std::filesystem::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size = 32);
+
+}  // namespace kiln::test

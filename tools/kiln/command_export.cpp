@@ -1,0 +1,38 @@
+#include <fmt/format.h>
+
+#include "base/memory.h"
+#include "commands.h"
+#include "convert/export_vdb.h"
+
+namespace kiln::tool {
+namespace {
+
+struct Arguments {
+  std::string store, output;
+  int level = 0;
+  bool overwrite = false;
+};
+
+void run(const Arguments& a, Context& context) {
+  const StoreReader store(a.store);
+  if (a.level < 0 || a.level >= store.index().levels()) {
+    throw Error(ErrorCode::kUsage, fmt::format("--level: {} has levels 0 to {}", a.store, store.index().levels() - 1));
+  }
+  const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite);
+  context.progress.clear();
+  fmt::print("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
+}
+
+}  // namespace
+
+void addExport(CLI::App& app, Context& context) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
+  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("OUT", a->output, "the .vdb to write")->required();
+  command->add_option("--level", a->level, "0 is finest")->capture_default_str();
+  command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
