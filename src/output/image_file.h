@@ -13,7 +13,8 @@
 
 namespace kiln {
 
-/// What an EXR's header says beside the pixels.
+/// What an EXR's header says beside the pixels; a PNG leaves it out. shape: matrices for column vectors
+/// (`scene/camera.h`); the file holds their transposes, as OpenEXR multiplies row vectors.
 struct ImageMetadata {
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
   /// String attributes by name: "kiln:job", "comments", …
@@ -25,14 +26,16 @@ struct ImageFileOptions {
   int png_bits = 8;        // 8 or 16
 };
 
-/// Writes by the file's extension, .exr or .png. throws: Error kUsage (another extension), kNoSpace, kIo.
+/// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory.
+/// throws: Error kUsage (another extension), kNoSpace, kIo.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
 /// throws: Error kUsage where `path` has an extension that `writeImage` refuses. For a check before long work.
 void requireImagePath(const std::filesystem::path& path);
 
-/// Reads R, G, B, A (or Y) of an EXR, or a PNG back to linear premultiplied. throws: Error kFormat, kNotFound, kUnsupported.
+/// Reads R, G, B, A (or Y) of an EXR's data window, or a PNG back to linear premultiplied; which, its first bytes say.
+/// throws: Error kFormat, kNotFound, kUnsupported.
 Image readImage(const std::filesystem::path& path);
 /// The string attributes of an EXR. throws: as readImage.
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path);

@@ -45,7 +45,7 @@ struct View {
 View resolve(const Camera& camera, const ImageSize& size);
 
 /// World to camera as EXR files hold it (camera looks along -z, y up), and to normalised device coordinates in [0,1],
-/// y down.
+/// y down (RenderMan's screen), third coordinate 1/depth in perspective and depth else. shape: for column vectors, M·p.
 glm::dmat4 exrWorldToCamera(const View& view);
 glm::dmat4 exrWorldToNdc(const View& view);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,7 +23,10 @@ struct Shading {
 enum class VisibilityMethod { kNone, kMask };
 enum class Lattice { kVoxel };
 
-/// A camera said in part: either where the eye is, or a framing, each key optional.
+/// A camera said in part: either where the eye is, or a framing, each key optional. With an eye, the target is the
+/// volume's centre, up is superior, fov 60 and an orthographic height the fitting one where nothing is said. Without,
+/// it is `defaultFraming`, or a side seen straight; a target then moves eye and target together. Where the projection
+/// is named, the other projection's fov or height is passed over.
 struct CameraSpec {
   std::optional<Projection> projection;
   std::optional<glm::dvec3> eye, target, up;
@@ -30,7 +34,8 @@ struct CameraSpec {
   std::optional<Side> side;
   std::optional<double> azimuth_deg, elevation_deg, zoom;
 
-  /// throws: Error kUsage where the parts contradict each other (an eye and a side).
+  /// throws: Error kUsage where the parts contradict each other (an eye and a side; a height and no projection) or the
+  /// camera cannot be used.
   Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
 };
 
@@ -69,16 +74,20 @@ struct RenderJob {
   OutputOptions output;
 };
 
-/// Reads a job; paths in it are relative to the job's folder; comments are allowed.
-/// throws: Error kUsage/kFormat naming file, line or key, what was found and what was expected; an unknown key is an
-/// error that names the nearest known one.
+/// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
+/// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.
+/// throws: Error naming file, line or key, what was found and what was expected: kFormat where the text is not JSON or
+/// has a key twice, kUsage for an unknown key (naming the nearest known one) or a wrong value, kUnsupported for what a
+/// later version may do; readJob also kNotFound, kIo.
 RenderJob parseJob(const std::string& text, const std::filesystem::path& path);
 RenderJob readJob(const std::filesystem::path& path);
 
 /// Reads a transfer function file: the `transferFunction` object of a job. throws: as parseJob.
 TransferFunction readTransferFunction(const std::filesystem::path& path);
 
-/// The job as JSON with every choice made: what an EXR header keeps. `camera` and `transfer_function` are the resolved ones.
+/// The job as JSON with every choice about the picture made: what an EXR header keeps. `camera` and `transfer_function`
+/// are the resolved ones. How fast and where to are left out, so that equal pictures have equal headers; `parseJob` of
+/// the text gives the same picture.
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
 }  // namespace kiln

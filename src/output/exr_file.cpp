@@ -1,0 +1,208 @@
+// Both ways go through memory: a file is written whole or not at all (FileSystem::writeAtomic), and a reader's bytes
+// are bounded before OpenEXR sees them. Pixels go row by row, so that beside the image there is one row and the
+// compressed file; and a header that claims more rows than the file has costs no memory, for the picture grows as rows
+// arrive.
+#include "output/exr_file.h"
+
+#include <ImathBox.h>
+#include <ImathMatrix.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+constexpr int kLargestSide_px = 65536;
+constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
+
+class MemoryWriter : public Imf::OStream {
+ public:
+  MemoryWriter() : Imf::OStream("memory") {}
+  void write(const char data[], int count) override {
+    const auto size = static_cast<std::size_t>(count);
+    if (place_ + size > bytes_.size()) bytes_.resize(place_ + size);
+    std::memcpy(bytes_.data() + place_, data, size);
+    place_ += size;
+  }
+  std::uint64_t tellp() override { return place_; }
+  void seekp(std::uint64_t place) override { place_ = place; }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::size_t place_ = 0;
+};
+
+class MemoryReader : public Imf::IStream {
+ public:
+  explicit MemoryReader(std::span<const std::byte> data) : Imf::IStream("memory"), data_(data) {}
+  bool read(char out[], int count) override {
+    const std::size_t left = place_ < data_.size() ? data_.size() - place_ : 0;
+    if (count < 0 || static_cast<std::size_t>(count) > left) throw std::runtime_error("the file ends too early");
+    std::memcpy(out, data_.data() + place_, static_cast<std::size_t>(count));
+    place_ += static_cast<std::size_t>(count);
+    return place_ < data_.size();
+  }
+  std::uint64_t tellg() override { return place_; }
+  void seekg(std::uint64_t place) override { place_ = place; }
+
+ private:
+  std::span<const std::byte> data_;
+  std::uint64_t place_ = 0;
+};
+
+// Imath multiplies row vectors (v·M), glm column vectors (M·v): the same map is the transpose, and as glm's [i] is a
+// column where Imath's is a row, the entries keep their indices.
+Imath::M44f imathOf(const glm::dmat4& m) {
+  Imath::M44f out;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) out[i][j] = static_cast<float>(m[i][j]);
+  }
+  return out;
+}
+
+Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::PixelType type) {
+  Imf::Header header(image.width, image.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const char* name : kChannelNames) header.channels().insert(name, Imf::Channel(type));
+  if (metadata.world_to_camera) Imf::addWorldToCamera(header, imathOf(*metadata.world_to_camera));
+  if (metadata.world_to_ndc) Imf::addWorldToNDC(header, imathOf(*metadata.world_to_ndc));
+  for (const auto& [name, text] : metadata.text) header.insert(name, Imf::StringAttribute(text));
+  return header;
+}
+
+// One row that every scanline of the file is written from or read into: a stride of 0 from row to row.
+template <class T>
+Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
+  Imf::FrameBuffer buffer;
+  char* base = reinterpret_cast<char*>(row.data()) - static_cast<std::ptrdiff_t>(first_x) * 4 * sizeof(T);
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    const double fill = channel == 3 ? 1 : 0;
+    buffer.insert(kChannelNames[channel], Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), 0, 1, 1, fill));
+  }
+  return buffer;
+}
+
+template <class T, class Convert>
+void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, Convert convert) {
+  std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
+  file.setFrameBuffer(oneRow(row, type, 0));
+  for (int y = 0; y < image.height; ++y) {
+    std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
+    file.writePixels(1);
+  }
+}
+
+half clampedHalf(float v) { return half(std::clamp(v, -65504.0f, 65504.0f)); }
+
+// Runs what reads a hostile file; whatever OpenEXR throws becomes an error of the file.
+template <class Read>
+auto reading(const std::filesystem::path& path, Read read) {
+  try {
+    return read();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kFormat, path, "", std::string("cannot be read as OpenEXR: ") + error.what());
+  }
+}
+
+void requireChannels(const Imf::ChannelList& channels, bool grey, const std::filesystem::path& path) {
+  if (!grey && !channels.findChannel("R") && !channels.findChannel("G") && !channels.findChannel("B")) {
+    throw Error(ErrorCode::kUnsupported, path, "channels", "the file has none of R, G, B and Y");
+  }
+  for (const char* name : {"R", "G", "B", "A", "Y"}) {
+    const Imf::Channel* channel = channels.findChannel(name);
+    if (channel && (channel->xSampling != 1 || channel->ySampling != 1)) {
+      throw Error(ErrorCode::kUnsupported, path, std::string("channel ") + name, "subsampled channels are not read");
+    }
+  }
+}
+
+Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesystem::path& path) {
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kLargestSide_px || height > kLargestSide_px) {
+    throw Error(ErrorCode::kUnsupported, path, "dataWindow",
+                std::to_string(width) + "x" + std::to_string(height) + " pixels; each side must be from 1 to 65536");
+  }
+  const Imf::ChannelList& channels = file.header().channels();
+  const bool grey = channels.findChannel("Y") && !channels.findChannel("R");
+  requireChannels(channels, grey, path);
+
+  std::vector<float> row(static_cast<std::size_t>(width) * 4);
+  Imf::FrameBuffer buffer = oneRow(row, Imf::FLOAT, window.min.x);
+  if (grey) buffer.insert("Y", buffer["R"]);
+  file.setFrameBuffer(buffer);
+  Image image;
+  image.width = static_cast<int>(width);
+  image.height = static_cast<int>(height);
+  image.rgba.reserve(std::min(static_cast<std::size_t>(width * height) * 4, file_bytes * 64));
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    file.readPixels(y);
+    for (std::size_t x = 0; grey && x < row.size(); x += 4) row[x + 1] = row[x + 2] = row[x];
+    image.rgba.insert(image.rgba.end(), row.begin(), row.end());
+  }
+  return image;
+}
+
+}  // namespace
+
+bool looksLikeExr(std::span<const std::byte> data) {
+  static constexpr unsigned char kMagic[] = {0x76, 0x2f, 0x31, 0x01};
+  return data.size() >= sizeof kMagic && std::memcmp(data.data(), kMagic, sizeof kMagic) == 0;
+}
+
+std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, bool as_float,
+                                 const std::filesystem::path& path) {
+  try {
+    const Imf::PixelType type = as_float ? Imf::FLOAT : Imf::HALF;
+    MemoryWriter stream;
+    {
+      Imf::OutputFile file(stream, headerFor(image, metadata, type), 0);
+      if (as_float)
+        writeRows<float>(file, image, type, [](float v) { return v; });
+      else
+        writeRows<half>(file, image, type, clampedHalf);
+    }  // the destructor writes the table of scanline offsets
+    return stream.take();
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+}
+
+Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path) {
+  return reading(path, [&] {
+    MemoryReader stream(data);
+    Imf::InputFile file(stream, 0);
+    return readRows(file, data.size(), path);
+  });
+}
+
+std::map<std::string, std::string> decodeExrText(std::span<const std::byte> data, const std::filesystem::path& path) {
+  return reading(path, [&] {
+    MemoryReader stream(data);
+    const Imf::InputFile file(stream, 0);
+    std::map<std::string, std::string> text;
+    for (auto entry = file.header().begin(); entry != file.header().end(); ++entry) {
+      const auto* attribute = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
+      if (attribute) text[entry.name()] = attribute->value();
+    }
+    return text;
+  });
+}
+
+}  // namespace kiln

@@ -1,0 +1,53 @@
+#include "output/image_file.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cctype>
+
+#include "base/error.h"
+#include "output/exr_file.h"
+#include "output/png_file.h"
+
+namespace kiln {
+namespace {
+
+std::string extensionOf(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+void requireImagePath(const std::filesystem::path& path) {
+  const std::string extension = extensionOf(path);
+  if (extension == ".exr" || extension == ".png") return;
+  throw Error(ErrorCode::kUsage, path, "", "is not a name for a picture; it must end in .exr or .png");
+}
+
+void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk) {
+  assert(image.width > 0 && image.height > 0);
+  assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4);
+  assert(options.png_bits == 8 || options.png_bits == 16);
+  requireImagePath(path);
+  disk.writeAtomic(path, extensionOf(path) == ".exr" ? encodeExr(image, metadata, options.exr_float, path)
+                                                     : encodePng(image, options.png_bits, path));
+}
+
+Image readImage(const std::filesystem::path& path) {
+  const std::vector<std::byte> data = readFile(path);
+  if (looksLikeExr(data)) return decodeExr(data, path);
+  if (looksLikePng(data)) return decodePng(data, path);
+  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+}
+
+std::map<std::string, std::string> readImageText(const std::filesystem::path& path) {
+  const std::vector<std::byte> data = readFile(path);
+  if (looksLikeExr(data)) return decodeExrText(data, path);
+  if (looksLikePng(data)) throw Error(ErrorCode::kUnsupported, path, "", "only OpenEXR files hold Kiln's text");
+  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is not OpenEXR");
+}
+
+}  // namespace kiln

@@ -1,0 +1,198 @@
+// libpng leaves its own functions by longjmp where something is wrong. A jump over a C++ object with a destructor is
+// undefined, so everything that libpng is asked for happens in small noexcept functions whose locals are plain data;
+// what they fill is owned by their callers.
+#include "output/png_file.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstring>
+#include <string>
+
+#include "base/error.h"
+#include "scene/transfer_function.h"
+
+namespace kiln {
+namespace {
+
+constexpr std::uint32_t kLargestSide_px = 65536;
+// Deflate shrinks no further than 1 : 1032, so a header that promises more than this lies.
+constexpr std::uint64_t kLargestRatio = 1040;
+
+struct Messages {
+  char text[160] = "unknown failure";
+};
+
+[[noreturn]] void onError(png_structp png, png_const_charp message) {
+  std::strncpy(static_cast<Messages*>(png_get_error_ptr(png))->text, message, sizeof(Messages::text) - 1);
+  png_longjmp(png, 1);
+}
+void onWarning(png_structp, png_const_charp) {}
+
+struct Writer {
+  Messages messages;
+  std::vector<std::byte> out;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+struct Reader {
+  Messages messages;
+  std::span<const std::byte> data;
+  std::size_t place = 0;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+bool append(std::vector<std::byte>& out, const png_byte* data, std::size_t count) noexcept {
+  try {
+    const auto* bytes = reinterpret_cast<const std::byte*>(data);
+    out.insert(out.end(), bytes, bytes + count);
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
+void onWrite(png_structp png, png_bytep data, png_size_t count) {
+  if (!append(static_cast<Writer*>(png_get_io_ptr(png))->out, data, count)) png_error(png, "out of memory");
+}
+void onFlush(png_structp) {}
+
+void onRead(png_structp png, png_bytep out, png_size_t count) {
+  auto* reader = static_cast<Reader*>(png_get_io_ptr(png));
+  if (count > reader->data.size() - reader->place) png_error(png, "the file ends too early");
+  std::memcpy(out, reader->data.data() + reader->place, count);
+  reader->place += count;
+}
+
+// One pixel of linear premultiplied light as straight sRGB. shape: 4 samples of `bits`, big-endian. NaN becomes 0.
+void encodePixel(const float* rgba, int bits, png_byte* out) noexcept {
+  const double largest = bits == 16 ? 65535 : 255;
+  const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
+  for (int channel = 0; channel < 4; ++channel) {
+    double v = alpha;
+    if (channel < 3) {
+      const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
+      v = straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0;
+    }
+    const auto sample = static_cast<unsigned>(std::lround(v * largest));
+    if (bits == 16) *out++ = static_cast<png_byte>(sample >> 8);
+    *out++ = static_cast<png_byte>(sample & 255);
+  }
+}
+
+// requires: `row` holds a row of the file. Returns false where libpng refused; the message is in the writer.
+bool writeAll(png_structp png, png_infop info, const Image& image, int bits, png_byte* row) noexcept {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
+               PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+  const int pixel_bytes = bits / 2;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      encodePixel(image.pixel(x, y), bits, row + static_cast<std::ptrdiff_t>(x) * pixel_bytes);
+    }
+    png_write_row(png, row);
+  }
+  png_write_end(png, info);
+  return true;
+}
+
+struct Layout {
+  png_uint_32 width = 0, height = 0;
+  std::size_t stored_row_bytes = 0;  // as in the file
+  std::size_t row_bytes = 0;         // as RGBA of 8 or 16 bits
+  int bits = 8, passes = 1;
+};
+
+bool readLayout(png_structp png, png_infop info, Layout* layout) noexcept {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_user_limits(png, kLargestSide_px, kLargestSide_px);
+  png_read_info(png, info);
+  layout->width = png_get_image_width(png, info);
+  layout->height = png_get_image_height(png, info);
+  layout->stored_row_bytes = png_get_rowbytes(png, info);
+  png_set_expand(png);  // palettes, fewer than 8 bits, transparent colours
+  png_set_gray_to_rgb(png);
+  layout->bits = png_get_bit_depth(png, info) == 16 ? 16 : 8;
+  png_set_add_alpha(png, 0xffff, PNG_FILLER_AFTER);
+  layout->passes = png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  layout->row_bytes = png_get_rowbytes(png, info);
+  return true;
+}
+
+bool readAll(png_structp png, const Layout& layout, png_byte* pixels) noexcept {
+  if (setjmp(png_jmpbuf(png))) return false;
+  for (int pass = 0; pass < layout.passes; ++pass) {
+    for (png_uint_32 y = 0; y < layout.height; ++y) png_read_row(png, pixels + y * layout.row_bytes, nullptr);
+  }
+  png_read_end(png, nullptr);
+  return true;
+}
+
+Image imageFrom(const Layout& layout, const std::vector<png_byte>& samples) {
+  const std::size_t largest = layout.bits == 16 ? 65535 : 255;
+  std::vector<float> linear(largest + 1);
+  for (std::size_t v = 0; v <= largest; ++v) {
+    linear[v] = static_cast<float>(linearFromSrgb(static_cast<double>(v) / static_cast<double>(largest)));
+  }
+  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
+  const auto sample = [&](std::size_t i) -> std::size_t {
+    return layout.bits == 16 ? samples[2 * i] * std::size_t{256} + samples[2 * i + 1] : samples[i];
+  };
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    const float alpha = static_cast<float>(sample(i + 3)) / static_cast<float>(largest);
+    for (std::size_t channel = 0; channel < 3; ++channel) image.rgba[i + channel] = linear[sample(i + channel)] * alpha;
+    image.rgba[i + 3] = alpha;
+  }
+  return image;
+}
+
+}  // namespace
+
+bool looksLikePng(std::span<const std::byte> data) {
+  return data.size() >= 8 && png_sig_cmp(reinterpret_cast<png_const_bytep>(data.data()), 0, 8) == 0;
+}
+
+std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path) {
+  Writer writer;
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.messages, onError, onWarning);
+  if (writer.png) writer.info = png_create_info_struct(writer.png);
+  if (!writer.info) throw Error(ErrorCode::kIo, path, "", "libpng could not be started");
+  png_set_write_fn(writer.png, &writer, onWrite, onFlush);
+  std::vector<png_byte> row(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bits / 2));
+  if (!writeAll(writer.png, writer.info, image, bits, row.data())) {
+    throw Error(ErrorCode::kIo, path, "", std::string("libpng cannot write this picture: ") + writer.messages.text);
+  }
+  return std::move(writer.out);
+}
+
+Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path) {
+  Reader reader;
+  reader.data = data;
+  const auto refuse = [&](const std::string& why) {
+    return Error(ErrorCode::kFormat, path, "", "cannot be read as PNG: " + why);
+  };
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.messages, onError, onWarning);
+  if (reader.png) reader.info = png_create_info_struct(reader.png);
+  if (!reader.info) throw refuse("libpng could not be started");
+  png_set_read_fn(reader.png, &reader, onRead);
+  Layout layout;
+  if (!readLayout(reader.png, reader.info, &layout)) throw refuse(reader.messages.text);
+  if (std::uint64_t{layout.stored_row_bytes} * layout.height > kLargestRatio * data.size()) {
+    throw refuse("its header promises " + std::to_string(layout.width) + "x" + std::to_string(layout.height) +
+                 " pixels, more than a file of " + std::to_string(data.size()) + " bytes can hold");
+  }
+  std::vector<png_byte> samples(layout.row_bytes * layout.height);
+  if (!readAll(reader.png, layout, samples.data())) throw refuse(reader.messages.text);
+  return imageFrom(layout, samples);
+}
+
+}  // namespace kiln

@@ -1,0 +1,107 @@
+// The camera: an orthonormal frame at the eye (x right, y down, z along the view) and one focal length in pixels. Both
+// matrices for EXR are that frame again, in the axes other programs expect. Matrices multiply column vectors
+// throughout.
+#include "scene/camera.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/trigonometric.hpp>
+#include <string>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+constexpr int kLargestSide_px = 65536;
+
+bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Error refused(const std::string& sentence) { return Error(ErrorCode::kUsage, "camera: " + sentence); }
+
+void requireSize(const ImageSize& size) {
+  const auto legal = [](int side) { return side >= 1 && side <= kLargestSide_px; };
+  if (legal(size.width) && legal(size.height)) return;
+  throw Error(ErrorCode::kUsage, "an image of " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+                                     " pixels cannot be drawn; each side must be from 1 to 65536");
+}
+
+double focalOf(const Camera& camera, const ImageSize& size) {
+  double focal_px = 0;
+  if (camera.projection == Projection::kPerspective) {
+    if (!(camera.fov_deg > 0 && camera.fov_deg < 180)) {
+      throw refused("the field of view must be between 0 and 180 degrees, but is " + std::to_string(camera.fov_deg));
+    }
+    focal_px = 0.5 * size.height / std::tan(0.5 * glm::radians(camera.fov_deg));
+  } else {
+    if (!(camera.height > 0)) {
+      throw refused("the orthographic height must be above 0, but is " + std::to_string(camera.height));
+    }
+    focal_px = size.height / camera.height;
+  }
+  if (!(focal_px > 0) || !std::isfinite(focal_px)) {
+    throw refused("the field of view or height is too extreme to compute with");
+  }
+  return focal_px;
+}
+
+}  // namespace
+
+View resolve(const Camera& camera, const ImageSize& size) {
+  requireSize(size);
+  if (!finite(camera.eye) || !finite(camera.target) || !finite(camera.up)) {
+    throw refused("eye, target and up must be finite numbers");
+  }
+  const double distance = glm::length(camera.target - camera.eye);
+  if (!(distance > 0)) throw refused("eye and target are the same point, so there is no direction to look in");
+  const double up_length = glm::length(camera.up);
+  if (!(up_length > 0)) throw refused("up is the zero vector");
+  if (!std::isfinite(distance + up_length)) throw refused("eye, target or up is too large to compute with");
+  const glm::dvec3 forward = (camera.target - camera.eye) / distance;
+  const glm::dvec3 across = glm::cross(forward, camera.up / up_length);
+  // The sine of the angle between up and the view; below a millionth the roll of the picture would be rounding noise.
+  if (glm::length(across) < 1e-6) throw refused("up runs along the line of sight; give another up");
+
+  View view;
+  view.projection = camera.projection;
+  view.size = size;
+  view.focal_px = focalOf(camera, size);
+  view.centre_px = 0.5 * glm::dvec2(size.width, size.height);
+  view.eye_world = camera.eye;
+  view.forward_world = forward;
+  const glm::dvec3 right = glm::normalize(across);
+  const glm::dvec3 rows[] = {right, glm::cross(forward, right), forward};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) view.view_from_world[column][row] = rows[row][column];
+    view.view_from_world[3][row] = -glm::dot(rows[row], camera.eye);
+  }
+  return view;
+}
+
+glm::dmat4 exrWorldToCamera(const View& view) {
+  glm::dmat4 camera_from_view(1.0);
+  camera_from_view[1][1] = -1;
+  camera_from_view[2][2] = -1;
+  return camera_from_view * view.view_from_world;
+}
+
+glm::dmat4 exrWorldToNdc(const View& view) {
+  const glm::dvec2 scale = view.focal_px / glm::dvec2(view.size.width, view.size.height);
+  const glm::dvec2 centre = view.centre_px / glm::dvec2(view.size.width, view.size.height);
+  glm::dmat4 ndc_from_view(1.0);
+  ndc_from_view[0][0] = scale.x;
+  ndc_from_view[1][1] = scale.y;
+  if (view.projection == Projection::kOrthographic) {
+    ndc_from_view[3][0] = centre.x;
+    ndc_from_view[3][1] = centre.y;
+  } else {
+    // (x, y, z, 1) becomes (scale x + centre z, …, 1, z): after division the third coordinate is 1/depth, so that the
+    // matrix can be inverted without naming clipping planes, which a splatter does not have.
+    ndc_from_view[2] = glm::dvec4(centre, 0, 1);
+    ndc_from_view[3] = glm::dvec4(0, 0, 1, 0);
+  }
+  return ndc_from_view * view.view_from_world;
+}
+
+}  // namespace kiln

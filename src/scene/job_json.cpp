@@ -1,0 +1,218 @@
+#include "scene/job_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+using nlohmann::json;
+
+// Walks the text once without building anything: where it stops being JSON, and keys that would silently hide another.
+class Checker : public nlohmann::json_sax<json> {
+ public:
+  std::string problem;
+  std::size_t bytes_read = 0;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool start_object(std::size_t) override {
+    keys_.emplace_back();
+    return true;
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    return true;
+  }
+  bool key(string_t& name) override {
+    if (keys_.back().insert(name).second) return true;
+    problem = "key '" + name + "' is given twice in one object";
+    return false;
+  }
+  bool parse_error(std::size_t position, const std::string&, const json::exception& error) override {
+    bytes_read = position;
+    problem = error.what();
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the last part is for people.
+    const std::size_t column = problem.find(", column ");
+    const std::size_t start = column == std::string::npos ? problem.find("] ") : problem.find(": ", column);
+    if (start != std::string::npos) problem.erase(0, start + 2);
+    return false;
+  }
+
+ private:
+  std::vector<std::set<std::string>> keys_;
+};
+
+std::string lineAndColumn(std::string_view text, std::size_t bytes_read) {
+  const std::string_view before = text.substr(0, bytes_read > 0 ? std::min(bytes_read - 1, text.size()) : 0);
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t newline = before.rfind('\n');
+  const std::size_t column = newline == std::string_view::npos ? before.size() + 1 : before.size() - newline;
+  return "line " + std::to_string(line) + ", column " + std::to_string(column);
+}
+
+std::size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string shownValue(const json& value) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown = value.dump(-1, ' ', true);
+  if (shown.size() > kLongest) shown = shown.substr(0, kLongest) + "…";
+  return shown;
+}
+
+}  // namespace
+
+std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known) {
+  return *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
+    return editDistance(word, a) < editDistance(word, b);
+  });
+}
+
+JobObject::JobObject(Json value, std::filesystem::path path, std::string place)
+    : value_(std::move(value)), path_(std::move(path)), place_(std::move(place)) {
+  if (value_->is_object()) return;
+  throw Error(ErrorCode::kUsage, path_, place_, "expected an object {…}, found " + shownValue(*value_));
+}
+
+JobObject JobObject::parse(const std::string& text, const std::filesystem::path& path) {
+  Checker checker;
+  if (!json::sax_parse(text, &checker, json::input_format_t::json, true, true)) {
+    const std::string place = checker.bytes_read > 0 ? lineAndColumn(text, checker.bytes_read) : "";
+    throw Error(ErrorCode::kFormat, path, place, checker.problem);
+  }
+  return JobObject(std::make_shared<const json>(json::parse(text, nullptr, true, true)), path, "");
+}
+
+JobObject JobObject::inside(const json& value, std::string place) const {
+  // Shares the document's lifetime, points at the part.
+  return JobObject(Json(value_, &value), path_, std::move(place));
+}
+
+const json* JobObject::find(std::string_view key) const {
+  const auto found = value_->find(std::string(key));
+  return found == value_->end() ? nullptr : &*found;
+}
+
+std::string JobObject::placeOf(std::string_view key) const {
+  return place_.empty() ? std::string(key) : place_ + "." + std::string(key);
+}
+
+void JobObject::complain(std::string_view key, const std::string& sentence) const {
+  throw Error(ErrorCode::kUsage, path_, placeOf(key), sentence);
+}
+
+void JobObject::refuse(std::string_view key, std::string_view expected) const {
+  const json* value = find(key);
+  complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
+}
+
+void JobObject::requireKnown(std::initializer_list<std::string_view> known) const {
+  for (const auto& [key, value] : value_->items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    const std::string_view nearest = nearestWord(key, std::span(known.begin(), known.size()));
+    complain(key.substr(0, 60), "unknown key; did you mean '" + std::string(nearest) + "'?");
+  }
+}
+
+bool JobObject::isText(std::string_view key) const {
+  const json* value = find(key);
+  return value && value->is_string();
+}
+
+std::optional<double> JobObject::number(std::string_view key, std::string_view expected, bool (*legal)(double)) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_number() || !legal(value->get<double>())) refuse(key, expected);
+  return value->get<double>();
+}
+
+std::optional<std::int64_t> JobObject::integer(std::string_view key, std::int64_t least, std::int64_t most) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  const bool fits = value->is_number() && value->get<double>() >= static_cast<double>(least) &&
+                    value->get<double>() <= static_cast<double>(most) &&
+                    value->get<double>() == std::floor(value->get<double>());
+  if (!fits) refuse(key, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  return static_cast<std::int64_t>(value->get<double>());
+}
+
+std::optional<std::string> JobObject::text(std::string_view key, std::string_view expected) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_string() || value->get_ref<const std::string&>().empty()) refuse(key, expected);
+  return value->get<std::string>();
+}
+
+std::optional<std::size_t> JobObject::choice(std::string_view key, std::span<const std::string_view> names) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  std::string known;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (value->is_string() && value->get_ref<const std::string&>() == names[i]) return i;
+    known += (i == 0 ? "\"" : i + 1 < names.size() ? ", \"" : " or \"") + std::string(names[i]) + "\"";
+  }
+  refuse(key, known);
+}
+
+std::optional<JobObject> JobObject::object(std::string_view key) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  return inside(*value, placeOf(key));
+}
+
+std::optional<std::vector<JobObject>> JobObject::objects(std::string_view key, std::string_view expected) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_array()) refuse(key, expected);
+  std::vector<JobObject> out;
+  for (std::size_t i = 0; i < value->size(); ++i) {
+    out.push_back(inside((*value)[i], placeOf(key) + "[" + std::to_string(i) + "]"));
+  }
+  return out;
+}
+
+bool JobObject::fill(std::string_view key, std::string_view expected, bool (*legal)(double),
+                     std::span<double> out) const {
+  const json* value = find(key);
+  if (!value) return false;
+  if (!value->is_array() || value->size() != out.size()) refuse(key, expected);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const json& item = (*value)[i];
+    if (!item.is_number() || !legal(item.get<double>())) refuse(key, expected);
+    out[i] = item.get<double>();
+  }
+  return true;
+}
+
+namespace legal {
+bool length(double v) { return std::abs(v) <= 1e30; }
+bool positiveLength(double v) { return v > 0 && v <= 1e30; }
+bool fraction(double v) { return v >= 0 && v <= 1; }
+bool voxelValue(double v) { return std::abs(v) <= 1e300; }
+}  // namespace legal
+
+}  // namespace kiln

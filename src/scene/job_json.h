@@ -1,0 +1,78 @@
+// A JSON object that is read key by key with the error a user needs: which file, which key, what was found, what was
+// expected. nlohmann's parser lives behind this header.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kiln {
+
+/// The word of `known` with the least edit distance to `word`. requires: known is not empty.
+std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
+
+/// An object inside a parsed document; it keeps the document alive.
+/// throws: every member, Error kUsage "FILE: KEY: expected …, found …" where the value is not what it asks for.
+class JobObject {
+ public:
+  /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
+  /// or an object has a key twice; kUsage where the root is not an object.
+  static JobObject parse(const std::string& text, const std::filesystem::path& path);
+
+  /// throws: where a key is none of `known`, naming the nearest.
+  void requireKnown(std::initializer_list<std::string_view> known) const;
+  bool has(std::string_view key) const { return find(key) != nullptr; }
+  bool isText(std::string_view key) const;
+
+  /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
+  std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most) const;
+  std::optional<std::string> text(std::string_view key, std::string_view expected) const;
+  /// The place of the value in `names`.
+  std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> names) const;
+  std::optional<JobObject> object(std::string_view key) const;
+  std::optional<std::vector<JobObject>> objects(std::string_view key, std::string_view expected) const;
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(std::string_view key, std::string_view expected,
+                                               bool (*legal)(double)) const {
+    std::array<double, N> out;
+    return fill(key, expected, legal, out) ? std::optional(out) : std::nullopt;
+  }
+
+  /// throws: Error kUsage at `key`: "expected …, found …", or `sentence` as it stands.
+  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  [[noreturn]] void complain(std::string_view key, const std::string& sentence) const;
+  const std::filesystem::path& path() const { return path_; }
+  /// "camera.fov": where `key` of this object is in the document.
+  std::string placeOf(std::string_view key) const;
+
+ private:
+  using Json = std::shared_ptr<const nlohmann::json>;
+  JobObject(Json value, std::filesystem::path path, std::string place);
+  const nlohmann::json* find(std::string_view key) const;
+  bool fill(std::string_view key, std::string_view expected, bool (*legal)(double), std::span<double> out) const;
+  JobObject inside(const nlohmann::json& value, std::string place) const;
+
+  Json value_;
+  std::filesystem::path path_;
+  std::string place_;  // of this object; empty for the root
+};
+
+/// The ranges that keys have.
+namespace legal {
+/// Anything whose square and cube a double holds.
+bool length(double v);
+bool positiveLength(double v);
+bool fraction(double v);  // [0, 1]
+bool voxelValue(double v);
+}  // namespace legal
+
+}  // namespace kiln

@@ -1,0 +1,13 @@
+// The words that jobs and the command line share, in the order of their enumerators.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace kiln {
+
+inline constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
+inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
+inline constexpr std::array<std::string_view, 2> kVisibilityNames = {"none", "mask"};
+
+}  // namespace kiln

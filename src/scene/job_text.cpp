@@ -1,0 +1,60 @@
+// A job written out with every choice made. What does not change the picture (how fast, where to) is left out, so that
+// equal pictures have equal EXR headers.
+#include <nlohmann/json.hpp>
+
+#include "scene/job_names.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json listOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+ordered_json jsonOf(const Camera& camera) {
+  ordered_json out;
+  out["projection"] = kProjectionNames[static_cast<std::size_t>(camera.projection)];
+  if (camera.projection == Projection::kPerspective)
+    out["fov"] = camera.fov_deg;
+  else
+    out["height"] = camera.height;
+  out["eye"] = listOf(camera.eye);
+  out["target"] = listOf(camera.target);
+  out["up"] = listOf(camera.up);
+  return out;
+}
+
+ordered_json jsonOf(const TransferFunction& function) {
+  ordered_json points = ordered_json::array();
+  for (const TransferPoint& point : function.points) {
+    points.push_back({{"value", point.value}, {"color", listOf(point.color)}, {"opacity", point.opacity}});
+  }
+  return {{"unit", function.unit}, {"colorSpace", "linear"}, {"points", points}};
+}
+
+}  // namespace
+
+std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
+  const PictureOptions& picture = job.picture;
+  ordered_json out;
+  out["kiln"] = 1;
+  out["volume"] = job.volume.generic_string();
+  out["image"] = {{"width", picture.size.width}, {"height", picture.size.height}, {"background", picture.background}};
+  out["camera"] = jsonOf(camera);
+  out["transferFunction"] = jsonOf(transfer_function);
+  const Shading& shading = picture.shading;
+  out["shading"] = {{"model", shading.phong ? "phong" : "none"},
+                    {"light", "headlight"},
+                    {"ambient", shading.ambient},
+                    {"diffuse", shading.diffuse},
+                    {"specular", shading.specular},
+                    {"power", shading.power}};
+  out["visibility"] = {{"threshold", picture.opacity_threshold}};
+  out["lattice"] = "voxel";
+  out["level"] = picture.level;
+  // A file name need not be UTF-8; JSON must be.
+  return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kiln

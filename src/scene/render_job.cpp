@@ -1,0 +1,176 @@
+// A job's keys, each read and checked where it stands; what is not said keeps the default of the structs.
+#include "scene/render_job.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "scene/job_json.h"
+#include "scene/job_names.h"
+#include "scene/presets.h"
+#include "scene/transfer_function_json.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
+
+fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
+
+std::optional<glm::dvec3> vectorFrom(const JobObject& object, std::string_view key) {
+  const auto v = object.numbers<3>(key, "[x, y, z] in world units", legal::length);
+  return v ? std::optional(glm::dvec3((*v)[0], (*v)[1], (*v)[2])) : std::nullopt;
+}
+
+[[noreturn]] void unsupported(const JobObject& object, std::string_view key, const std::string& sentence) {
+  throw Error(ErrorCode::kUnsupported, object.path(), object.placeOf(key), sentence);
+}
+
+void readImage(const JobObject& object, PictureOptions& picture) {
+  object.requireKnown({"width", "height", "background"});
+  picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
+  picture.size.height = static_cast<int>(object.integer("height", 1, 65536).value_or(picture.size.height));
+  picture.background =
+      object.numbers<4>("background", "[red, green, blue, alpha] from 0 to 1, premultiplied", legal::fraction)
+          .value_or(picture.background);
+}
+
+CameraSpec cameraFrom(const JobObject& object) {
+  object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
+  CameraSpec spec;
+  if (const auto place = object.choice("projection", kProjectionNames))
+    spec.projection = static_cast<Projection>(*place);
+  spec.eye = vectorFrom(object, "eye");
+  spec.target = vectorFrom(object, "target");
+  spec.up = vectorFrom(object, "up");
+  spec.fov_deg = object.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; });
+  spec.height = object.number("height", "a number of world units above 0", legal::positiveLength);
+  if (const auto place = object.choice("view", kSideNames)) spec.side = static_cast<Side>(*place);
+  spec.azimuth_deg = object.number("azimuth", "a number of degrees from -3600 to 3600",
+                                   [](double v) { return v >= -3600 && v <= 3600; });
+  spec.elevation_deg =
+      object.number("elevation", "a number of degrees from -90 to 90", [](double v) { return v >= -90 && v <= 90; });
+  spec.zoom = object.number("zoom", "a number from 0.001 to 1000000", [](double v) { return v >= 1e-3 && v <= 1e6; });
+  return spec;
+}
+
+Shading shadingFrom(const JobObject& object) {
+  object.requireKnown({"model", "light", "ambient", "diffuse", "specular", "power"});
+  static constexpr std::array<std::string_view, 2> kModels = {"phong", "none"};
+  static constexpr std::array<std::string_view, 1> kLights = {"headlight"};
+  Shading shading;
+  shading.phong = object.choice("model", kModels).value_or(0) == 0;
+  object.choice("light", kLights);
+  const auto weight = [&](std::string_view key, double otherwise) {
+    const auto legal_weight = [](double v) { return v >= 0 && v <= 1000; };
+    return object.number(key, "a number from 0 to 1000", legal_weight).value_or(otherwise);
+  };
+  shading.ambient = weight("ambient", shading.ambient);
+  shading.diffuse = weight("diffuse", shading.diffuse);
+  shading.specular = weight("specular", shading.specular);
+  shading.power = object.number("power", "a number from 0 to 10000", [](double v) { return v >= 0 && v <= 1e4; })
+                      .value_or(shading.power);
+  return shading;
+}
+
+void readVisibility(const JobObject& object, RenderJob& job) {
+  object.requireKnown({"method", "threshold"});
+  static constexpr std::array<std::string_view, 5> kMethods = {"none", "mask", "range-tree", "quadtree", "overlay"};
+  if (const auto place = object.choice("method", kMethods)) {
+    if (*place >= kVisibilityNames.size()) unsupported(object, "method", "this version has the methods none and mask");
+    job.speed.visibility = static_cast<VisibilityMethod>(*place);
+  }
+  const auto legal_threshold = [](double v) { return v > 0 && v <= 1; };
+  job.picture.opacity_threshold = object.number("threshold", "a number above 0 and up to 1", legal_threshold)
+                                      .value_or(job.picture.opacity_threshold);
+}
+
+// A name without a dot or a slash that is no preset is a misspelt preset, not a file.
+void readTransferFunctionKey(const JobObject& root, PictureOptions& picture) {
+  if (!root.has("transferFunction")) return;
+  if (!root.isText("transferFunction")) {
+    picture.transfer_function = transferFunctionFrom(*root.object("transferFunction"));
+    return;
+  }
+  const std::string name = *root.text("transferFunction", "a preset, a file or an object");
+  const std::vector<std::string>& presets = presetNames();
+  if (std::find(presets.begin(), presets.end(), name) != presets.end()) {
+    picture.transfer_function = name;
+  } else if (name.find_first_of("./") != std::string::npos) {
+    picture.transfer_function = besideJob(name, root.path());
+  } else {
+    const std::vector<std::string_view> words(presets.begin(), presets.end());
+    root.complain("transferFunction", "'" + name +
+                                          "' is neither a preset nor a file name with an ending; did you mean '" +
+                                          std::string(nearestWord(name, words)) + "'?");
+  }
+}
+
+void readLatticeAndLevel(const JobObject& root) {
+  static constexpr std::array<std::string_view, 2> kLattices = {"voxel", "pixel"};
+  if (root.choice("lattice", kLattices).value_or(0) != 0) {
+    unsupported(root, "lattice", "this version splats the voxel lattice only; write \"voxel\"");
+  }
+  static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
+  if (root.isText("level"))
+    root.choice("level", kLevels);
+  else if (root.integer("level", 0, 64).value_or(0) != 0) {
+    unsupported(root, "level", "this version draws level 0 only; write 0 or \"auto\"");
+  }
+}
+
+void readSpeed(const JobObject& root, SpeedOptions& speed) {
+  if (root.isText("memory")) {
+    try {
+      speed.memory_bytes = parseBytes(*root.text("memory", "an amount of memory such as \"2G\""));
+    } catch (const Error&) {
+      root.refuse("memory", "an amount of memory such as \"512M\" or \"2G\"");
+    }
+  } else if (const auto bytes = root.integer("memory", 1, std::int64_t{1} << 52)) {
+    speed.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  }
+  speed.threads = static_cast<unsigned>(root.integer("threads", 0, 4096).value_or(speed.threads));
+}
+
+void readOutput(const JobObject& root, OutputOptions& output) {
+  if (const auto path = root.text("output", "a file name")) output.path = besideJob(*path, root.path());
+  if (const auto exr = root.object("exr")) {
+    exr->requireKnown({"type"});
+    static constexpr std::array<std::string_view, 2> kTypes = {"half", "float"};
+    output.exr_float = exr->choice("type", kTypes).value_or(0) == 1;
+  }
+  if (const auto png = root.object("png")) {
+    png->requireKnown({"bits"});
+    const std::int64_t bits = png->integer("bits", 8, 16).value_or(8);
+    if (bits != 8 && bits != 16) png->refuse("bits", "8 or 16");
+    output.png_bits = static_cast<int>(bits);
+  }
+}
+
+}  // namespace
+
+RenderJob parseJob(const std::string& text, const fs::path& path) {
+  const JobObject root = JobObject::parse(text, path);
+  root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "shading", "visibility",
+                     "lattice", "level", "memory", "threads", "exr", "png"});
+  root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
+  RenderJob job;
+  const auto volume = root.text("volume", "the name of a store or volume file");
+  if (!volume) root.complain("volume", "is missing; a job names the store or volume file to draw");
+  job.volume = besideJob(*volume, path);
+  if (const auto image = root.object("image")) readImage(*image, job.picture);
+  if (const auto camera = root.object("camera")) job.picture.camera = cameraFrom(*camera);
+  readTransferFunctionKey(root, job.picture);
+  if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
+  if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
+  readLatticeAndLevel(root);
+  readSpeed(root, job.speed);
+  readOutput(root, job.output);
+  return job;
+}
+
+RenderJob readJob(const fs::path& path) { return parseJob(readTextFile(path, kLargestJob_bytes), path); }
+
+}  // namespace kiln

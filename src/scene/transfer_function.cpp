@@ -1,0 +1,33 @@
+#include "scene/transfer_function.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kiln {
+
+Classified TransferFunction::at(double value) const {
+  if (points.empty() || std::isnan(value)) return {glm::dvec3(0), 0};
+  const auto upper = std::upper_bound(points.begin(), points.end(), value,
+                                      [](double v, const TransferPoint& point) { return v < point.value; });
+  if (upper == points.begin()) return {upper->color, upper->opacity};
+  const TransferPoint& below = *(upper - 1);
+  if (upper == points.end() || value == below.value) return {below.color, below.opacity};
+  const double t = (value - below.value) / (upper->value - below.value);
+  return {(1 - t) * below.color + t * upper->color, (1 - t) * below.opacity + t * upper->opacity};
+}
+
+double extinctionOf(double opacity, double unit) {
+  // The clamp keeps a fully opaque point finite (DESIGN.md §6).
+  return -std::log1p(-std::min(opacity, 0.9999)) / unit;
+}
+
+// IEC 61966-2-1: a line near black, a power above it.
+double linearFromSrgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+double srgbFromLinear(double linear) {
+  return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+}  // namespace kiln

@@ -1,0 +1,226 @@
+// Known answers: what a side shows follows from the words of the patient's frame, and a fitted box must be inside the
+// image and touch its margin whatever the affine, for that is what fitting means.
+#include "scene/framing.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "base/error.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+namespace {
+
+constexpr std::array<Side, 6> kSides = {Side::kFront, Side::kBack, Side::kLeft,
+                                        Side::kRight, Side::kTop,  Side::kBottom};
+
+VolumeGeometry boxOfSize(std::int64_t x, std::int64_t y, std::int64_t z, PatientFrame frame = PatientFrame::kUnknown) {
+  VolumeGeometry volume;
+  volume.dims = {x, y, z};
+  volume.frame = frame;
+  return volume;
+}
+
+glm::dvec2 pixelOf(const Camera& camera, const ImageSize& size, const glm::dvec3& world) {
+  const View view = resolve(camera, size);
+  return view.pixelOf(glm::dvec3(view.view_from_world * glm::dvec4(world, 1)));
+}
+
+// The greatest distance of a corner from the image's centre, 1 at an edge; infinity where one is behind the eye.
+double reach(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
+  const View view = resolve(camera, size);
+  double out = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    glm::dvec3 index;
+    for (int axis = 0; axis < 3; ++axis) {
+      index[axis] = corner >> axis & 1 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
+    }
+    const glm::dvec3 p(view.view_from_world * glm::dvec4(volume.worldOf(index), 1));
+    if (p.z <= 0) return INFINITY;
+    const glm::dvec2 from_centre = (view.pixelOf(p) - view.centre_px) / view.centre_px;
+    out = std::max({out, std::abs(from_centre.x), std::abs(from_centre.y)});
+  }
+  return out;
+}
+
+TEST(Framing, FitsTightlyFromEverySideForAnyAffine) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> entry(-1, 1), turn(-90, 90), fov(5, 120);
+  std::uniform_int_distribution<int> side(0, 5), voxels(1, 300), pixels(16, 2000), coin(0, 1);
+  for (int n = 0; n < 500; ++n) {
+    VolumeGeometry volume = boxOfSize(voxels(random), voxels(random), voxels(random),
+                                      n % 3 == 0   ? PatientFrame::kLps
+                                      : n % 3 == 1 ? PatientFrame::kRas
+                                                   : PatientFrame::kUnknown);
+    do {
+      for (int i = 0; i < 12; ++i) volume.world_from_index[i % 4][i / 4] = entry(random) * (i % 4 == 3 ? 500 : 2);
+    } while (volume.voxelVolume() < 1e-2);
+    Framing framing;
+    framing.side = kSides[static_cast<std::size_t>(side(random))];
+    framing.azimuth_deg = 2 * turn(random);
+    framing.elevation_deg = n % 10 == 0 ? 90 : turn(random);
+    framing.fov_deg = fov(random);
+    framing.projection = coin(random) ? Projection::kPerspective : Projection::kOrthographic;
+    const ImageSize size{pixels(random), pixels(random)};
+    const double fitted = reach(volume, frameVolume(volume, framing, size), size);
+    EXPECT_LE(fitted, 1) << "case " << n;
+    EXPECT_GE(fitted, 0.95) << "case " << n;
+    framing.zoom = 2;
+    EXPECT_NEAR(reach(volume, frameVolume(volume, framing, size), size), 2 * fitted, 1e-6) << "case " << n;
+  }
+}
+
+TEST(Framing, ZoomKeepsThePerspective) {
+  const VolumeGeometry volume = boxOfSize(10, 20, 30);
+  Framing framing;
+  const Camera fitted = frameVolume(volume, framing, {100, 100});
+  framing.zoom = 3;
+  const Camera zoomed = frameVolume(volume, framing, {100, 100});
+  EXPECT_EQ(fitted.eye, zoomed.eye);
+  EXPECT_LT(zoomed.fov_deg, fitted.fov_deg);
+}
+
+struct Patient {
+  PatientFrame frame;
+  glm::dvec3 left, anterior, superior;  // by the words of the frame
+};
+const Patient kPatients[] = {{PatientFrame::kLps, {1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
+                             {PatientFrame::kRas, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                             {PatientFrame::kUnknown, {1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+
+// In front of a patient who faces us the head is at the top and the patient's left hand at our right.
+TEST(Framing, SidesShowWhatTheirNamesSay) {
+  struct Seen {
+    Side side;
+    int towards_eye, up, right;  // ±1 left, ±2 anterior, ±3 superior
+  };
+  const Seen kSeen[] = {{Side::kFront, 2, 3, 1},  {Side::kBack, -2, 3, -1}, {Side::kLeft, 1, 3, -2},
+                        {Side::kRight, -1, 3, 2}, {Side::kTop, 3, 2, -1},   {Side::kBottom, -3, 2, 1}};
+  const ImageSize size{100, 100};
+  for (const Patient& patient : kPatients) {
+    const VolumeGeometry volume = boxOfSize(20, 20, 20, patient.frame);
+    const auto direction = [&](int d) {
+      const glm::dvec3 axis = std::abs(d) == 1 ? patient.left : std::abs(d) == 2 ? patient.anterior : patient.superior;
+      return d < 0 ? -axis : axis;
+    };
+    for (const Seen& seen : kSeen) {
+      Framing framing;
+      framing.side = seen.side;
+      const Camera camera = frameVolume(volume, framing, size);
+      const glm::dvec3 centre = centreOf(volume);
+      EXPECT_LT(glm::distance(glm::normalize(camera.eye - centre), direction(seen.towards_eye)), 1e-12);
+      const glm::dvec2 middle = pixelOf(camera, size, centre);
+      EXPECT_NEAR(middle.x, 50, 1e-9);
+      EXPECT_LT(pixelOf(camera, size, centre + 5.0 * direction(seen.up)).y, middle.y - 1);
+      EXPECT_GT(pixelOf(camera, size, centre + 5.0 * direction(seen.right)).x, middle.x + 1);
+    }
+  }
+}
+
+TEST(Framing, AzimuthTurnsToThePatientsLeftAndElevationRaises) {
+  for (const Patient& patient : kPatients) {
+    const VolumeGeometry volume = boxOfSize(20, 20, 20, patient.frame);
+    const auto eyeAt = [&](double azimuth, double elevation) {
+      Framing framing;
+      framing.azimuth_deg = azimuth;
+      framing.elevation_deg = elevation;
+      const Camera camera = frameVolume(volume, framing, {100, 100});
+      return glm::normalize(camera.eye - camera.target);
+    };
+    EXPECT_LT(glm::distance(eyeAt(90, 0), patient.left), 1e-12);
+    EXPECT_LT(glm::distance(eyeAt(0, 90), patient.superior), 1e-12);
+    EXPECT_GT(glm::dot(eyeAt(30, 15), patient.superior), 0.2);
+  }
+}
+
+void expectRefused(const CameraSpec& spec, const std::string& first, const std::string& second) {
+  try {
+    spec.resolve(boxOfSize(10, 10, 10), {64, 64});
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find(first), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(second), std::string::npos) << error.what();
+  }
+}
+
+TEST(CameraSpec, NothingSaidIsTheDefaultFraming) {
+  const VolumeGeometry volume = boxOfSize(10, 20, 30);
+  const Camera said = CameraSpec{}.resolve(volume, {64, 64});
+  const Camera expected = frameVolume(volume, defaultFraming(), {64, 64});
+  EXPECT_EQ(said.eye, expected.eye);
+  EXPECT_EQ(said.fov_deg, expected.fov_deg);
+}
+
+TEST(CameraSpec, ASideAloneIsSeenStraight) {
+  const VolumeGeometry volume = boxOfSize(10, 20, 30);
+  CameraSpec spec;
+  spec.side = Side::kLeft;
+  spec.fov_deg = 50;
+  const Camera camera = spec.resolve(volume, {64, 64});
+  EXPECT_LT(glm::distance(glm::normalize(camera.eye - camera.target), {1, 0, 0}), 1e-12);
+  EXPECT_NEAR(camera.fov_deg, 50, 1e-12);
+}
+
+TEST(CameraSpec, AnEyeLooksAtTheMiddleWithAUsableUp) {
+  const VolumeGeometry volume = boxOfSize(11, 11, 11);
+  CameraSpec spec;
+  spec.eye = glm::dvec3(5, -30, 5);
+  Camera camera = spec.resolve(volume, {64, 64});
+  EXPECT_EQ(camera.target, glm::dvec3(5, 5, 5));
+  EXPECT_EQ(camera.up, glm::dvec3(0, 0, 1));
+  EXPECT_EQ(camera.fov_deg, 60);
+  spec.eye = glm::dvec3(5, 5, 90);  // straight above: superior is the line of sight
+  EXPECT_EQ(spec.resolve(volume, {64, 64}).up, glm::dvec3(0, -1, 0));
+  spec.projection = Projection::kOrthographic;
+  camera = spec.resolve(volume, {64, 64});
+  EXPECT_NEAR(camera.height, 11 * 1.02, 1e-12);
+  spec.height = 4;
+  EXPECT_EQ(spec.resolve(volume, {64, 64}).height, 4);
+}
+
+TEST(CameraSpec, ATargetMovesTheFraming) {
+  const VolumeGeometry volume = boxOfSize(11, 11, 11);
+  CameraSpec spec;
+  spec.side = Side::kFront;
+  const Camera plain = spec.resolve(volume, {64, 64});
+  spec.target = glm::dvec3(7, 5, 5);
+  const Camera moved = spec.resolve(volume, {64, 64});
+  EXPECT_LT(glm::distance(moved.eye - plain.eye, {2, 0, 0}), 1e-12);
+}
+
+TEST(CameraSpec, RefusesContradictions) {
+  CameraSpec eye;
+  eye.eye = glm::dvec3(0, -50, 0);
+  CameraSpec spec = eye;
+  spec.side = Side::kFront;
+  expectRefused(spec, "eye", "view");
+  spec = eye;
+  spec.azimuth_deg = 0;
+  expectRefused(spec, "eye", "azimuth");
+  spec = eye;
+  spec.elevation_deg = 0;
+  expectRefused(spec, "eye", "elevation");
+  spec = eye;
+  spec.zoom = 1;
+  expectRefused(spec, "eye", "zoom");
+  spec = eye;
+  spec.height = 1;
+  expectRefused(spec, "height", "orthographic");
+  spec = eye;
+  spec.up = glm::dvec3(4.5, 54.5, 4.5);
+  expectRefused(spec, "up", "line of sight");
+  spec = CameraSpec{};
+  spec.zoom = 0;
+  expectRefused(spec, "zoom", "above 0");
+  spec.zoom = 1;
+  spec.elevation_deg = 91;
+  expectRefused(spec, "elevation", "90");
+}
+
+}  // namespace
+}  // namespace kiln

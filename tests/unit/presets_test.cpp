@@ -1,0 +1,162 @@
+// Known answers: two peaks in a histogram leave Otsu no choice but a threshold between them; CT presets are quoted in
+// Hounsfield units, so the values of air, skin and bone are known in each scale; the heads of Stanford's archive have
+// skin from about 500 and bone from about 1150 by their description.
+#include "scene/presets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+struct Peak {
+  double value;
+  std::uint64_t voxels;
+};
+
+Manifest volumeOf(VoxelType type, double lo, double hi, const std::vector<Peak>& peaks) {
+  Manifest manifest;
+  manifest.type = type;
+  manifest.range = {lo, hi};
+  manifest.histogram = {lo, hi, std::vector<std::uint64_t>(256)};
+  for (const Peak& peak : peaks) {
+    const double bin = hi > lo ? (peak.value - lo) / (hi - lo) * 256 : 0;
+    manifest.histogram.counts[static_cast<std::size_t>(std::min(bin, 255.0))] += peak.voxels;
+  }
+  manifest.levels.resize(1);
+  manifest.levels[0].geometry.dims = {100, 100, 100};
+  return manifest;
+}
+
+// Air, soft tissue, bone, and teeth, as in the UNC head.
+Manifest ctHead(double shift, VoxelType type) {
+  return volumeOf(type, shift - 1024, shift + 2248,
+                  {{shift - 1000, 700000}, {shift + 50, 220000}, {shift + 700, 70000}, {shift + 2248, 10000}});
+}
+
+TEST(Presets, NamesAreInOrderAndAllWork) {
+  const Manifest head = ctHead(1024, VoxelType::u16);
+  EXPECT_EQ(presetNames().front(), "auto");
+  for (const std::string& name : presetNames()) {
+    const TransferFunction f = presetFor(name, head);
+    EXPECT_EQ(f.unit, 0) << name;
+    EXPECT_TRUE(std::is_sorted(f.points.begin(), f.points.end(), [](const TransferPoint& a, const TransferPoint& b) {
+      return a.value < b.value;
+    })) << name;
+  }
+}
+
+TEST(Presets, AnUnknownNameListsThoseThereAre) {
+  try {
+    presetFor("ct-bones", ctHead(0, VoxelType::i16));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    for (const std::string& name : presetNames()) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos);
+    }
+  }
+}
+
+TEST(Presets, CtIsTheSameInHounsfieldAndShifted) {
+  for (const double shift : {0.0, 1024.0}) {
+    const Manifest head = ctHead(shift, shift == 0 ? VoxelType::i16 : VoxelType::u16);
+    const TransferFunction skin = presetFor("ct-skin", head), bone = presetFor("ct-bone", head);
+    EXPECT_FALSE(skin.interesting(shift - 900));  // air
+    EXPECT_GT(skin.at(shift + 0).opacity, 0.8);   // skin
+    EXPECT_FALSE(bone.interesting(shift + 80));   // muscle, brain
+    EXPECT_GT(bone.at(shift + 500).opacity, 0.8);
+  }
+}
+
+TEST(Presets, CtFollowsTheDescriptionOfTheUncHead) {
+  const Manifest head = ctHead(1024, VoxelType::u16);
+  EXPECT_NEAR(presetFor("ct-skin", head).points.front().value, 500, 50);
+  EXPECT_NEAR(presetFor("ct-bone", head).points.front().value, 1150, 50);
+}
+
+// 8 bits from air to dense bone: the same places of the range.
+TEST(Presets, CtWithoutAKnownScaleIsProportional) {
+  const Manifest engine = volumeOf(VoxelType::u8, 0, 255, {{5, 700}, {120, 300}});
+  EXPECT_NEAR(presetFor("ct-skin", engine).points.front().value, 474 * 255 / 3272.0, 1);
+}
+
+TEST(Presets, AutoDrawsTheSurfaceBetweenAirAndTissue) {
+  for (const double shift : {0.0, 1024.0}) {
+    const TransferFunction f = presetFor("auto", ctHead(shift, VoxelType::i16));
+    EXPECT_FALSE(f.interesting(shift - 900));
+    EXPECT_GT(f.at(shift + 50).opacity, 0.8);
+  }
+  // A magnetic resonance head: noise, skin and grey matter, a bright rest.
+  const Manifest mr = volumeOf(VoxelType::u16, 1026, 5119, {{1080, 800}, {1900, 150}, {2300, 50}});
+  for (const char* name : {"auto", "mr-head"}) {
+    EXPECT_FALSE(presetFor(name, mr).interesting(1090)) << name;
+    EXPECT_GT(presetFor(name, mr).at(1900).opacity, 0.8) << name;
+  }
+  EXPECT_LT(presetFor("mr-head", mr).points.front().value, presetFor("auto", mr).points.front().value);
+}
+
+// A background of exact zeros that is nearly everything; then a few very bright voxels that would take the threshold.
+TEST(Presets, AutoIsNotTakenInByDominantPeaks) {
+  const Manifest masked = volumeOf(VoxelType::u8, 0, 255, {{0, 950000}, {100, 49000}, {255, 1000}});
+  EXPECT_GT(presetFor("auto", masked).at(110).opacity, 0.2);
+  EXPECT_FALSE(presetFor("auto", masked).interesting(0));
+  const Manifest metal = volumeOf(VoxelType::u16, 0, 60000, {{0, 700000}, {3000, 299000}, {60000, 1000}});
+  EXPECT_LT(presetFor("auto", metal).points.front().value, 3000);
+  EXPECT_GT(presetFor("auto", metal).points.front().value, 0);
+}
+
+// Along a box diagonal of 173 voxels a density at the upper end absorbs e^-6.
+TEST(Presets, FogHasAnOpticalDepthOfSixAcrossTheBox) {
+  Manifest cloud = volumeOf(VoxelType::f32, 0, 4, {{0, 900000}, {1, 90000}, {3.99, 10000}});
+  cloud.volume_class = VolumeClass::kFog;
+  const TransferFunction f = presetFor("auto", cloud);
+  EXPECT_FALSE(f.interesting(0));
+  EXPECT_NEAR(extinctionOf(f.at(4).opacity, 1) * 100 * std::sqrt(3.0), 6, 1e-9);
+}
+
+TEST(Presets, LevelSetIsItsZeroSurface) {
+  Manifest ball = volumeOf(VoxelType::f32, -0.3, 0.3, {{-0.3, 10}, {0.3, 10}});
+  ball.volume_class = VolumeClass::kLevelSet;
+  for (int axis = 0; axis < 3; ++axis) ball.levels[0].geometry.world_from_index[axis][axis] = 0.1;
+  const TransferFunction f = presetFor("auto", ball);
+  EXPECT_EQ(f.at(-0.2).opacity, 1);
+  EXPECT_EQ(f.at(0).opacity, 1);
+  EXPECT_NEAR(f.at(0.025).opacity, 0.5, 1e-12);
+  EXPECT_EQ(f.at(0.051).opacity, 0);
+}
+
+TEST(Presets, ConstantAndEmptyVolumesHaveAFunctionToo) {
+  std::vector<Manifest> volumes = {volumeOf(VoxelType::u8, 7, 7, {{7, 1000}}),
+                                   volumeOf(VoxelType::u8, 0, 0, {{0, 1000}}), volumeOf(VoxelType::f32, 0, 1, {})};
+  volumes.push_back(volumes[0]);
+  volumes.back().histogram = {};
+  volumes.push_back(volumes[0]);
+  volumes.back().range = {};  // nothing but NaN
+  volumes.back().histogram = {};
+  for (const double huge : {1e30, 1e300})
+    volumes.push_back(volumeOf(VoxelType::f64, -huge, huge, {{0, 10}, {huge, 4}}));
+  for (const Manifest& volume : volumes) {
+    for (const VolumeClass kind : {VolumeClass::kUnknown, VolumeClass::kFog, VolumeClass::kLevelSet}) {
+      Manifest manifest = volume;
+      manifest.volume_class = kind;
+      for (const std::string& name : presetNames()) {
+        const TransferFunction f = presetFor(name, manifest);
+        ASSERT_FALSE(f.points.empty());
+        for (std::size_t i = 0; i < f.points.size(); ++i) {
+          EXPECT_TRUE(std::isfinite(f.points[i].value)) << name;
+          EXPECT_TRUE(f.points[i].opacity >= 0 && f.points[i].opacity <= 1) << name;
+          EXPECT_LE(f.points[i > 0 ? i - 1 : 0].value, f.points[i].value) << name;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln

@@ -1,0 +1,285 @@
+// Known answers: the example of DESIGN.md §10 with each value where it stands; each way to get a key wrong names that
+// key.
+#include "scene/render_job.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "scene/job_json.h"
+
+namespace kiln {
+namespace {
+
+const char* const kExample = R"({ "kiln": 1, "volume": "head.kiln", "output": "head_####.exr",
+  // the picture of the README
+  "image": {"width": 640, "height": 480, "background": [0, 0.25, 0, 0.5]},
+  "camera": {"projection": "perspective", "fov": 60, "eye": [0, -500, 90], "target": [127, 127, 112], "up": [0, 0, 1]},
+  "transferFunction": {"unit": 1.5, "colorSpace": "linear",
+                       "points": [{"value": 420, "color": [0.93, 0.74, 0.6], "opacity": 0.0},
+                                  {"value": 1150, "color": [1, 1, 1], "opacity": 0.9}]},
+  "shading": {"model": "phong", "light": "headlight", "ambient": 0.1, "diffuse": 0.7, "specular": 0.3, "power": 8},
+  "visibility": {"method": "none", "threshold": 0.95}, "lattice": "voxel", "level": "auto",
+  "memory": "512M", "threads": 3, "exr": {"type": "float"}, "png": {"bits": 16} })";
+
+TEST(RenderJob, ReadsEveryKey) {
+  const RenderJob job = parseJob(kExample, "jobs/job.json");
+  EXPECT_EQ(job.volume, "jobs/head.kiln");
+  EXPECT_EQ(job.output.path, "jobs/head_####.exr");
+  EXPECT_EQ(job.picture.size.width, 640);
+  EXPECT_EQ(job.picture.size.height, 480);
+  EXPECT_EQ(job.picture.background, (std::array<double, 4>{0, 0.25, 0, 0.5}));
+  EXPECT_EQ(job.picture.camera.projection, Projection::kPerspective);
+  EXPECT_EQ(job.picture.camera.fov_deg, 60);
+  EXPECT_EQ(job.picture.camera.eye, glm::dvec3(0, -500, 90));
+  EXPECT_EQ(job.picture.camera.target, glm::dvec3(127, 127, 112));
+  EXPECT_EQ(job.picture.camera.up, glm::dvec3(0, 0, 1));
+  EXPECT_FALSE(job.picture.camera.side);
+  const auto& function = std::get<TransferFunction>(job.picture.transfer_function);
+  EXPECT_EQ(function.unit, 1.5);
+  ASSERT_EQ(function.points.size(), 2u);
+  EXPECT_EQ(function.points[0].color, glm::dvec3(0.93, 0.74, 0.6));
+  EXPECT_EQ(function.points[1].value, 1150);
+  EXPECT_EQ(function.points[1].opacity, 0.9);
+  EXPECT_TRUE(job.picture.shading.phong);
+  EXPECT_EQ(job.picture.shading.diffuse, 0.7);
+  EXPECT_EQ(job.picture.shading.power, 8);
+  EXPECT_EQ(job.speed.visibility, VisibilityMethod::kNone);
+  EXPECT_EQ(job.picture.opacity_threshold, 0.95);
+  EXPECT_EQ(job.speed.memory_bytes, 512u << 20);
+  EXPECT_EQ(job.speed.threads, 3u);
+  EXPECT_TRUE(job.output.exr_float);
+  EXPECT_EQ(job.output.png_bits, 16);
+}
+
+TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
+  const RenderJob job = parseJob(R"({"volume": "/data/a.kiln"})", "jobs/job.json");
+  EXPECT_EQ(job.volume, "/data/a.kiln");
+  EXPECT_TRUE(job.output.path.empty());
+  EXPECT_EQ(job.picture.size.width, 1024);
+  EXPECT_EQ(std::get<std::string>(job.picture.transfer_function), "auto");
+  EXPECT_EQ(job.picture.opacity_threshold, 0.998);
+  EXPECT_EQ(job.speed.visibility, VisibilityMethod::kMask);
+  EXPECT_EQ(job.speed.memory_bytes, std::uint64_t{2} << 30);
+}
+
+TEST(RenderJob, FramingKeysAndNamedTransferFunctions) {
+  RenderJob job = parseJob(
+      R"({"volume": "a", "camera": {"view": "left", "azimuth": 10, "elevation": -5, "zoom": 2, "height": 7,
+          "projection": "orthographic"}, "transferFunction": "ct-bone", "memory": 1000000})",
+      "job.json");
+  EXPECT_EQ(job.picture.camera.side, Side::kLeft);
+  EXPECT_EQ(job.picture.camera.azimuth_deg, 10);
+  EXPECT_EQ(job.picture.camera.elevation_deg, -5);
+  EXPECT_EQ(job.picture.camera.zoom, 2);
+  EXPECT_EQ(job.picture.camera.height, 7);
+  EXPECT_EQ(job.picture.camera.projection, Projection::kOrthographic);
+  EXPECT_EQ(std::get<std::string>(job.picture.transfer_function), "ct-bone");
+  EXPECT_EQ(job.speed.memory_bytes, 1000000u);
+  job = parseJob(R"({"volume": "a", "transferFunction": "bone.json"})", "jobs/job.json");
+  EXPECT_EQ(std::get<std::filesystem::path>(job.picture.transfer_function), "jobs/bone.json");
+}
+
+// sRGB 0.5 is 21.4 % light.
+TEST(RenderJob, SrgbColoursAreDecoded) {
+  const RenderJob job = parseJob(R"({"volume": "a", "transferFunction": {"colorSpace": "srgb",
+      "points": [{"value": 0, "color": [0.5, 1, 0], "opacity": 1}]}})",
+                                 "job.json");
+  const auto& function = std::get<TransferFunction>(job.picture.transfer_function);
+  EXPECT_NEAR(function.points[0].color.x, 0.21404, 1e-5);
+  EXPECT_NEAR(function.points[0].color.y, 1, 1e-12);
+  EXPECT_EQ(function.unit, 0);
+}
+
+struct Wrong {
+  const char* body;  // beside the volume
+  ErrorCode code;
+  const char* message;  // a part of it
+};
+
+const Wrong kWrong[] = {
+    {R"("camera": {"fvo": 60})", ErrorCode::kUsage, "job.json: camera.fvo: unknown key; did you mean 'fov'?"},
+    {R"("camera": {"fov": "wide"})", ErrorCode::kUsage,
+     "job.json: camera.fov: expected a number of degrees in (0, 180), found \"wide\""},
+    {R"("camera": {"fov": 180})", ErrorCode::kUsage, "camera.fov: expected a number of degrees in (0, 180), found 180"},
+    {R"("camera": {"eye": [1, 2]})", ErrorCode::kUsage, "camera.eye: expected [x, y, z]"},
+    {R"("camera": {"eye": [1, 2, 1e31]})", ErrorCode::kUsage, "camera.eye"},
+    {R"("camera": {"up": [1, null, 2]})", ErrorCode::kUsage, "camera.up"},
+    {R"("camera": {"target": 3})", ErrorCode::kUsage, "camera.target"},
+    {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
+    {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
+    {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
+    {R"("camera": {"azimuth": true})", ErrorCode::kUsage, "camera.azimuth"},
+    {R"("camera": {"elevation": 91})", ErrorCode::kUsage, "camera.elevation"},
+    {R"("camera": {"zoom": 0})", ErrorCode::kUsage, "camera.zoom"},
+    {R"("camera": [])", ErrorCode::kUsage, "camera: expected an object"},
+    {R"("imgae": {})", ErrorCode::kUsage, "imgae: unknown key; did you mean 'image'?"},
+    {R"("image": {"width": 0})", ErrorCode::kUsage, "image.width: expected a whole number from 1 to 65536, found 0"},
+    {R"("image": {"height": 65537})", ErrorCode::kUsage, "image.height"},
+    {R"("image": {"width": 10.5})", ErrorCode::kUsage, "image.width"},
+    {R"("image": {"width": 1e300})", ErrorCode::kUsage, "image.width"},
+    {R"("image": {"background": [0, 0, 0]})", ErrorCode::kUsage, "image.background"},
+    {R"("image": {"background": [0, 0, 0, 2]})", ErrorCode::kUsage, "image.background"},
+    {R"("transferFunction": "ct-bon")", ErrorCode::kUsage, "did you mean 'ct-bone'"},
+    {R"("transferFunction": 3)", ErrorCode::kUsage, "transferFunction"},
+    {R"("transferFunction": {})", ErrorCode::kUsage, "transferFunction.points"},
+    {R"("transferFunction": {"points": []})", ErrorCode::kUsage, "transferFunction.points"},
+    {R"("transferFunction": {"points": [3]})", ErrorCode::kUsage, "transferFunction.points[0]"},
+    {R"("transferFunction": {"points": [{"value": 1, "opacity": 1}]})", ErrorCode::kUsage,
+     "points[0].color: is missing"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": [0, 0, 2], "opacity": 1}]})", ErrorCode::kUsage,
+     "points[0].color"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": [0, 0, 0], "opacity": 1.1}]})", ErrorCode::kUsage,
+     "points[0].opacity"},
+    {R"("transferFunction": {"points": [{"value": 2, "color": [0, 0, 0], "opacity": 1},
+                                        {"value": 1, "color": [0, 0, 0], "opacity": 1}]})",
+     ErrorCode::kUsage, "transferFunction.points[1].value"},
+    {R"("transferFunction": {"colorSpace": "rec709", "points": []})", ErrorCode::kUsage, "transferFunction.colorSpace"},
+    {R"("transferFunction": {"unit": -1, "points": []})", ErrorCode::kUsage, "transferFunction.unit"},
+    {R"("shading": {"model": "toon"})", ErrorCode::kUsage, "shading.model"},
+    {R"("shading": {"light": "sun"})", ErrorCode::kUsage, "shading.light"},
+    {R"("shading": {"ambient": -1})", ErrorCode::kUsage, "shading.ambient"},
+    {R"("shading": {"power": "16"})", ErrorCode::kUsage, "shading.power"},
+    {R"("visibility": {"method": "magic"})", ErrorCode::kUsage, "visibility.method"},
+    {R"("visibility": {"method": "quadtree"})", ErrorCode::kUnsupported, "visibility.method"},
+    {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
+    {R"("lattice": "pixel")", ErrorCode::kUnsupported, "lattice: this version splats the voxel lattice only"},
+    {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},
+    {R"("level": 3)", ErrorCode::kUnsupported, "level"},
+    {R"("level": "best")", ErrorCode::kUsage, "level"},
+    {R"("level": -1)", ErrorCode::kUsage, "level"},
+    {R"("memory": "lots")", ErrorCode::kUsage, "memory"},
+    {R"("memory": [])", ErrorCode::kUsage, "memory"},
+    {R"("threads": -1)", ErrorCode::kUsage, "threads"},
+    {R"("exr": {"type": "double"})", ErrorCode::kUsage, "exr.type"},
+    {R"("png": {"bits": 12})", ErrorCode::kUsage, "png.bits"},
+    {R"("output": 3)", ErrorCode::kUsage, "output"},
+    {R"("output": "")", ErrorCode::kUsage, "output"},
+    {R"("kiln": 2)", ErrorCode::kUsage, "kiln: expected 1"},
+    {R"("threads": 1, "threads": 2)", ErrorCode::kFormat, "'threads' is given twice"},
+    {"\"threads\": 1,\n\"level\" 0", ErrorCode::kFormat, "job.json: line 2, column 9"},
+    {"\"memory\": 1e999", ErrorCode::kFormat, "line 1"},
+    {R"("memory": NaN)", ErrorCode::kFormat, "line 1"},
+    {"\"memory\": \"\xff\"", ErrorCode::kFormat, "line 1"},
+};
+
+TEST(RenderJob, EachMistakeNamesItsKey) {
+  for (const Wrong& wrong : kWrong) {
+    try {
+      parseJob(std::string(R"({"volume": "a.kiln", )") + wrong.body + "}", "job.json");
+      ADD_FAILURE() << "not refused: " << wrong.body;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), wrong.code) << wrong.body << "\n" << error.what();
+      EXPECT_NE(std::string(error.what()).find(wrong.message), std::string::npos) << wrong.body << "\n" << error.what();
+    }
+  }
+}
+
+// Cut anywhere, the example is no job; and it never ends in anything but our own error.
+TEST(RenderJob, TruncatedTextIsMalformed) {
+  const std::string whole = kExample;
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    try {
+      parseJob(whole.substr(0, length), "job.json");
+      ADD_FAILURE() << length;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat) << length << ": " << error.what();
+    }
+  }
+  EXPECT_THROW(parseJob("[]", "job.json"), Error);
+  EXPECT_THROW(parseJob("{}", "job.json"), Error);
+  EXPECT_THROW(parseJob(std::string(100000, '['), "job.json"), Error);
+}
+
+TEST(RenderJob, NearestWordByEdits) {
+  const std::string_view words[] = {"azimuth", "elevation", "zoom", "fov"};
+  EXPECT_EQ(nearestWord("azimut", words), "azimuth");
+  EXPECT_EQ(nearestWord("zom", words), "zoom");
+  EXPECT_EQ(nearestWord("elevations", words), "elevation");
+}
+
+void expectSamePicture(const RenderJob& a, const RenderJob& b) {
+  EXPECT_EQ(a.volume, b.volume);
+  EXPECT_EQ(a.picture.size.width, b.picture.size.width);
+  EXPECT_EQ(a.picture.size.height, b.picture.size.height);
+  EXPECT_EQ(a.picture.background, b.picture.background);
+  EXPECT_EQ(a.picture.opacity_threshold, b.picture.opacity_threshold);
+  EXPECT_EQ(a.picture.shading.phong, b.picture.shading.phong);
+  EXPECT_EQ(a.picture.shading.ambient, b.picture.shading.ambient);
+  EXPECT_EQ(a.picture.shading.diffuse, b.picture.shading.diffuse);
+  EXPECT_EQ(a.picture.shading.specular, b.picture.shading.specular);
+  EXPECT_EQ(a.picture.shading.power, b.picture.shading.power);
+  EXPECT_EQ(a.picture.level, b.picture.level);
+}
+
+// Values with no short decimal form, so that a rounded one would be seen.
+TEST(RenderJob, ResolvedTextIsTheSamePicture) {
+  RenderJob job = parseJob(kExample, "job.json");
+  job.picture.shading.phong = false;
+  job.picture.opacity_threshold = 1 / 1.1;
+  const TransferFunction function{1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}};
+  Camera camera;
+  camera.eye = {1 / 3.0, -1e5 / 7, 2};
+  camera.fov_deg = 100 / 3.0;
+  camera.height = 10 / 3.0;
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    camera.projection = projection;
+    const std::string text = resolvedJobText(job, camera, function);
+    const RenderJob again = parseJob(text, "job.json");
+    expectSamePicture(job, again);
+    const Camera seen = again.picture.camera.resolve(VolumeGeometry{}, {64, 64});
+    EXPECT_EQ(seen.projection, projection);
+    EXPECT_EQ(seen.eye, camera.eye);
+    EXPECT_EQ(seen.target, camera.target);
+    EXPECT_EQ(seen.up, camera.up);
+    if (projection == Projection::kPerspective)
+      EXPECT_EQ(seen.fov_deg, camera.fov_deg);
+    else
+      EXPECT_EQ(seen.height, camera.height);
+    const auto& points = std::get<TransferFunction>(again.picture.transfer_function).points;
+    ASSERT_EQ(points.size(), 2u);
+    EXPECT_EQ(points[0].value, -1 / 7.0);
+    EXPECT_EQ(points[0].color, glm::dvec3(0.1, 1 / 3.0, 0));
+    EXPECT_EQ(points[1].opacity, 1 / 9.0);
+    EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).unit, 1 / 3.0);
+    EXPECT_EQ(text, resolvedJobText(again, seen, std::get<TransferFunction>(again.picture.transfer_function)));
+  }
+}
+
+// Equal pictures have equal headers: what is only speed or place is not in the text.
+TEST(RenderJob, ResolvedTextLeavesOutHowFastAndWhereTo) {
+  RenderJob job = parseJob(kExample, "job.json");
+  const std::string text = resolvedJobText(job, Camera{}, {});
+  job.speed = SpeedOptions{};
+  job.output = OutputOptions{};
+  EXPECT_EQ(text, resolvedJobText(job, Camera{}, {}));
+}
+
+TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("kiln_render_job_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "job.json") << kExample;
+  std::ofstream(folder / "tf.json") << R"({"points": [{"value": 3, "color": [1, 1, 1], "opacity": 0.5}]})";
+  std::ofstream(folder / "bad.json") << R"({"points": [{"value": 3, "color": [1, 1, 1], "opacity": 5}]})";
+  EXPECT_EQ(readJob(folder / "job.json").volume, folder / "head.kiln");
+  EXPECT_EQ(readTransferFunction(folder / "tf.json").at(3).opacity, 0.5);
+  try {
+    readTransferFunction(folder / "bad.json");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("bad.json: points[0].opacity"), std::string::npos) << error.what();
+  }
+  try {
+    readJob(folder / "none.json");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kNotFound);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace kiln
