@@ -1,0 +1,98 @@
+// "Nothing in the second group of options changes a bit of the picture", and neither does how the volume was cut: order is
+// decided per cell of 8³ voxels of the one octree, every footprint's weights are taken over all of it, and each pixel is
+// written by one tile. So pictures of the same scene must be equal to the bit for every brick size, visibility method,
+// thread count, tile size and memory budget.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "base/parallel.h"
+#include "support/drawing.h"
+#include "support/procedural.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kSize{150, 117};  // neither is a multiple of a tile
+
+FrameRequest requestOf(const RandomScene& scene, double threshold) {
+  FrameRequest request;
+  request.view = scene.view;
+  request.transfer_function = scene.transfer_function;
+  request.shading = scene.shading;
+  request.background = scene.background;
+  request.opacity_threshold = threshold;
+  return request;
+}
+
+bool equalBits(const Image& a, const Image& b) {
+  return a.width == b.width && a.height == b.height && std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
+}
+
+// Volumes that differ in all that could matter: type, proportions, affine; none a multiple of a brick.
+std::vector<DenseVolume> volumes() {
+  std::vector<DenseVolume> out;
+  out.push_back(cheese({{75, 61, 90}, VoxelType::i16}, 1, usualRange(VoxelType::i16)));
+  out.push_back(head({{70, 81, 47}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8)));
+  out.push_back(cheese({{40, 97, 55}, VoxelType::f32, obliqueAffine()}, 2, usualRange(VoxelType::f32)));
+  return out;
+}
+
+class PictureEquality : public ::testing::TestWithParam<int> {
+ protected:
+  // Opens one store for each brick size: 8 is a cell a brick, 128 is one brick for all.
+  void SetUp() override {
+    volume_ = std::move(volumes()[static_cast<std::size_t>(GetParam())]);
+    for (const std::int64_t size : {8, 32, 64, 128}) {
+      stores_.push_back(makeStore(volume_, "equality_" + std::to_string(GetParam()) + "_" + std::to_string(size) + "_" +
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->test_suite_name()[0] +
+                                               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 5), size));
+    }
+  }
+
+  void check(std::uint64_t first_seed, int scenes) {
+    int pictures_with_something = 0;
+    for (int i = 0; i < scenes; ++i) {
+      const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+      const RandomScene scene = randomScene(seed, volume_, kSize);
+      const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
+      FrameRequest request = requestOf(scene, threshold);
+      request.visibility = VisibilityMethod::kNone;
+      const Image truth = draw(stores_[3], request);
+      for (std::size_t at = 3; at < truth.rgba.size(); at += 4) {
+        if (truth.rgba[at] > 0) {
+          ++pictures_with_something;
+          break;
+        }
+      }
+      request.visibility = VisibilityMethod::kMask;
+      for (const auto& store : stores_) EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
+      const ThreadLimit one(1);
+      request.tile_px = 64 * static_cast<int>(1 + seed % 3);
+      EXPECT_TRUE(equalBits(truth, draw(stores_[1], request))) << "one thread, tiles of " << request.tile_px << ", seed " << seed;
+      const StoreReader reader(stores_[1]);
+      std::uint64_t smallest = 0;
+      for (std::int64_t b = 0; b < reader.index().lattice(0).count(); ++b) {
+        const Extent3& n = reader.index().lattice(0);
+        smallest = std::max<std::uint64_t>(smallest, reader.readBytes({0, {static_cast<std::int32_t>(b % n.x), static_cast<std::int32_t>(b / n.x % n.y), static_cast<std::int32_t>(b / n.x / n.y)}}));
+      }
+      FrameStatistics statistics;
+      EXPECT_TRUE(equalBits(truth, draw(stores_[1], request, smallest, &statistics))) << "least memory, seed " << seed;
+      EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting) << "a brick was read twice, seed " << seed;
+    }
+    EXPECT_GT(pictures_with_something, scenes / 2);
+  }
+
+  DenseVolume volume_;
+  std::vector<std::filesystem::path> stores_;
+};
+
+TEST_P(PictureEquality, HoldsForBricksMethodsThreadsTilesAndMemory) { check(100, 8); }
+TEST_P(PictureEquality, NightlyHoldsForManyScenes) { check(1000, 400); }
+
+INSTANTIATE_TEST_SUITE_P(Volumes, PictureEquality, ::testing::Values(0, 1, 2));
+
+}  // namespace
+}  // namespace kiln::test
