@@ -140,7 +140,9 @@ class Destination {
     if (!overwrite) throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
     if (!mayReplace(out)) throw Error(ErrorCode::kExists, out, "", "is not a store, so --overwrite does not replace it; name another output");
     building_ += ".partial";
-    if (fs::exists(building_, ignored)) disk_.removeAll(building_);
+    if (!fs::exists(building_, ignored)) return;
+    if (!mayReplace(building_)) throw Error(ErrorCode::kExists, building_, "", "is in the way and is not an unfinished store; move it");
+    disk_.removeAll(building_);
   }
 
   const fs::path& building() const { return building_; }
@@ -177,8 +179,9 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   const Plan plan = planMemory(info, source.order(), options);
   Destination destination(withoutTrailingSlash(out), options.overwrite, disk);
   ConvertReport report;
+  std::optional<StoreWriter> begun;
   try {
-    StoreWriter writer(destination.building(), draftOf(info, options), disk);
+    StoreWriter& writer = begun.emplace(destination.building(), draftOf(info, options), disk);
     Conversion conversion(source, writer, plan, progress);
     const Extent3 lattice = brickLattice(info.geometry.dims, options.brick_size);
     conversion.run(lattice);
@@ -189,7 +192,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     report.stored_bytes = writer.bytesWritten();
     report.nan_count = conversion.counter().nanCount();
   } catch (...) {
-    destination.abandon();
+    // What this conversion did not begin is not its to remove.
+    if (begun) destination.abandon();
     throw;
   }
   report.voxels = static_cast<std::uint64_t>(info.geometry.dims.count());

@@ -221,9 +221,10 @@ TEST(ReferenceRenderer, BallHasTheChordsDepth) {
       const double expected = extinction * chordOf(ray, centre, radius - 1 / (4 * radius));
       depth.push_back(expected);
       difference.push_back(image.transmittance[placeOf(view, column, row)] - std::exp(-expected));
-      // Well inside the silhouette, where a step is a small part of the chord.
+      // One ray is off by half a step and by some hundredths of a voxel that sampling bends the surface, twice, both
+      // divided by its cosine, 1/2 at worst here; the mean has neither.
       if (expected > extinction * radius) {
-        EXPECT_NEAR(image.depth[placeOf(view, column, row)] / expected, 1, 0.01);
+        EXPECT_NEAR(image.depth[placeOf(view, column, row)] / expected, 1, 0.02);
       }
     });
     EXPECT_NEAR(sum(image.depth) / sum(depth), 1, 0.001);

@@ -1,0 +1,112 @@
+// What is skipped must be nothing: a node's rectangle holds every footprint of its voxels, and a range that is not
+// interesting holds no value with an opacity. Both are checked against every voxel and every value, one by one.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "splat/classifier.h"
+#include "splat/projector.h"
+#include "support/procedural.h"
+#include "support/random_scene.h"
+
+namespace kiln::test {
+namespace {
+
+TEST(NodeBounds, HoldEveryFootprint) {
+  int drawn = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    VolumeGeometry volume;
+    volume.dims = {64, 64, 64};
+    volume.world_from_index = seed % 3 == 0 ? glm::dmat4(1.0) : seed % 3 == 1 ? anisotropicAffine() : obliqueAffine();
+    const View view = resolve(randomCamera(random, volume), {200, 150});
+    const Projector projector(volume, view);
+    const int edge = 1 << random.between(0, 4);
+    const VoxelCoord lo = {random.between(0, 64 - edge), random.between(0, 64 - edge), random.between(0, 64 - edge)};
+    const VoxelBox box{lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
+    const PixelRect bounds = projector.bounds(box);
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+          const glm::dvec3 p = projector.viewOf({x, y, z});
+          if (projector.perspective() && p.z < projector.nearDepth()) continue;
+          const glm::dvec2 at = projector.pixelOf(p);
+          const Ellipse e = projector.ellipseAt(p);
+          // Pixel column c is touched if its centre c + 1/2 is within half_x of the footprint's centre.
+          const double left = std::ceil(at.x - e.half_x - 0.5), right = std::floor(at.x + e.half_x - 0.5);
+          const double top = std::ceil(at.y - e.half_y - 0.5), bottom = std::floor(at.y + e.half_y - 0.5);
+          if (std::abs(at.x) > 1e7 || std::abs(at.y) > 1e7) continue;
+          ASSERT_LE(bounds.x0, left) << "seed " << seed;
+          ASSERT_LE(bounds.y0, top) << "seed " << seed;
+          ASSERT_GT(bounds.x1, right) << "seed " << seed;
+          ASSERT_GT(bounds.y1, bottom) << "seed " << seed;
+          ++drawn;
+        }
+      }
+    }
+  }
+  EXPECT_GT(drawn, 10000);
+}
+
+TEST(Footprint, CarriesTheVolumeOfItsVoxel) {
+  // The integral of exp(-q/2) over its ellipse, cut off at q = 9, is what Ellipse::area says: summed here on a grid of
+  // hundredths of a pixel.
+  VolumeGeometry volume;
+  volume.dims = {16, 16, 16};
+  volume.world_from_index = obliqueAffine();
+  Random random(5);
+  const View view = resolve(randomCamera(random, volume), {64, 64});
+  const Ellipse e = Projector(volume, view).ellipseAt({0, 0, 30});
+  double sum = 0;
+  const double step = e.half_x / 400;
+  for (double y = -e.half_y; y <= e.half_y; y += step) {
+    for (double x = -e.half_x; x <= e.half_x; x += step) {
+      const double q = e.a * x * x + 2 * e.b * x * y + e.c * y * y;
+      if (q <= 9) sum += std::exp(-q / 2) * step * step;
+    }
+  }
+  EXPECT_NEAR(sum / e.area, 1, 2e-3);
+}
+
+TEST(Classifier, RangesAreInterestingWhereAValueIs) {
+  int boring = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    Random random(seed);
+    const ValueRange all{0, 255};
+    const TransferFunction tf = randomTransferFunction(random, all, 1);
+    const Classifier classifier(tf, 1, VoxelType::u8, all);
+    for (int i = 0; i < 30; ++i) {
+      const int lo = random.between(0, 255), hi = random.between(lo, 255);
+      bool some = false;
+      for (int value = lo; value <= hi; ++value) some = some || classifier.at(static_cast<std::uint8_t>(value)).tau > 0;
+      const bool interesting = classifier.interesting({static_cast<double>(lo), static_cast<double>(hi)});
+      if (some) {
+        ASSERT_TRUE(interesting) << "seed " << seed << " values " << lo << " to " << hi;
+      }
+      boring += interesting ? 0 : 1;
+    }
+    EXPECT_FALSE(classifier.interesting({}));
+  }
+  EXPECT_GT(boring, 100);
+}
+
+TEST(Classifier, TableAndSegmentsAgree) {
+  // 8-bit values are looked up, floats evaluated: the same function must come out, to a float's rounding.
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Random random(seed);
+    const ValueRange all{0, 255};
+    const TransferFunction tf = randomTransferFunction(random, all, 1);
+    const Classifier table(tf, 0.7, VoxelType::u8, all);
+    const Classifier segments(tf, 0.7, VoxelType::f32, all);
+    for (int value = 0; value <= 255; ++value) {
+      const Material a = table.at(static_cast<std::uint8_t>(value));
+      const Material b = segments.at(static_cast<float>(value));
+      ASSERT_EQ(a.tau, b.tau);
+      ASSERT_EQ(a.r, b.r);
+      ASSERT_FLOAT_EQ(a.tau, static_cast<float>(tf.at(value).opacity > 0 ? extinctionOf(tf.at(value).opacity, 0.7) : 0));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test

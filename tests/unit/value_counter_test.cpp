@@ -1,0 +1,67 @@
+// Counting is exact for 8 and 16 bits, and for wider types every voxel is counted once, in a bin within 1/128 of its
+// value: checked against a count made the plain way.
+#include "convert/value_counter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "support/procedural.h"
+
+namespace kiln::test {
+namespace {
+
+ValueHistogram count(const DenseVolume& volume, std::uint64_t* nan_count = nullptr) {
+  ValueCounter counter(volume.type);
+  const VoxelBox box = boxOf(volume.geometry.dims);
+  counter.count(volume.voxels, box, box);
+  if (nan_count != nullptr) *nan_count = counter.nanCount();
+  return counter.histogram(volume.range());
+}
+
+TEST(ValueCounter, IsExactForSmallIntegers) {
+  const DenseVolume volume = noise({{20, 20, 20}, VoxelType::u8}, 3, {0, 255});
+  const ValueHistogram histogram = count(volume);
+  ASSERT_EQ(histogram.counts.size(), 256u);
+  std::vector<std::uint64_t> plain(256);
+  const ValueRange range = volume.range();
+  for (const std::byte voxel : volume.voxels) {
+    const double bin = (static_cast<double>(voxel) - range.lo) / ((range.hi - range.lo) / 256);
+    ++plain[static_cast<std::size_t>(std::min(bin, 255.0))];
+  }
+  EXPECT_EQ(histogram.counts, plain);
+}
+
+TEST(ValueCounter, CountsEveryVoxelOfEveryTypeOnce) {
+  for (int type = 0; type < 8; ++type) {
+    const auto voxel_type = static_cast<VoxelType>(type);
+    const DenseVolume volume = noise({{17, 9, 11}, voxel_type}, 4, usualRange(voxel_type));
+    const ValueHistogram histogram = count(volume);
+    EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0}), 17u * 9 * 11) << nameOf(voxel_type);
+    EXPECT_EQ(histogram.lo, volume.range().lo);
+    EXPECT_EQ(histogram.hi, volume.range().hi);
+  }
+}
+
+TEST(ValueCounter, FindsTheMiddleOfUniformFloats) {
+  const DenseVolume volume = noise({{40, 40, 40}, VoxelType::f32}, 5, {-10, 30});
+  const ValueHistogram histogram = count(volume);
+  const auto middle = histogram.counts.begin() + 128;
+  const double below = static_cast<double>(std::accumulate(histogram.counts.begin(), middle, std::uint64_t{0}));
+  EXPECT_NEAR(below / 64000, 0.5, 0.02);
+}
+
+TEST(ValueCounter, LeavesNanAside) {
+  DenseVolume volume = noise({{4, 4, 4}, VoxelType::f32}, 6, {1, 2});
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(volume.voxels.data(), &nan, sizeof nan);
+  std::uint64_t nan_count = 0;
+  const ValueHistogram histogram = count(volume, &nan_count);
+  EXPECT_EQ(nan_count, 1u);
+  EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0}), 63u);
+}
+
+}  // namespace
+}  // namespace kiln::test
