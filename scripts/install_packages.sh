@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing: install_packages.sh [build|test|demo ...], `build` if nothing is named.
+# Where all are there it changes nothing and needs no root. Debian 12 and its successors.
+set -euo pipefail
+
+# blosc, zlib, boost and pkg-config are what OpenVDB's own FindOpenVDB.cmake asks for.
+build=(g++ cmake ninja-build pkg-config
+       libopenvdb-dev libtbb-dev libboost-iostreams-dev libblosc-dev zlib1g-dev
+       libopenexr-dev libimath-dev libpng-dev libxxhash-dev
+       libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
+test=(libgtest-dev)
+demo=(invesalius-examples tar)
+
+[ $# -gt 0 ] || set -- build
+wanted=()
+for group in "$@"; do
+  case $group in
+    build) wanted+=("${build[@]}") ;;
+    test) wanted+=("${test[@]}") ;;
+    demo) wanted+=("${demo[@]}") ;;
+    *) echo "install_packages.sh: '$group' is not one of build test demo" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${wanted[@]}"; do
+  status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
+  # A package of several architectures answers once for each.
+  case $status in *installed*) [[ $status != *not-installed* ]] || missing+=("$package") ;; *) missing+=("$package") ;; esac
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "install_packages.sh: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
+  root=(sudo)
+fi
+echo "Installing ${missing[*]}"
+# sudo drops the environment, so env sets the variable behind it.
+apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq)
+"${apt[@]}" update
+"${apt[@]}" install -y --no-install-recommends "${missing[@]}"
