@@ -1,60 +1,69 @@
 #!/usr/bin/env bash
-# From a bare machine to a picture: installs what is missing, builds, converts a CT head and draws it to out/demo/head.png.
-# What is done is not done again.
+# From nothing to a picture: installs what is missing, builds the program, converts a CT of a head and draws it.
+# What is already there and newer than what it was made from is left alone. Everything but the build goes to out/demo/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+kiln=build/release/tools/kiln/kiln
+out=out/demo
+picture=$out/head.png
+study=/usr/share/doc/invesalius-examples/examples/Cranium.inv3
+
 scripts/install_packages.sh build demo
 
-kiln=build/release/tools/kiln/kiln
-if [ ! -f build/release/build.ninja ]; then
-  configure=(-DKILN_TESTS=OFF)
-  if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-  cmake --preset release "${configure[@]}"
-fi
-cmake --build --preset release --target kiln_tool -j "$(nproc)"
+configure=(-DKILN_TESTS=OFF)
+if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+cmake --preset release "${configure[@]}"
+cmake --build --preset release -j "$(nproc)"
 
-out=out/demo
 mkdir -p "$out"
-
-# The head of Debian's invesalius-examples: a tar archive with the voxels as they lie in memory, i16 little-endian.
-archive=/usr/share/doc/invesalius-examples/examples/Cranium.inv3
-bytes=$((256 * 256 * 108 * 2))
-if [ "$(stat -c %s "$out/matrix.dat" 2>/dev/null || echo 0)" -ne $bytes ]; then
-  tar -xzOf "$archive" --wildcards '*/matrix.dat' >"$out/matrix.dat.tmp"
-  [ "$(stat -c %s "$out/matrix.dat.tmp")" -eq $bytes ] || { echo "demo.sh: $archive does not hold $bytes bytes of voxels" >&2; exit 1; }
-  mv "$out/matrix.dat.tmp" "$out/matrix.dat"
+if [ ! -e "$out/matrix.dat" ]; then
+  if [ ! -e "$study" ]; then
+    # Small images of Debian tell dpkg to leave /usr/share/doc out: then the package is unpacked by hand.
+    rm -rf "$out/package" && mkdir "$out/package"
+    # As root, apt would fetch as a user who may not write here.
+    (cd "$out/package" && apt-get -qq -o APT::Sandbox::User=root download invesalius-examples)
+    dpkg-deb -x "$out"/package/invesalius-examples_*.deb "$out/package"
+    study=$out/package$study
+  fi
+  # The voxels are one file of the archive, in a folder of any name. A file half written must not look whole.
+  tar -xzf "$study" --wildcards --no-anchored --to-stdout '*/matrix.dat' >"$out/matrix.dat.part"
+  size=$(stat -c %s "$out/matrix.dat.part")
+  [ "$size" -eq $((256 * 256 * 108 * 2)) ] || { echo "demo.sh: matrix.dat has $size bytes, not 256 x 256 x 108 of int16" >&2; exit 1; }
+  mv "$out/matrix.dat.part" "$out/matrix.dat"
+  rm -rf "$out/package"
 fi
 
-# The archive gives the spacing (main.plist) and no directions. These are read off the voxels: the teeth are in the first
-# slices and the crown in the last, so z runs to superior; in a slice the scanner's table is at the first rows and the nose
-# at the last, so y runs to anterior, against LPS. A head does not tell left from right: x runs to the left, as in DICOM's
-# axial slices, whose rows alone the program that wrote the archive turns round.
-header='NRRD0005
-type: short
+# Where the patient lies. Drawn as a raw volume with +z up, the head is upright and its face looks along +y, the head rest
+# behind it: +y is anterior, +z superior. Left and right cannot be seen in a head; they follow from how InVesalius stores
+# DICOM's axial slices, with the rows reversed and the columns as they were: +x is the patient's left. The voxels are thus
+# in left-anterior-superior order, which LPS says with a negative second direction. The origin puts the world's zero in
+# the middle of the volume.
+header=$(cat <<'NRRD'
+NRRD0005
+# CT of a head, Cranium.inv3 of InVesalius' examples.
+type: int16
 dimension: 3
 sizes: 256 256 108
-endian: little
 encoding: raw
+endian: little
 space: left-posterior-superior
-space directions: (0.957032,0,0) (0,-0.957032,0) (0,0,1.5)
-space origin: (0,244.04316,0)
+space directions: (0.95703125,0,0) (0,-0.95703125,0) (0,0,1.5)
+space origin: (-122.021484375,122.021484375,-80.25)
 space units: "mm" "mm" "mm"
-data file: matrix.dat'
-if [ "$(cat "$out/cranium.nhdr" 2>/dev/null || true)" != "$header" ]; then
-  printf '%s\n' "$header" >"$out/cranium.nhdr"
-fi
+data file: matrix.dat
+NRRD
+)
+# An equal header keeps its time, and with it the store and the picture.
+if [ "$header" != "$(cat "$out/cranium.nhdr" 2>/dev/null || true)" ]; then printf '%s\n' "$header" >"$out/cranium.nhdr"; fi
 
 store=$out/cranium.kiln
-if [ "$store/manifest.json" -nt "$out/cranium.nhdr" ] && [ "$store/manifest.json" -nt "$out/matrix.dat" ] && "$kiln" verify "$store"; then
-  echo "The store is there already."
-else
+if [ ! "$store/manifest.json" -nt "$out/cranium.nhdr" ]; then
   "$kiln" convert "$out/cranium.nhdr" "$store" --overwrite
 fi
-
-if [ "$out/head.png" -nt "$store/manifest.json" ] && [ "$out/head.png" -nt "$kiln" ]; then
-  echo "The picture is there already."
-else
-  "$kiln" render "$store" -o "$out/head.png" --size 1024x1024 --view front --azimuth 25 --elevation 10
+if [ ! "$picture" -nt "$store/manifest.json" ] || [ ! "$picture" -nt "$kiln" ]; then
+  # Zoom and target set the head, not the box with the head rest, into the middle.
+  "$kiln" render "$store" -o "$picture" --size 1024x1024 --view front --azimuth 25 --elevation 10 \
+    --target 0,-10,-8 --zoom 1.65 --tf ct-skin --background 0.01,0.012,0.016
 fi
-echo "The picture: $PWD/$out/head.png"
+echo "The picture: $PWD/$picture"

@@ -20,6 +20,7 @@ std::string sentence(const std::filesystem::path& path, const std::string& place
 ErrorCode codeOf(int error_number) {
   switch (error_number) {
     case ENOSPC:
+    case EFBIG:  // a limit on the size of files, the user's or the file system's
     case EDQUOT: return ErrorCode::kNoSpace;
     case ENOENT:
     case ENOTDIR: return ErrorCode::kNotFound;

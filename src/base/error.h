@@ -38,7 +38,7 @@ class Error : public std::runtime_error {
   std::filesystem::path path_;
 };
 
-/// The error for a failed system call. shape: maps ENOSPC and EDQUOT to kNoSpace, ENOENT to kNotFound, EEXIST to
+/// The error for a failed system call. shape: maps ENOSPC, EDQUOT and EFBIG to kNoSpace, ENOENT to kNotFound, EEXIST to
 /// kExists and the rest to kIo; `doing` says what was being done ("writing 2.1 MB").
 Error systemError(int error_number, const std::filesystem::path& path, const std::string& doing);
 

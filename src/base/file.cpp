@@ -94,6 +94,9 @@ FileSystem& FileSystem::real() {
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data, bool durable) {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, false);
   const fs::path temporary = path.string() + ".tmp";
   try {
     writeFile(temporary, data, durable);

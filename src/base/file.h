@@ -49,6 +49,7 @@ class FileSystem {
 
   /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file or
   /// the new one, never a part. With `durable` false the sync is left to the caller's later `syncAll`.
+  /// A device or a pipe (/dev/null) is written to as it is, never replaced.
   /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data, bool durable = true);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);

@@ -152,8 +152,18 @@ class Destination {
     const fs::path old = out_.string() + ".old";
     disk_.removeAll(old);
     disk_.rename(out_, old);
-    disk_.rename(building_, out_);
-    disk_.removeAll(old);
+    try {
+      disk_.rename(building_, out_);
+    } catch (...) {
+      std::error_code ignored;
+      fs::rename(old, out_, ignored);
+      throw;
+    }
+    try {
+      disk_.removeAll(old);
+    } catch (const Error&) {
+      // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old.
+    }
   }
   void abandon() noexcept {
     std::error_code ignored;

@@ -8,6 +8,18 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+// Whether the store holds the volume that the file and the options describe now: other --dims make another volume.
+bool sameVolume(const fs::path& store, const SourceInfo& info) {
+  try {
+    const Manifest manifest = StoreReader(store).manifest();
+    const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() && (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
+    return same_grid && manifest.type == info.type && manifest.geometry().dims == info.geometry.dims &&
+           manifest.geometry().world_from_index == info.geometry.world_from_index;
+  } catch (const Error&) {
+    return false;  // damaged, or of another format: made anew
+  }
+}
+
 // A store is up to date if it was finished after each of its source's files was last written.
 bool upToDate(const fs::path& store, const SourceInfo& info) {
   std::error_code error;
@@ -17,7 +29,7 @@ bool upToDate(const fs::path& store, const SourceInfo& info) {
     const auto written = fs::last_write_time(file, error);
     if (error || written > finished) return false;
   }
-  return true;
+  return sameVolume(store, info);
 }
 
 }  // namespace

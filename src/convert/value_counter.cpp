@@ -39,7 +39,10 @@ ValueRange valuesOf(std::size_t key) {
     const double value = static_cast<double>(key) + static_cast<double>(std::numeric_limits<T>::min());
     return {value, value};
   } else {
-    return {fromOrderedBits(static_cast<std::uint32_t>(key) << 16), fromOrderedBits((static_cast<std::uint32_t>(key) << 16) | 0xffffu)};
+    const double lo = fromOrderedBits(static_cast<std::uint32_t>(key) << 16);
+    const double hi = fromOrderedBits((static_cast<std::uint32_t>(key) << 16) | 0xffffu);
+    // An infinity shares its key with NaNs, which are not counted.
+    return {std::isnan(lo) ? hi : lo, std::isnan(hi) ? lo : hi};
   }
 }
 

@@ -28,6 +28,20 @@ void append(std::vector<std::byte>& out, const T& value) {
   out.insert(out.end(), bytes, bytes + sizeof value);
 }
 
+// Whether that many bytes can hold an entry for every brick: asked before memory is taken for what a manifest claims.
+bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
+  std::uint64_t entries = bytes / sizeof(RawEntry);
+  for (const Extent3& lattice : lattices) {
+    std::uint64_t count = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (static_cast<std::uint64_t>(lattice[axis]) > entries / count) return false;
+      count *= static_cast<std::uint64_t>(lattice[axis]);
+    }
+    entries -= count;
+  }
+  return true;
+}
+
 }  // namespace
 
 BrickIndex::BrickIndex(std::vector<Extent3> lattices) : lattices_(std::move(lattices)) {
@@ -72,6 +86,7 @@ std::vector<std::byte> BrickIndex::encode() const {
 
 BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector<Extent3>& lattices,
                               const std::filesystem::path& path) {
+  if (!haveRoom(data.size(), lattices)) throw Error(ErrorCode::kFormat, path, "", "is too short for the bricks of the manifest");
   BrickIndex index(lattices);
   std::size_t at = 0;
   const auto take = [&](void* into, std::size_t bytes) {

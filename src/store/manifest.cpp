@@ -122,6 +122,14 @@ class Reader {
     }
     fail(key, "'" + name + "' is not known");
   }
+  Hash128 checksum(const char* key) {
+    const std::string digits = value<std::string>(key);
+    try {
+      return hashFromHex(digits);
+    } catch (const Error& error) {
+      fail(key, error.what());
+    }
+  }
   void finish() const {
     for (const auto& [key, unused] : object_.items()) {
       if (std::find(seen_.begin(), seen_.end(), key) == seen_.end()) fail(key.c_str(), "is not a key of format 1");
@@ -290,7 +298,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   Reader index(root.get("index"), "index.", path);
   index.value<std::string>("file");
   m.index_bytes = index.count("bytes");
-  m.index_checksum = hashFromHex(index.value<std::string>("checksum"));
+  m.index_checksum = index.checksum("checksum");
   index.finish();
   m.source = readSource(Reader(root.get("source"), "source.", path));
   root.get("checksum");

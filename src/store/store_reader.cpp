@@ -12,17 +12,21 @@ namespace {
 
 constexpr std::uint64_t kLargestManifest = 64ull << 20;
 
-// Checks a file's bytes before anything interprets them.
-void requireChecksum(std::span<const std::byte> data, std::uint64_t bytes, const Hash128& expected, const fs::path& path) {
-  if (data.size() != bytes) {
+// Reads a file and checks its bytes before anything interprets them, its size before memory is taken for it.
+std::vector<std::byte> readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
+  const File file(path);
+  if (file.size() != bytes) {
     throw Error(ErrorCode::kDamaged, path, "",
-                fmt::format("has {} bytes, expected {}; restore the file or convert the source again", data.size(), bytes));
+                fmt::format("has {} bytes, expected {}; restore the file or convert the source again", file.size(), bytes));
   }
+  std::vector<std::byte> data(bytes);
+  file.readAt(0, data);
   const Hash128 found = hashOf(data);
   if (found != expected) {
     throw Error(ErrorCode::kDamaged, path, "",
                 fmt::format("checksum {}, expected {}; restore the file or convert the source again", toHex(found), toHex(expected)));
   }
+  return data;
 }
 
 Manifest loadManifest(const fs::path& directory) {
@@ -40,8 +44,7 @@ Manifest loadManifest(const fs::path& directory) {
 
 StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(loadManifest(directory)) {
   const fs::path path = directory_ / "index.bin";
-  const std::vector<std::byte> data = readFile(path, manifest_.index_bytes);
-  requireChecksum(data, manifest_.index_bytes, manifest_.index_checksum, path);
+  const std::vector<std::byte> data = readChecked(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;
   for (const LevelInfo& level : manifest_.levels) lattices.push_back(level.bricks);
   index_ = BrickIndex::decode(data, lattices, path);
@@ -51,18 +54,15 @@ BrickFrame StoreReader::frame(const BrickKey& key) const {
   return {key, manifest_.type, manifest_.brick_size, manifest_.apron, level(key.level).geometry};
 }
 
-std::vector<std::byte> StoreReader::readChecked(const BrickKey& key) const {
+std::vector<std::byte> StoreReader::readFileOf(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
-  const fs::path path = directory_ / brickPath(key);
-  std::vector<std::byte> data = readFile(path, entry.file_bytes);
-  requireChecksum(data, entry.file_bytes, entry.checksum, path);
-  return data;
+  return readChecked(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 BrickBlock StoreReader::read(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   if (entry.constant) return constantBrick(frame(key), entry.core.lo);
-  return decodeBrick(frame(key), readChecked(key), directory_ / brickPath(key));
+  return decodeBrick(frame(key), readFileOf(key), directory_ / brickPath(key));
 }
 
 std::size_t StoreReader::readBytes(const BrickKey& key) const {

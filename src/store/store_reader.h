@@ -31,7 +31,7 @@ class StoreReader {
   std::uint64_t verify() const;
 
  private:
-  std::vector<std::byte> readChecked(const BrickKey& key) const;
+  std::vector<std::byte> readFileOf(const BrickKey& key) const;
   std::filesystem::path directory_;
   Manifest manifest_;
   BrickIndex index_;

@@ -1,0 +1,234 @@
+// Bricks become the leaves of one grid. A leaf lies in up to eight bricks where the source's coordinates are not
+// multiples of 8 away from the store's, so voxels are set one by one through an accessor; a constant brick is a fill.
+// Invariant: the grid's background is the value of every voxel that is not set, so a brick of it costs nothing.
+#include "convert/export_vdb.h"
+
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+void initializeOpenVdb() {
+  static const bool done = (openvdb::initialize(), true);
+  (void)done;
+}
+
+// The grid type that holds a voxel type exactly, and that other programs read.
+template <class T>
+struct GridFor {
+  using type = openvdb::FloatGrid;
+};
+template <>
+struct GridFor<std::int32_t> {
+  using type = openvdb::Int32Grid;
+};
+template <>
+struct GridFor<std::uint32_t> {
+  using type = openvdb::Int64Grid;
+};
+template <>
+struct GridFor<double> {
+  using type = openvdb::DoubleGrid;
+};
+
+template <class Value>
+bool sameBits(Value a, Value b) {
+  return std::memcmp(&a, &b, sizeof(Value)) == 0;
+}
+
+openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_grid) {
+  // OpenVDB multiplies row vectors: its matrix is the transpose, which is glm's memory order read row by row.
+  openvdb::Mat4d matrix;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) matrix(column, row) = world_from_grid[column][row];
+  }
+  return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+// Where the voxels of a level go.
+struct Placement {
+  std::string name = "density";
+  VoxelCoord origin;
+  glm::dmat4 world_from_grid{1.0};
+
+  openvdb::Coord of(const VoxelCoord& v) const {
+    return {static_cast<int>(v.x + origin.x), static_cast<int>(v.y + origin.y), static_cast<int>(v.z + origin.z)};
+  }
+};
+
+Placement placementOf(const StoreReader& store, int level, const fs::path& out) {
+  Placement place;
+  const VolumeGeometry& geometry = store.level(level).geometry;
+  place.world_from_grid = geometry.world_from_index;
+  if (const auto& vdb = store.manifest().source.vdb) {
+    place.name = vdb->grid_name;
+    if (level == 0) {
+      place.origin = vdb->index_origin;
+      place.world_from_grid = vdb->world_from_grid;
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr std::int64_t kLo = std::numeric_limits<std::int32_t>::min(), kHi = std::numeric_limits<std::int32_t>::max();
+    if (place.origin[axis] < kLo || place.origin[axis] + geometry.dims[axis] - 1 > kHi) {
+      throw Error(ErrorCode::kUnsupported, out, "", "the volume goes beyond OpenVDB's 32-bit coordinates");
+    }
+  }
+  return place;
+}
+
+template <class T>
+class GridFiller {
+ public:
+  using Grid = typename GridFor<T>::type;
+  using Value = typename Grid::ValueType;
+
+  GridFiller(const Manifest& manifest, const Placement& place)
+      : level_set_(manifest.volume_class == VolumeClass::kLevelSet),
+        background_(static_cast<Value>(manifest.background)),
+        place_(place),
+        grid_(Grid::create(background_)) {
+    grid_->setName(place.name);
+    grid_->setTransform(transformOf(place.world_from_grid));
+    if (manifest.volume_class == VolumeClass::kFog) grid_->setGridClass(openvdb::GRID_FOG_VOLUME);
+    if (level_set_) grid_->setGridClass(openvdb::GRID_LEVEL_SET);
+  }
+
+  void fill(const VoxelBox& box, double constant) {
+    const auto value = static_cast<Value>(static_cast<T>(constant));
+    note(value);
+    if (isBackground(value)) return;
+    grid_->sparseFill({place_.of(box.lo), place_.of({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1})}, value, active(value));
+  }
+
+  void take(const BrickBlock& block) {
+    const T* const voxels = block.data<T>();
+    auto accessor = grid_->getAccessor();
+    for (std::int64_t z = block.core.lo.z; z < block.core.hi.z; ++z) {
+      for (std::int64_t y = block.core.lo.y; y < block.core.hi.y; ++y) {
+        const T* const row = voxels + block.offsetOf({block.core.lo.x, y, z});
+        for (std::int64_t x = block.core.lo.x; x < block.core.hi.x; ++x) {
+          const auto value = static_cast<Value>(row[x - block.core.lo.x]);
+          if (isBackground(value)) continue;
+          note(value);
+          if (active(value)) {
+            accessor.setValueOn(place_.of({x, y, z}), value);
+          } else {
+            accessor.setValueOff(place_.of({x, y, z}), value);
+          }
+        }
+      }
+    }
+  }
+
+  typename Grid::Ptr finish() {
+    // Only nodes of one value and state, compared exactly; but == takes -0 for 0 and would lose it.
+    if (!signed_zero_) grid_->pruneGrid(0);
+    if constexpr (std::is_same_v<Value, float>) grid_->setSaveFloatAsHalf(half_ && survivesHalf(background_));
+    return grid_;
+  }
+
+ private:
+  bool isBackground(Value value) const { return sameBits(value, background_); }
+  bool active(Value value) const {
+    if constexpr (std::is_floating_point_v<Value>) {
+      // Not < is also true of NaN, which a level set cannot mean; it stays visible.
+      if (level_set_) return !(std::abs(value) >= background_);
+    }
+    return !isBackground(value);
+  }
+  static bool survivesHalf(float value) {
+    if (std::isnan(value)) return false;
+    const float back = static_cast<float>(openvdb::math::half(value));
+    return sameBits(value, back);
+  }
+  void note(Value value) {
+    if constexpr (std::is_floating_point_v<Value>) signed_zero_ |= value == 0 && std::signbit(value);
+    if constexpr (std::is_same_v<Value, float>) half_ = half_ && survivesHalf(value);
+  }
+
+  bool level_set_;
+  Value background_;
+  const Placement& place_;
+  typename Grid::Ptr grid_;
+  bool half_ = true, signed_zero_ = false;
+};
+
+template <class T>
+openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, Progress& progress) {
+  GridFiller<T> filler(store.manifest(), place);
+  const Extent3 lattice = store.level(level).bricks;
+  const std::uint64_t total = static_cast<std::uint64_t>(lattice.count());
+  std::uint64_t done = 0;
+  for (std::int32_t z = 0; z < lattice.z; ++z) {
+    for (std::int32_t y = 0; y < lattice.y; ++y) {
+      for (std::int32_t x = 0; x < lattice.x; ++x) {
+        progress.throwIfCancelled("exporting");
+        const BrickKey key{level, {x, y, z}};
+        const BrickEntry& entry = store.index().at(key);
+        if (entry.constant) {
+          filler.fill(store.frame(key).core(), entry.core.lo);
+        } else {
+          filler.take(store.read(key));
+        }
+        progress.advance("exporting", "bricks", ++done, total);
+      }
+    }
+  }
+  return filler.finish();
+}
+
+void writeGrid(const openvdb::GridBase::Ptr& grid, const fs::path& path) {
+  openvdb::io::File file(path.string());
+  file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+  file.write(openvdb::GridCPtrVec{grid});
+  file.close();
+}
+
+void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
+  const fs::path temporary = out.string() + ".tmp";
+  try {
+    errno = 0;
+    writeGrid(grid, temporary);
+    disk.rename(temporary, out);
+  } catch (const std::exception& error) {
+    const int error_number = errno;
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    if (dynamic_cast<const Error*>(&error) != nullptr) throw;
+    // OpenVDB says only that writing failed; the system's own number says why.
+    if (error_number != 0) throw systemError(error_number, out, "writing the grid");
+    throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
+  }
+}
+
+}  // namespace
+
+ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out, Progress& progress, FileSystem& disk,
+                       bool overwrite) {
+  std::error_code ignored;
+  if (!overwrite && fs::exists(out, ignored)) {
+    throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
+  }
+  initializeOpenVdb();
+  const Placement place = placementOf(store, level, out);
+  const openvdb::GridBase::Ptr grid = withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) {
+    return gridOf<T>(store, level, place, progress);
+  });
+  ExportReport report;
+  report.voxels = grid->activeVoxelCount();
+  publish(grid, out, disk);
+  report.bytes = fs::file_size(out);
+  return report;
+}
+
+}  // namespace kiln

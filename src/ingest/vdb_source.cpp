@@ -1,0 +1,369 @@
+// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they are.
+// The grid is held in memory in its sparse form; only the one that is read. An OpenVDB file has no checksum and OpenVDB
+// trusts its bytes, so this reads through its own stream, which throws at the end of the file instead of handing out
+// nothing for ever, and walks all metadata first, whose lengths OpenVDB allocates before it looks at them. What this
+// cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash OpenVDB.
+#include <fmt/format.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <glm/ext/matrix_transform.hpp>
+#include <istream>
+#include <streambuf>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "ingest/formats.h"
+#include "ingest/linear_source.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+void initializeOpenVdb() {
+  static const bool done = (openvdb::initialize(), true);
+  (void)done;
+}
+
+// A file for std::istream: a read beyond its end throws.
+class FileReader : public std::streambuf {
+ public:
+  explicit FileReader(const File& file) : file_(file), buffer_(1 << 16) {}
+
+ protected:
+  int_type underflow() override {
+    next_ += static_cast<std::uint64_t>(egptr() - eback());
+    const std::size_t got = file_.readSomeAt(next_, std::as_writable_bytes(std::span(buffer_)));
+    setg(buffer_.data(), buffer_.data(), buffer_.data() + got);
+    return got == 0 ? traits_type::eof() : traits_type::to_int_type(buffer_[0]);
+  }
+  std::streamsize xsgetn(char* to, std::streamsize count) override {
+    const std::uint64_t at = position();
+    if (count < 0 || static_cast<std::uint64_t>(count) > file_.size() - std::min(at, file_.size())) {
+      throw Error(ErrorCode::kFormat, file_.path(), fmt::format("byte {}", at),
+                  fmt::format("the file ends after {} bytes, but {} more are expected here", file_.size(), count));
+    }
+    return std::streambuf::xsgetn(to, count);
+  }
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    const std::uint64_t base = from == std::ios_base::beg   ? 0
+                               : from == std::ios_base::cur ? position()
+                                                            : file_.size();
+    const off_type to = static_cast<off_type>(base) + offset;
+    if (to < 0 || static_cast<std::uint64_t>(to) > file_.size()) return pos_type(off_type(-1));
+    next_ = static_cast<std::uint64_t>(to);
+    setg(nullptr, nullptr, nullptr);
+    return pos_type(to);
+  }
+  pos_type seekpos(pos_type to, std::ios_base::openmode mode) override {
+    return seekoff(static_cast<off_type>(to), std::ios_base::beg, mode);
+  }
+
+ private:
+  std::uint64_t position() const { return next_ + static_cast<std::uint64_t>(gptr() - eback()); }
+  const File& file_;
+  std::vector<char> buffer_;
+  std::uint64_t next_ = 0;  // the place in the file of eback()
+};
+
+// Walks what OpenVDB allocates by length: the file's metadata, the grids' names, the grids' metadata. Source: OpenVDB
+// 10, MetaMap::readMeta, GridDescriptor::read, Archive::readGrid; file versions from 222 on (OpenVDB 3) have this form.
+class LengthWalk {
+ public:
+  explicit LengthWalk(const File& file) : file_(file) {}
+
+  void check() {
+    constexpr std::uint64_t kHeaderBytes = 57;
+    if (number<std::uint32_t>(8) < 222) return;
+    const bool seekable = number<std::uint8_t>(20) != 0;
+    at_ = kHeaderBytes;
+    metadata();
+    const std::int32_t grids = take<std::int32_t>();
+    for (std::int32_t i = 0; seekable && i < grids; ++i) grid();
+  }
+
+ private:
+  template <class T>
+  T number(std::uint64_t at) const {
+    std::array<std::byte, sizeof(T)> raw;
+    file_.readAt(at, raw);
+    return std::bit_cast<T>(raw);
+  }
+  template <class T>
+  T take() {
+    const T value = number<T>(at_);
+    at_ += sizeof(T);
+    return value;
+  }
+  void string() {
+    const std::uint32_t length = take<std::uint32_t>();
+    if (length > file_.size() - at_) fail(at_ - 4, fmt::format("a length of {} is more than the file holds", length));
+    at_ += length;
+  }
+  // Entries of name, type and value, each with its length before it.
+  void metadata() {
+    const std::uint32_t count = take<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      string();
+      const std::uint64_t type_at = at_ + 4;
+      string();
+      std::string type(at_ - type_at, '\0');
+      file_.readAt(type_at, std::as_writable_bytes(std::span(type)));
+      string();
+      if (type == "__delayedload") delayedLoad(type_at + type.size() + 4);
+    }
+  }
+  // A hint for loading later, with lengths of its own inside (DelayedLoadMetadata::readValue).
+  void delayedLoad(std::uint64_t begin) {
+    constexpr std::uint64_t kLeafBytes = 64;  // the least a leaf takes: its mask
+    const std::uint64_t end = std::exchange(at_, begin);
+    if (begin + 4 > end) return;
+    const std::uint32_t leaves = take<std::uint32_t>();
+    if (leaves > file_.size() / kLeafBytes) fail(begin, fmt::format("{} leaves are more than the file holds", leaves));
+    for (const std::uint64_t raw_bytes : {1ull, 8ull}) {
+      if (at_ + 4 > end) break;  // the second part is optional
+      const std::uint32_t packed_bytes = take<std::uint32_t>();
+      const std::uint64_t bytes = packed_bytes > 0 ? packed_bytes : raw_bytes * leaves;
+      if (bytes > end - at_) fail(at_ - 4, fmt::format("a length of {} is more than the file holds", bytes));
+      at_ += bytes;
+    }
+    at_ = end;
+  }
+  void grid() {
+    for (int i = 0; i < 3; ++i) string();  // name, type, instance parent
+    const std::int64_t data = take<std::int64_t>();
+    const std::int64_t blocks = take<std::int64_t>();
+    const std::int64_t end = take<std::int64_t>();
+    const std::uint64_t next = at_;
+    const bool instance = blocks == 0;
+    if (data < static_cast<std::int64_t>(next) || end < data || (!instance && (blocks < data || blocks > end)) ||
+        static_cast<std::uint64_t>(end) > file_.size()) {
+      fail(next - 24, "a grid's place is not in the file; it is cut short or damaged");
+    }
+    at_ = static_cast<std::uint64_t>(data) + 4;  // the compression flags
+    metadata();
+    string();  // the name of the transform's map
+    at_ = static_cast<std::uint64_t>(end);
+  }
+  [[noreturn]] void fail(std::uint64_t at, const std::string& what) const {
+    throw Error(ErrorCode::kFormat, file_.path(), fmt::format("byte {}", at), what);
+  }
+
+  const File& file_;
+  std::uint64_t at_ = 0;
+};
+
+struct GridEntry {
+  openvdb::io::GridDescriptor descriptor;
+  openvdb::GridBase::Ptr grid;  // empty of voxels until it is loaded
+  std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
+  const std::string& type() const { return descriptor.gridType(); }
+};
+
+// What io::File does, on our stream: a directory of grids, of which one is read. Nothing is loaded later.
+class GridFile : public openvdb::io::Archive {
+ public:
+  explicit GridFile(const fs::path& path) : file_(path), buffer_(file_), in_(&buffer_) {
+    LengthWalk(file_).check();
+    in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(in_);
+    openvdb::io::setStreamMetadataPtr(in_, stream_metadata_, /*transfer=*/false);
+    openvdb::io::setVersion(in_, libraryVersion(), fileVersion());
+    openvdb::io::setDataCompression(in_, compression());
+    openvdb::MetaMap().readMeta(in_);
+    const std::int32_t count = readGridCount(in_);
+    for (std::int32_t i = 0; i < count; ++i) {
+      GridEntry entry;
+      entry.grid = entry.descriptor.read(in_);
+      if (inputHasGridOffsets()) {
+        entry.descriptor.seekToEnd(in_);
+      } else {
+        fill(entry);  // a file written to a pipe knows no places: all of it must be read
+      }
+      entries_.push_back(std::move(entry));
+    }
+  }
+
+  const std::vector<GridEntry>& entries() const { return entries_; }
+
+  openvdb::GridBase::Ptr load(const GridEntry& entry) {
+    if (!inputHasGridOffsets() && !entry.descriptor.isInstance()) return entry.grid;
+    NamedGridMap named;
+    for (const GridEntry& other : entries_) {
+      const bool parent = other.descriptor.uniqueName() == entry.descriptor.instanceParentName();
+      if (&other != &entry && !parent) continue;
+      if (inputHasGridOffsets()) {
+        other.descriptor.seekToGrid(in_);
+        fill(other);
+      }
+      named[other.descriptor.uniqueName()] = other.grid;
+    }
+    connectInstance(entry.descriptor, named);
+    return entry.grid;
+  }
+
+ private:
+  void fill(const GridEntry& entry) { readGrid(entry.grid, entry.descriptor, in_); }
+
+  File file_;
+  FileReader buffer_;
+  // The stream keeps the address of this pointer, so it must live as long.
+  std::shared_ptr<openvdb::io::StreamMetadata> stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
+  std::istream in_;
+  std::vector<GridEntry> entries_;
+};
+
+std::optional<VoxelType> typeOf(const openvdb::GridBase& grid) {
+  if (grid.isType<openvdb::FloatGrid>()) return VoxelType::f32;
+  if (grid.isType<openvdb::DoubleGrid>()) return VoxelType::f64;
+  if (grid.isType<openvdb::Int32Grid>()) return VoxelType::i32;
+  return std::nullopt;
+}
+
+std::string reasonAgainst(const openvdb::GridBase& grid) {
+  const std::string type = grid.valueType();
+  if (type.starts_with("ptdata") || type.starts_with("ptidx")) return "holds points, not a value a voxel";
+  if (type.starts_with("vec")) return "holds vectors, not one value a voxel";
+  if (type == "bool" || type == "mask") return "holds a mask without values";
+  if (type == "int64") return "holds 64-bit integers, which Kiln does not read";
+  if (type == "string") return "holds text";
+  return "has a type that Kiln does not read";
+}
+
+[[noreturn]] void refuse(const fs::path& path, const GridEntry& entry, const std::string& why) {
+  throw Error(ErrorCode::kUnsupported, path, fmt::format("grid '{}' ({})", entry.name(), entry.type()), why);
+}
+
+std::string listOf(const std::vector<GridEntry>& entries) {
+  std::string out;
+  for (const GridEntry& entry : entries) out += fmt::format("{}'{}' ({})", out.empty() ? "" : ", ", entry.name(), entry.type());
+  return out.empty() ? "none" : out;
+}
+
+const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& entries, const SourceOptions& options) {
+  if (options.grid_name) {
+    const auto named = [&](const GridEntry& entry) { return entry.name() == *options.grid_name; };
+    const auto found = std::find_if(entries.begin(), entries.end(), named);
+    if (found == entries.end()) {
+      throw Error(ErrorCode::kUsage, path, "", fmt::format("has no grid '{}'; it has {}", *options.grid_name, listOf(entries)));
+    }
+    return *found;
+  }
+  std::vector<const GridEntry*> scalar;
+  for (const GridEntry& entry : entries) {
+    if (typeOf(*entry.grid)) scalar.push_back(&entry);
+  }
+  if (scalar.size() == 1) return *scalar.front();
+  for (const GridEntry* entry : scalar) {
+    if (entry->name() == "density") return *entry;
+  }
+  if (entries.size() == 1) return entries.front();  // its own reason against it follows
+  const std::string what = scalar.empty() ? "has no grid that Kiln reads" : "has several grids; choose one with --grid";
+  throw Error(ErrorCode::kUnsupported, path, "", fmt::format("{}; it has {}", what, listOf(entries)));
+}
+
+// OpenVDB multiplies row vectors: its matrix read row by row is glm's memory order.
+glm::dmat4 affineOf(const openvdb::math::Transform& transform) {
+  const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+  glm::dmat4 out;
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) out[column][row] = matrix(column, row);
+  }
+  return out;
+}
+
+VoxelBox activeBox(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (grid.empty() || box.empty()) {
+    throw Error(ErrorCode::kFormat, path, fmt::format("grid '{}'", entry.name()), "has no active voxel: there is nothing to read");
+  }
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {std::int64_t{box.max().x()} + 1, std::int64_t{box.max().y()} + 1, std::int64_t{box.max().z()} + 1}};
+}
+
+SourceInfo infoOf(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
+  if (!grid.transform().isLinear()) {
+    refuse(path, entry, fmt::format("has a transform that is not affine ({}, a frustum)", grid.transform().mapType()));
+  }
+  const VoxelBox box = activeBox(grid, path, entry);
+  SourceInfo info;
+  info.format = "OpenVDB";
+  info.files = {path};
+  info.type = *typeOf(grid);
+  info.volume_class = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? VolumeClass::kLevelSet : VolumeClass::kFog;
+  info.vdb = VdbOrigin{entry.name(), box.lo, affineOf(grid.transform())};
+  info.geometry.dims = box.extent();
+  const glm::dvec3 origin(static_cast<double>(box.lo.x), static_cast<double>(box.lo.y), static_cast<double>(box.lo.z));
+  info.geometry.world_from_index = glm::translate(info.vdb->world_from_grid, origin);
+  requireInvertible(info.vdb->world_from_grid, path.string());
+  requireInvertible(info.geometry.world_from_index, path.string());
+  checkedBytes(info.geometry.dims, info.type, path);
+  return info;
+}
+
+template <class Grid>
+class VdbSource : public VolumeSource {
+ public:
+  using T = typename Grid::ValueType;
+
+  VdbSource(SourceInfo info, typename Grid::ConstPtr grid) : info_(std::move(info)), grid_(std::move(grid)) {
+    info_.background = static_cast<double>(grid_->background());
+  }
+
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return ReadOrder::kAnyBox; }
+
+  void read(const VoxelBox& box, std::span<std::byte> out) override {
+    const VoxelCoord& at = info_.vdb->index_origin;
+    const auto coord = [&](const VoxelCoord& v, std::int64_t less) {
+      return openvdb::Coord(static_cast<int>(v.x + at.x - less), static_cast<int>(v.y + at.y - less),
+                            static_cast<int>(v.z + at.z - less));
+    };
+    if (box.empty()) return;
+    openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(openvdb::CoordBBox(coord(box.lo, 0), coord(box.hi, 1)),
+                                                              reinterpret_cast<T*>(out.data()));
+    openvdb::tools::copyToDense(*grid_, dense);
+  }
+
+ private:
+  SourceInfo info_;
+  typename Grid::ConstPtr grid_;
+};
+
+std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOptions& options) {
+  if (options.spacing) throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
+  initializeOpenVdb();
+  GridFile file(path);
+  const GridEntry& entry = chooseGrid(path, file.entries(), options);
+  const std::optional<VoxelType> type = typeOf(*entry.grid);
+  if (!type) refuse(path, entry, reasonAgainst(*entry.grid));
+  const openvdb::GridBase::Ptr grid = file.load(entry);
+  SourceInfo info = infoOf(*grid, path, entry);
+  switch (*type) {
+    case VoxelType::f32: return std::make_unique<VdbSource<openvdb::FloatGrid>>(std::move(info), openvdb::gridPtrCast<openvdb::FloatGrid>(grid));
+    case VoxelType::f64: return std::make_unique<VdbSource<openvdb::DoubleGrid>>(std::move(info), openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
+    default: return std::make_unique<VdbSource<openvdb::Int32Grid>>(std::move(info), openvdb::gridPtrCast<openvdb::Int32Grid>(grid));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions& options) {
+  try {
+    return openChecked(input, options);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kFormat, input, "OpenVDB", error.what());
+  }
+}
+
+}  // namespace kiln

@@ -1,0 +1,402 @@
+// The program as its users meet it: what it writes, what it says, and its exit code: 0 done, 1 data or I/O, 2 command line.
+// A failure is exactly one line on stderr that names the file or the option.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "store/store_reader.h"
+#include "support/open_brick.h"
+#include "support/procedural.h"
+#include "support/run_tool.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+void write(const fs::path& path, std::string_view text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  ASSERT_TRUE(out.flush().good()) << path;
+}
+
+std::string_view textOf(const std::vector<std::byte>& data) { return {reinterpret_cast<const char*>(data.data()), data.size()}; }
+
+class Cli : public ::testing::Test {
+ protected:
+  void SetUp() override { directory_ = freshDirectory(std::string("cli_") + ::testing::UnitTest::GetInstance()->current_test_info()->name()); }
+
+  std::string in(const std::string& name) const { return (directory_ / name).string(); }
+
+  // v.raw: 24 x 20 x 16 bytes; voxel (i,j,k) is 10 i + 1.
+  void writeRamp() const { write(in("v.raw"), textOf(ramp({{24, 20, 16}, VoxelType::u8}, 1, 10).voxels)); }
+  std::vector<std::string> rampArguments() const { return {"--dims", "24,20,16", "--type", "u8"}; }
+
+  // v.kiln, of v.raw.
+  void makeRampStore(const std::string& brick_size = "16") const {
+    writeRamp();
+    expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", brick_size});
+  }
+
+  ToolResult expectDone(const std::vector<std::string>& arguments) const {
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_FALSE(result.timed_out);
+    return result;
+  }
+
+  // Runs what must fail: the exit code, one line, and in it all of `mentions`.
+  ToolResult expectRefused(const std::vector<std::string>& arguments, int exit_code, const std::vector<std::string>& mentions, const ToolOptions& options = {}) const {
+    std::string command;
+    for (const std::string& argument : arguments) command += " " + argument;
+    SCOPED_TRACE("kiln" + command);
+    const ToolResult result = runTool(arguments, options);
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    const std::vector<std::string> lines = result.errorLines();
+    EXPECT_EQ(lines.size(), 1u) << result.err;
+    EXPECT_TRUE(result.err.starts_with("kiln: ")) << result.err;
+    EXPECT_EQ(result.err.find("defect"), std::string::npos) << result.err;
+    EXPECT_EQ(result.out, "");
+    for (const std::string& mention : mentions) EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
+    return result;
+  }
+
+  std::vector<std::string> listing() const {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::directory_iterator(directory_)) out.push_back(entry.path().filename().string());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  fs::path directory_;
+};
+
+// --- what works -------------------------------------------------------------------------------------------------------
+
+// Known because the volume is a ramp: its numbers are those of the formula.
+TEST_F(Cli, ConvertInfoVerify) {
+  makeRampStore();
+  const ToolResult info = expectDone({"info", in("v.kiln")});
+  for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3", "v.raw"}) EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
+  const ToolResult json = expectDone({"info", in("v.kiln"), "--json"});
+  EXPECT_EQ(json.out, readTextFile(in("v.kiln") + "/manifest.json"));
+  EXPECT_EQ(Json::parse(json.out)["range"], Json::array({1.0, 231.0}));
+  const ToolResult verify = expectDone({"verify", in("v.kiln")});
+  EXPECT_NE(verify.out.find("whole, 6 files"), std::string::npos) << verify.out;
+  EXPECT_EQ(info.err + json.err + verify.err, "");
+  expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--overwrite", "--brick-size", "128"});
+  EXPECT_EQ(StoreReader(in("v.kiln")).manifest().brick_size, 128);
+  EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
+}
+
+// Known because the window ends at the ramp's ends: black left, white right, and brighter from column to column.
+TEST_F(Cli, Slice) {
+  makeRampStore();
+  expectDone({"slice", in("v.kiln"), "-o", in("s.png"), "--axis", "z", "--index", "3", "--window", "116,230"});
+  const Image image = readImage(in("s.png"));
+  ASSERT_EQ(image.width, 24);
+  ASSERT_EQ(image.height, 20);
+  EXPECT_NEAR(image.pixel(0, 7)[0], 0, 0.01);
+  EXPECT_NEAR(image.pixel(23, 7)[0], 1, 0.01);
+  for (int x = 1; x < 24; ++x) EXPECT_GT(image.pixel(x, 7)[1], image.pixel(x - 1, 7)[1]);
+  expectDone({"slice", in("v.kiln"), "-o", in("x.png"), "--axis", "x"});
+  EXPECT_EQ(readImage(in("x.png")).width, 20);
+}
+
+// Known because the picture's size is asked for, and the volume is in front of the camera.
+TEST_F(Cli, RenderAndCompare) {
+  makeRampStore();
+  expectDone({"render", in("v.kiln"), "-o", in("a.png"), "--size", "40x30"});
+  expectDone({"render", in("v.kiln"), "-o", in("a.exr"), "--size", "40x30", "--exr-type", "float"});
+  expectDone({"render", in("v.kiln"), "-o", in("b.png"), "--size", "40x30", "--azimuth", "70"});
+  for (const char* name : {"a.png", "a.exr", "b.png"}) {
+    const Image image = readImage(in(name));
+    EXPECT_EQ(image.width, 40);
+    EXPECT_EQ(image.height, 30);
+    EXPECT_GT(*std::max_element(image.rgba.begin(), image.rgba.end()), 0.05f) << name << " is empty";
+  }
+  EXPECT_NE(expectDone({"compare", in("a.png"), in("a.png")}).out.find("equal"), std::string::npos);
+  const ToolResult compared = expectDone({"compare", in("a.png"), in("b.png"), "--json", "-o", in("d.png")});
+  EXPECT_GT(Json::parse(compared.out)["differing_pixels"], 0);
+  EXPECT_TRUE(Json::parse(expectDone({"compare", in("a.png"), in("a.png"), "--json"}).out)["psnr_db"].is_null());
+  EXPECT_EQ(readImage(in("d.png")).width, 40);
+}
+
+// Known because the exported grid is opened by OpenVDB itself; every voxel of the ramp differs from the background, 0.
+TEST_F(Cli, Export) {
+  makeRampStore();
+  expectDone({"export", in("v.kiln"), in("v.vdb")});
+  const std::vector<BrickGrid> grids = openBrick(in("v.vdb"));
+  ASSERT_EQ(grids.size(), 1u);
+  EXPECT_EQ(grids[0].active.size(), 24u * 20 * 16);
+  for (const auto& [v, value] : grids[0].active) EXPECT_EQ(value, 10.0 * static_cast<double>(v.x) + 1);
+}
+
+// Known because a path in a job is relative to the job, and an option overrides it.
+TEST_F(Cli, RenderOfAJob) {
+  makeRampStore();
+  write(in("job.json"), R"({"kiln": 1, "volume": "v.kiln", "output": "p.png", "image": {"width": 33, "height": 22}})");
+  expectDone({"render", in("job.json")});
+  EXPECT_EQ(readImage(in("p.png")).width, 33);
+  expectDone({"render", in("job.json"), "--size", "12x11", "-o", in("q.png")});
+  EXPECT_EQ(readImage(in("q.png")).height, 11);
+}
+
+// Known because a camera in fog sees fog: a picture, not an error.
+TEST_F(Cli, TheEyeMayBeInsideTheVolume) {
+  makeRampStore();
+  expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "32x32", "--eye", "12,10,8", "--target", "20,10,8"});
+  EXPECT_EQ(readImage(in("p.png")).width, 32);
+}
+
+// Known from DESIGN §10: the keys that scripts outside of the project read.
+TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
+  makeRampStore();
+  expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "32x32", "--stats", in("s.json"), "--repeat", "3"});
+  const Json stats = Json::parse(readTextFile(in("s.json")));
+  ASSERT_EQ(stats["frames"].size(), 3u);
+  for (const Json& frame : stats["frames"]) EXPECT_GT(frame["wall_s"], 0.0);
+  for (const char* key : {"/voxels/visited", "/voxels/splats", "/nodes/tested", "/nodes/hidden", "/bricks/total", "/bricks/interesting", "/bricks/read",
+                          "/bricks/hidden", "/bricks/read_bytes", "/memory/budget_bytes", "/memory/peak_cache_bytes", "/memory/peak_rss_bytes",
+                          "/time/load_s", "/time/render_s", "/time/output_s"}) {
+    const Json::json_pointer at(key);
+    EXPECT_TRUE(stats.contains(at) && stats.at(at).is_number()) << key;
+  }
+  EXPECT_EQ(stats["bricks"]["total"], 4);
+  EXPECT_EQ(stats["memory"]["budget_bytes"], 2ull << 30);
+  EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["budget_bytes"]);
+}
+
+// Known from STYLE, Options: how fast a picture appears changes no bit of it.
+TEST_F(Cli, ThreadsAndMemoryDoNotChangeThePicture) {
+  const DenseVolume volume = cheese({{60, 50, 70}, VoxelType::u16, anisotropicAffine()}, 3, usualRange(VoxelType::u16));
+  write(in("c.raw"), textOf(volume.voxels));
+  expectDone({"convert", in("c.raw"), in("c.kiln"), "--dims", "60,50,70", "--type", "u16", "--brick-size", "16", "--threads", "2"});
+  std::vector<std::byte> first;
+  for (const char* threads : {"1", "2"}) {
+    for (const char* memory : {"32M", "2G"}) {
+      expectDone({"render", in("c.kiln"), "-o", in("p.png"), "--size", "90x70", "--threads", threads, "--memory", memory});
+      const std::vector<std::byte> picture = readFile(in("p.png"));
+      if (first.empty()) first = picture;
+      EXPECT_TRUE(picture == first) << threads << " threads, " << memory;
+    }
+  }
+}
+
+// Known because the store beside the file is made once, and anew when the file or what is said of it has changed.
+TEST_F(Cli, RenderOfAForeignFile) {
+  writeRamp();
+  std::vector<std::string> arguments = {"render", in("v.raw"), "-o", in("p.png"), "--size", "16x16", "--dims", "24,20,16", "--type", "u8"};
+  const fs::path store = in("v.raw.kiln");
+  EXPECT_NE(expectDone(arguments).err.find("kiln: converting to the store " + store.string()), std::string::npos);
+  EXPECT_TRUE(isStore(store));
+  EXPECT_NE(expectDone(arguments).err.find("kiln: using the store " + store.string()), std::string::npos);
+  // A later write of the source, however coarse the clock of the file system is.
+  fs::last_write_time(in("v.raw"), fs::last_write_time(store / "manifest.json") + std::chrono::milliseconds(5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_NE(expectDone(arguments).err.find("kiln: converting"), std::string::npos);
+  EXPECT_NE(expectDone(arguments).err.find("kiln: using"), std::string::npos);
+  arguments[7] = "20,24,16";
+  EXPECT_NE(expectDone(arguments).err.find("kiln: converting"), std::string::npos);
+  EXPECT_EQ(StoreReader(store).manifest().geometry().dims, (Extent3{20, 24, 16}));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
+}
+
+// --- what is wrong ----------------------------------------------------------------------------------------------------
+
+// Known because none of these can mean anything: the command line is at fault, and no file is made.
+TEST_F(Cli, WrongCommandLines) {
+  makeRampStore();
+  const std::string store = in("v.kiln"), picture = in("p.png"), raw = in("v.raw");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
+      {{}, "subcommand"},
+      {{"frobnicate"}, "frobnicate"},
+      {{"info"}, "STORE"},
+      {{"info", store, "--frobnicate"}, "--frobnicate"},
+      {{"render", store}, "-o"},
+      {{"render", store, "-o", picture, "--size", "40"}, "--size"},
+      {{"render", store, "-o", picture, "--projection", "fisheye"}, "--projection"},
+      {{"render", store, "-o", picture, "--view", "inside"}, "--view"},
+      {{"render", store, "-o", picture, "--visibility", "xray"}, "--visibility"},
+      {{"render", store, "-o", picture, "--eye", "1,2"}, "--eye"},
+      {{"render", store, "-o", picture, "--eye", "1,2,nan"}, "--eye"},
+      {{"render", store, "-o", picture, "--tf", "nosuch"}, "--tf"},
+      {{"render", store, "-o", picture, "--opacity-threshold", "1.5"}, "--opacity-threshold"},
+      {{"render", store, "-o", picture, "--repeat", "0"}, "--repeat"},
+      {{"render", store, "-o", picture, "--png-bits", "12"}, "--png-bits"},
+      {{"render", store, "-o", picture, "--memory", "lots"}, "lots"},
+      {{"render", store, "-o", picture, "--threads", "many"}, "--threads"},
+      {{"render", store, "-o", picture, "--level", "7"}, "level"},
+      {{"slice", store, "-o", picture, "--axis", "w"}, "--axis"},
+      {{"slice", store, "-o", picture, "--index", "16"}, "index"},
+      {{"slice", store, "-o", picture, "--window", "3"}, "--window"},
+      {{"export", store, in("v.vdb"), "--level", "1"}, "--level"},
+      {{"convert", raw, in("n.kiln")}, "--dims"},
+      {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u12"}, "--type"},
+      {{"convert", raw, in("n.kiln"), "--dims", "24,0,16", "--type", "u8"}, "--dims"},
+      {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--endian", "middle"}, "--endian"},
+      {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", "12"}, "--brick-size"},
+      {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--spacing", "1,-1,1"}, "--spacing"},
+  };
+  for (const auto& [arguments, mention] : wrong) expectRefused(arguments, 2, {mention});
+  EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
+}
+
+// Known because the name is wrong before any work is done: not even the store of a foreign file is made.
+TEST_F(Cli, APictureOfAnUnknownKindIsRefusedFirst) {
+  writeRamp();
+  expectRefused({"render", in("v.raw"), "-o", in("p.jpeg"), "--dims", "24,20,16", "--type", "u8"}, 2, {"p.jpeg"});
+  expectRefused({"slice", in("none.kiln"), "-o", in("p.gif")}, 2, {"p.gif"});
+  expectRefused({"compare", in("none.png"), in("none.png"), "-o", in("d.txt")}, 2, {"d.txt"});
+  EXPECT_EQ(listing(), std::vector<std::string>{"v.raw"});
+}
+
+// Known because nothing is there.
+TEST_F(Cli, MissingFiles) {
+  makeRampStore();
+  expectRefused({"convert", in("none.nrrd"), in("n.kiln")}, 1, {in("none.nrrd")});
+  for (const char* command : {"info", "verify"}) expectRefused({command, in("none.kiln")}, 1, {in("none.kiln")});
+  expectRefused({"render", in("none.kiln"), "-o", in("p.png")}, 1, {in("none.kiln")});
+  expectRefused({"render", in("none.json"), "-o", in("p.png")}, 1, {in("none.json")});
+  expectRefused({"export", in("none.kiln"), in("v.vdb")}, 1, {in("none.kiln")});
+  expectRefused({"compare", in("none.png"), in("none.png")}, 1, {in("none.png")});
+  expectRefused({"render", in("v.kiln"), "-o", in("nowhere/p.png"), "--size", "8x8"}, 1, {in("nowhere/p.png")});
+  fs::create_directory(in("empty"));
+  expectRefused({"convert", in("empty"), in("n.kiln")}, 1, {in("empty")});
+  expectRefused({"info", in("empty")}, 1, {in("empty")});
+  EXPECT_EQ(listing(), (std::vector<std::string>{"empty", "v.kiln", "v.raw"}));
+}
+
+// Known because each header contradicts its file, the format, or arithmetic.
+TEST_F(Cli, WrongVolumes) {
+  const std::string rest = "encoding: raw\nendian: little\n\n";
+  write(in("short.nrrd"), "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 8 8 8\n" + rest + std::string(1000, 'x'));
+  write(in("huge.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\n" + rest + std::string(1000, 'x'));
+  write(in("large.nrrd"), "NRRD0004\ntype: float\ndimension: 3\nsizes: 2000000000 2000000000 2000000000\n" + rest + std::string(1000, 'x'));
+  write(in("type.nrrd"), "NRRD0004\ntype: foo\ndimension: 3\nsizes: 8 8 8\n" + rest + std::string(1000, 'x'));
+  write(in("empty.nrrd"), "");
+  write(in("noise.bin"), std::string("\x7f\x01\x02\x00\xff", 5));
+  for (const char* name : {"short.nrrd", "huge.nrrd", "large.nrrd", "type.nrrd", "empty.nrrd"}) expectRefused({"convert", in(name), in("n.kiln")}, 1, {in(name)});
+  expectRefused({"convert", in("noise.bin"), in("n.kiln"), "--dims", "8,8,8", "--type", "u8"}, 1, {in("noise.bin")});
+  expectRefused({"convert", in("noise.bin"), in("n.kiln"), "--dims", "2147483647,2147483647,2147483647", "--type", "f64"}, 1, {in("noise.bin")});
+  EXPECT_FALSE(fs::exists(in("n.kiln")));
+}
+
+// Known because an output is replaced only where the user says so, and only where it is a store.
+TEST_F(Cli, OutputsThatExist) {
+  makeRampStore();
+  std::vector<std::string> arguments = {"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8"};
+  expectRefused(arguments, 1, {in("v.kiln"), "--overwrite"});
+  arguments.push_back("--overwrite");
+  arguments[2] = in("v.raw");
+  expectRefused(arguments, 1, {in("v.raw")});
+  write(in("v.vdb"), "mine");
+  expectRefused({"export", in("v.kiln"), in("v.vdb")}, 1, {in("v.vdb")});
+  EXPECT_EQ(readTextFile(in("v.vdb")), "mine");
+  expectDone({"verify", in("v.kiln")});
+}
+
+// Known because 100 bytes hold no brick: the message says what would.
+TEST_F(Cli, TooLittleMemory) {
+  makeRampStore();
+  expectRefused({"convert", in("v.raw"), in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--memory", "100"}, 1, {"--memory", "smallest", "MiB"});
+  const ToolResult result = expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--memory", "100"}, 1, {"memory"});
+  EXPECT_TRUE(result.err.find("KiB") != std::string::npos || result.err.find("MiB") != std::string::npos) << result.err;
+  EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
+}
+
+// Known because no brick of noise fits into 4096 bytes, and /dev/full holds nothing.
+TEST_F(Cli, NoSpaceLeft) {
+  const DenseVolume volume = noise({{40, 40, 40}, VoxelType::u8}, 1, {0, 255});
+  write(in("n.raw"), textOf(volume.voxels));
+  ToolOptions full;
+  full.file_bytes = 4096;
+  expectRefused({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"}, 1, {in("n.kiln"), "free space"}, full);
+  EXPECT_EQ(listing(), std::vector<std::string>{"n.raw"});
+  expectDone({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"});
+  // Noise in every pixel: no PNG of 40 x 40 such pixels is shorter than the limit.
+  full.file_bytes = 512;
+  expectRefused({"slice", in("n.kiln"), "-o", in("p.png")}, 1, {in("p.png"), "free space"}, full);
+  if (fs::exists("/dev/full")) {
+    // Through a link, so that a program that replaces what it should write to replaces only that.
+    fs::create_symlink("/dev/full", in("full.json"));
+    expectRefused({"render", in("n.kiln"), "-o", in("p.png"), "--size", "8x8", "--stats", in("full.json")}, 1, {in("full.json"), "free space"});
+    EXPECT_TRUE(fs::is_symlink(in("full.json")));
+    fs::remove(in("full.json"));
+    fs::remove(in("p.png"));
+  }
+  EXPECT_EQ(listing(), (std::vector<std::string>{"n.kiln", "n.raw"}));
+}
+
+// Known because a job or a transfer function that is misread would draw another picture: nothing unknown is passed over.
+TEST_F(Cli, WrongJobsAndTransferFunctions) {
+  makeRampStore();
+  const auto job = [&](const std::string& text, int exit_code, const std::string& mention) {
+    write(in("job.json"), text);
+    expectRefused({"render", in("job.json"), "-o", in("p.png"), "--size", "8x8"}, exit_code, {"job.json", mention});
+  };
+  job(R"({"kiln": 1, "volume": "v.kiln", "camera": {"fow": 60}})", 2, "fow");
+  job(R"({"kiln": 1, "volume": "v.kiln", "novelty": 1})", 2, "novelty");
+  job(R"({"kiln": 1, "volume": "v.kiln", )", 1, "line 1");
+  job("", 1, "job.json");
+  const auto transfer = [&](const std::string& text, int exit_code, const std::string& mention) {
+    write(in("tf.json"), text);
+    expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--tf", in("tf.json")}, exit_code, {"tf.json", mention});
+  };
+  transfer(R"({"points": [{"value": 1, "color": [1, 0, 0]}]})", 2, "opacity");
+  transfer(R"({"points": [{"value": 1, "color": [1, 0], "opacity": 1}]})", 2, "color");
+  transfer(R"({"points": [], "units": 1})", 2, "units");
+  transfer(R"({"points": [})", 1, "line 1");
+  EXPECT_FALSE(fs::exists(in("p.png")));
+}
+
+// Known because one bit of a brick is not what was written.
+TEST_F(Cli, ADamagedStoreIsNamed) {
+  makeRampStore();
+  const std::string brick = in("v.kiln") + "/bricks/0/1_0_0.vdb";
+  std::vector<std::byte> data = readFile(brick);
+  data[data.size() / 2] ^= std::byte{4};
+  write(brick, textOf(data));
+  expectDone({"info", in("v.kiln")});
+  expectRefused({"verify", in("v.kiln")}, 1, {brick, "checksum"});
+  expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none"}, 1, {brick, "checksum"});
+  expectRefused({"export", in("v.kiln"), in("v.vdb")}, 1, {brick, "checksum"});
+  fs::remove(in("v.kiln") + "/manifest.json");
+  expectRefused({"info", in("v.kiln")}, 1, {in("v.kiln"), "did not finish"});
+  EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
+}
+
+// Known because SIGINT asks the work to stop, and what is not finished is no store.
+TEST_F(Cli, AnInterruptLeavesNothing) {
+  constexpr std::size_t kBytes = 256u * 512 * 512;
+  std::string data(kBytes, '\0');
+  for (std::size_t i = 0; i < kBytes; i += 8) {
+    const std::uint64_t bits = hashBits(9, i);
+    std::memcpy(data.data() + i, &bits, 8);
+  }
+  write(in("big.raw"), data);
+  ToolOptions options;
+  options.seconds = 300;
+  options.interrupt_when = [bricks = fs::path(in("big.kiln")) / "bricks" / "0"] {
+    std::error_code ignored;
+    return fs::exists(bricks, ignored) && !fs::is_empty(bricks, ignored);
+  };
+  const ToolResult result = runTool({"convert", in("big.raw"), in("big.kiln"), "--dims", "256,512,512", "--type", "u8", "--brick-size", "64"}, options);
+  fs::remove(in("big.raw"));
+  if (result.exit_code == 0) GTEST_SKIP() << "it finished first";
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(result.errorLines(), std::vector<std::string>{"kiln: interrupted while converting"});
+  EXPECT_EQ(listing(), std::vector<std::string>{});
+}
+
+}  // namespace
+}  // namespace kiln::test

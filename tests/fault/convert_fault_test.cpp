@@ -1,0 +1,309 @@
+// A conversion whose n-th change of the disk fails, for every n. What is promised (convert.h): afterwards there is no
+// store at the destination that is not whole, and a store that was there is still there.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "convert/convert.h"
+#include "store/store_reader.h"
+#include "support/faulty_file_system.h"
+#include "support/procedural.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kBrickSize = 16;
+
+ConvertOptions options(bool overwrite = false) {
+  ConvertOptions out;
+  out.brick_size = kBrickSize;
+  out.overwrite = overwrite;
+  return out;
+}
+
+// Whether a store opens at `path`, is whole, and holds exactly `volume`.
+bool holds(const fs::path& path, const DenseVolume& volume) {
+  try {
+    const StoreReader store(path);
+    store.verify();
+    if (store.manifest().geometry().dims != volume.geometry.dims) return false;
+    const Extent3& n = store.index().lattice(0);
+    for (std::int32_t i = 0; i < n.count(); ++i) {
+      const BrickBlock block = store.read({0, {std::int32_t(i % n.x), std::int32_t(i / n.x % n.y), std::int32_t(i / n.x / n.y)}});
+      for (std::int64_t z = block.core.lo.z; z < block.core.hi.z; ++z) {
+        for (std::int64_t y = block.core.lo.y; y < block.core.hi.y; ++y) {
+          for (std::int64_t x = block.core.lo.x; x < block.core.hi.x; ++x) {
+            if (block.data<std::int16_t>()[block.offsetOf({x, y, z})] != volume.at<std::int16_t>(x, y, z)) return false;
+          }
+        }
+      }
+    }
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// Whether anything at `path` is taken for a store, whole or not.
+bool opens(const fs::path& path) {
+  try {
+    StoreReader store(path);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+int temporaryFiles(const fs::path& directory) {
+  int count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) count += entry.path().extension() == ".tmp";
+  return count;
+}
+
+DenseVolume newVolume() { return cheese({{33, 18, 9}, VoxelType::i16}, 1, usualRange(VoxelType::i16)); }
+DenseVolume oldVolume() { return cheese({{20, 9, 9}, VoxelType::i16}, 2, usualRange(VoxelType::i16)); }
+
+// One conversion that meets `fault`; the error it ended with, if it did.
+std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, bool overwrite, FaultyFileSystem& disk) {
+  DenseSource source(volume);
+  Progress silent;
+  try {
+    convert(source, out, options(overwrite), silent, disk);
+    return std::nullopt;
+  } catch (const Error& error) {
+    return error;
+  }
+}
+
+std::uint64_t changesOf(bool overwrite) {
+  const fs::path out = freshDirectory("fault_count") / "volume.kiln";
+  FaultyFileSystem disk;
+  EXPECT_FALSE(convertWith(oldVolume(), out, false, disk));
+  if (!overwrite) fs::remove_all(out);
+  FaultyFileSystem counted;
+  EXPECT_FALSE(convertWith(newVolume(), out, overwrite, counted));
+  EXPECT_TRUE(holds(out, newVolume()));
+  EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1) << "something was left beside the store";
+  return counted.calls();
+}
+
+struct FaultCase {
+  const char* name;
+  int error_number;
+  ErrorCode code;
+  bool torn_write, crash;
+};
+constexpr FaultCase kFaults[] = {
+    {"Full", ENOSPC, ErrorCode::kNoSpace, false, false},     {"FullTorn", ENOSPC, ErrorCode::kNoSpace, true, false},
+    {"Io", EIO, ErrorCode::kIo, false, false},               {"IoTorn", EIO, ErrorCode::kIo, true, false},
+    {"Crash", EIO, ErrorCode::kIo, false, true},             {"CrashTorn", EIO, ErrorCode::kIo, true, true},
+    {"FullCrashTorn", ENOSPC, ErrorCode::kNoSpace, true, true},
+};
+
+class ConvertFault : public ::testing::TestWithParam<FaultCase> {
+ protected:
+  DiskFault faultAt(std::uint64_t n) const { return {n, GetParam().error_number, GetParam().torn_write, GetParam().crash}; }
+
+  void expectError(const std::optional<Error>& error) const {
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->code(), GetParam().code) << error->what();
+    EXPECT_FALSE(error->path().empty()) << error->what();
+  }
+};
+
+// Known because a store is one if and only if its manifest is there (FORMAT.md), and no conversion that failed has
+// written it.
+TEST_P(ConvertFault, LeavesNoStore) {
+  const std::uint64_t changes = changesOf(false);
+  ASSERT_GT(changes, 10u);
+  const DenseVolume volume = newVolume();
+  const ThreadLimit one(1);
+  for (std::uint64_t n = 0; n < changes; ++n) {
+    SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
+    const fs::path directory = freshDirectory(std::string("fault_new_") + GetParam().name);
+    const fs::path out = directory / "volume.kiln";
+    FaultyFileSystem disk(faultAt(n));
+    expectError(convertWith(volume, out, false, disk));
+    EXPECT_TRUE(disk.failed());
+    if (GetParam().crash) {
+      disk.leaveWreckage();
+    } else {
+      EXPECT_EQ(temporaryFiles(directory), 0);
+    }
+    EXPECT_FALSE(opens(out));
+    // What is left is no obstacle: the next conversion, told that it may, makes the store.
+    FaultyFileSystem works;
+    const std::optional<Error> again = convertWith(volume, out, true, works);
+    EXPECT_FALSE(again) << again->what();
+    EXPECT_TRUE(holds(out, volume));
+  }
+}
+
+// Known because the old store is left alone until the new one is whole. A crash between the last two renames leaves the
+// old one at OUT.old and the new one at OUT.partial, so that nothing is lost; short of a crash, OUT itself is whole.
+TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
+  const std::uint64_t changes = changesOf(true);
+  const DenseVolume old_volume = oldVolume(), new_volume = newVolume();
+  const ThreadLimit one(1);
+  for (std::uint64_t n = 0; n < changes; ++n) {
+    SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
+    const fs::path directory = freshDirectory(std::string("fault_over_") + GetParam().name);
+    const fs::path out = directory / "volume.kiln";
+    FaultyFileSystem works;
+    ASSERT_FALSE(convertWith(old_volume, out, false, works));
+    FaultyFileSystem disk(faultAt(n));
+    const std::optional<Error> error = convertWith(new_volume, out, true, disk);
+    EXPECT_TRUE(disk.failed());
+    if (error) {
+      expectError(error);
+    } else {
+      // Only tidying up may fail without a word: the new store is in place by then.
+      EXPECT_TRUE(holds(out, new_volume));
+    }
+    if (GetParam().crash) {
+      disk.leaveWreckage();
+      const fs::path old_path = out.string() + ".old", partial = out.string() + ".partial";
+      EXPECT_TRUE(holds(out, old_volume) || holds(out, new_volume) || holds(old_path, old_volume) || holds(partial, new_volume));
+      EXPECT_TRUE(!opens(out) || holds(out, old_volume) || holds(out, new_volume));
+    } else if (error) {
+      EXPECT_TRUE(holds(out, old_volume));
+      EXPECT_EQ(temporaryFiles(directory), 0);
+      EXPECT_FALSE(fs::exists(out.string() + ".partial"));
+    }
+  }
+}
+
+// Known as above; with several threads chance decides which of them meets the fault, and all others must stop.
+TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
+  const std::uint64_t changes = changesOf(false);
+  const DenseVolume volume = newVolume();
+  const ThreadLimit four(4);
+  for (std::uint64_t n = 0; n < changes; ++n) {
+    SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
+    const fs::path directory = freshDirectory(std::string("fault_threads_") + GetParam().name);
+    FaultyFileSystem disk(faultAt(n));
+    expectError(convertWith(volume, directory / "volume.kiln", false, disk));
+    if (GetParam().crash) disk.leaveWreckage();
+    EXPECT_FALSE(opens(directory / "volume.kiln"));
+    if (!GetParam().crash) {
+      EXPECT_EQ(temporaryFiles(directory), 0);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::ValuesIn(kFaults), [](const auto& fault) { return std::string(fault.param.name); });
+
+// Says stop after `polls` questions.
+class ImpatientProgress : public Progress {
+ public:
+  explicit ImpatientProgress(int polls) : left_(polls) {}
+  bool cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+// Known because convert asks before every brick, and there are six.
+TEST(ConvertStopped, ByTheUserLeavesNothing) {
+  const DenseVolume volume = newVolume();
+  for (int polls = 0; polls < 6; ++polls) {
+    SCOPED_TRACE(polls);
+    const fs::path directory = freshDirectory("fault_cancel");
+    DenseSource source(volume);
+    ImpatientProgress progress(polls);
+    try {
+      convert(source, directory / "volume.kiln", options(), progress);
+      ADD_FAILURE() << "not stopped";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();
+    }
+    EXPECT_TRUE(fs::is_empty(directory));
+  }
+}
+
+// The user's old store is as it was, to the byte, wherever the new conversion was stopped.
+TEST(ConvertStopped, ByTheUserKeepsTheOldStore) {
+  const DenseVolume volume = newVolume();
+  for (const int polls : {0, 1, 5}) {
+    SCOPED_TRACE(polls);
+    const fs::path out = makeStore(oldVolume(), "fault_cancel_over", kBrickSize);
+    DenseSource source(volume);
+    ImpatientProgress progress(polls);
+    EXPECT_THROW(convert(source, out, options(true), progress), Error);
+    EXPECT_TRUE(holds(out, oldVolume()));
+    EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1);
+  }
+}
+
+// A file that ends early: from the n-th read on, or at its very end, where a stream's own checksum is.
+class TruncatedSource : public VolumeSource {
+ public:
+  TruncatedSource(const DenseVolume& volume, ReadOrder order, int reads) : dense_(volume), order_(order), left_(reads) {}
+  const SourceInfo& info() const override { return dense_.info(); }
+  ReadOrder order() const override { return order_; }
+  void read(const VoxelBox& box, std::span<std::byte> out) override {
+    if (left_-- <= 0) throw Error(ErrorCode::kFormat, "scan.raw", "byte 4711", "the file ends here");
+    dense_.read(box, out);
+  }
+  void finish() override { throw Error(ErrorCode::kFormat, "scan.raw", "byte 9999", "the stream's checksum disagrees"); }
+
+ private:
+  DenseSource dense_;
+  ReadOrder order_;
+  std::atomic<int> left_;
+};
+
+// Known because the source never gives all voxels, or takes them back at the end.
+TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
+  const DenseVolume volume = newVolume();
+  for (const ReadOrder order : {ReadOrder::kAnyBox, ReadOrder::kForwardSlices}) {
+    for (const int reads : {0, 1, 2, 5, 11, 1000}) {
+      for (const bool over : {false, true}) {
+        SCOPED_TRACE(std::to_string(reads) + (over ? " over" : ""));
+        const fs::path out = over ? makeStore(oldVolume(), "fault_truncated", kBrickSize) : freshDirectory("fault_truncated") / "volume.kiln";
+        TruncatedSource source(volume, order, reads);
+        Progress silent;
+        try {
+          convert(source, out, options(over), silent);
+          ADD_FAILURE() << "taken for whole";
+        } catch (const Error& error) {
+          EXPECT_EQ(error.code(), ErrorCode::kFormat);
+          EXPECT_EQ(error.path(), "scan.raw");
+        }
+        EXPECT_EQ(holds(out, oldVolume()), over);
+        EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), over ? 1 : 0);
+      }
+    }
+  }
+}
+
+// Known because what is no store is somebody's data: it is replaced neither by default nor by --overwrite.
+TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
+  const fs::path out = makeStore(oldVolume(), "fault_exists", kBrickSize);
+  const DenseVolume volume = newVolume();
+  DenseSource other(volume);
+  Progress silent;
+  const auto codeOf = [&](const fs::path& path, bool overwrite) {
+    try {
+      convert(other, path, options(overwrite), silent);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::kCancelled;
+  };
+  EXPECT_EQ(codeOf(out, false), ErrorCode::kExists);
+  FileSystem::real().writeFile(out / "thesis.txt", {}, false);
+  EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
+  EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kExists);
+  EXPECT_TRUE(fs::exists(out / "thesis.txt"));
+  fs::remove(out / "thesis.txt");
+  EXPECT_TRUE(holds(out, oldVolume()));
+}
+
+}  // namespace
+}  // namespace kiln::test

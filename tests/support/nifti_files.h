@@ -1,0 +1,52 @@
+// NIfTI-1 files made byte by byte from the offsets in nifti1.h, independently of the reader they test.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace kiln::test {
+
+/// The fields of a header that tests vary. The default is 5×4×3 unsigned bytes, 1 mm apart, in one file.
+struct NiftiHeader {
+  std::array<int, 8> dim = {3, 5, 4, 3, 1, 1, 1, 1};
+  int intent_code = 0, datatype = 2, bitpix = 8;
+  std::array<float, 8> pixdim = {1, 1, 1, 1, 0, 0, 0, 0};
+  float vox_offset = 352, scl_slope = 0, scl_inter = 0;
+  int xyzt_units = 2, qform_code = 0, sform_code = 0;
+  std::array<float, 6> quatern = {};  // b, c, d, offsets x, y, z
+  std::array<float, 12> srow = {};
+  const char* magic = "n+1";
+  int sizeof_hdr = 348;
+  bool big_endian = false;
+};
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The 348 bytes.
+Bytes niftiHeader(const NiftiHeader& header);
+/// Header, zeros up to vox_offset, and `voxels` as they are.
+Bytes niftiFile(const NiftiHeader& header, const Bytes& voxels);
+/// `value` as `size` bytes of an integer in that order.
+void appendInteger(Bytes& out, std::int64_t value, std::size_t size, bool big_endian);
+/// As NIfTI stores a value of this data type code.
+void appendValue(Bytes& out, double value, int datatype, bool big_endian);
+
+Bytes gzipped(const Bytes& data);
+void writeBytes(const std::filesystem::path& path, const Bytes& data);
+
+/// A directory that goes away with the object.
+class ScratchDirectory {
+ public:
+  ScratchDirectory();
+  ~ScratchDirectory();
+  ScratchDirectory(const ScratchDirectory&) = delete;
+  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace kiln::test

@@ -1,0 +1,103 @@
+#include "run_tool.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <sstream>
+#include <stdexcept>
+
+namespace kiln::test {
+namespace {
+
+struct Pipe {
+  Pipe() {
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe2 failed");
+  }
+  ~Pipe() {
+    closeWriter();
+    ::close(ends[0]);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  void closeWriter() {
+    if (ends[1] >= 0) ::close(ends[1]);
+    ends[1] = -1;
+  }
+  int ends[2] = {-1, -1};
+};
+
+// Between fork and exec of a process with threads only such calls are allowed.
+[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, std::uint64_t file_bytes) {
+  const int null = ::open("/dev/null", O_RDONLY);
+  if (null >= 0) ::dup2(null, STDIN_FILENO);
+  ::dup2(out.ends[1], STDOUT_FILENO);
+  ::dup2(err.ends[1], STDERR_FILENO);
+  if (file_bytes != std::numeric_limits<std::uint64_t>::max()) {
+    const rlimit limit{static_cast<rlim_t>(file_bytes), static_cast<rlim_t>(file_bytes)};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, SIG_IGN);  // the write fails instead of killing the child
+  }
+  ::execv(KILN_TOOL, arguments);
+  ::_exit(127);
+}
+
+// Appends what is there to read. Returns false at the end of the stream.
+bool drain(int descriptor, std::string& into) {
+  std::array<char, 4096> buffer;
+  const ssize_t got = ::read(descriptor, buffer.data(), buffer.size());
+  if (got > 0) into.append(buffer.data(), static_cast<std::size_t>(got));
+  return got > 0 || (got < 0 && errno == EINTR);
+}
+
+}  // namespace
+
+std::vector<std::string> ToolResult::errorLines() const {
+  std::vector<std::string> lines;
+  std::istringstream in(err);
+  for (std::string line; std::getline(in, line);) {
+    if (line.find(" s left") == std::string::npos) lines.push_back(line);
+  }
+  return lines;
+}
+
+ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
+  std::vector<char*> raw = {const_cast<char*>(KILN_TOOL)};
+  for (const std::string& argument : arguments) raw.push_back(const_cast<char*>(argument.c_str()));
+  raw.push_back(nullptr);
+  Pipe out, err;
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) becomeTool(raw.data(), out, err, options.file_bytes);
+  out.closeWriter();
+  err.closeWriter();
+
+  ToolResult result;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
+  std::array<pollfd, 2> streams = {pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
+  while (streams[0].fd >= 0 || streams[1].fd >= 0) {
+    ::poll(streams.data(), streams.size(), options.interrupt_when && !result.interrupted ? 1 : 50);
+    if (streams[0].revents != 0 && !drain(out.ends[0], result.out)) streams[0].fd = -1;
+    if (streams[1].revents != 0 && !drain(err.ends[0], result.err)) streams[1].fd = -1;
+    if (options.interrupt_when && !result.interrupted && options.interrupt_when()) {
+      result.interrupted = ::kill(child, SIGINT) == 0;
+    }
+    if (!result.timed_out && std::chrono::steady_clock::now() > deadline) {
+      result.timed_out = true;
+      ::kill(child, SIGKILL);
+    }
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  return result;
+}
+
+}  // namespace kiln::test

@@ -1,0 +1,35 @@
+// Runs the real program as a child process: what a user types, and what they get to see.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace kiln::test {
+
+struct ToolOptions {
+  /// After this the child is killed and `timed_out` is set. unit: seconds.
+  double seconds = 120;
+  /// The largest file the child may write: a full disk for one process. unit: bytes.
+  std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
+  /// Asked every millisecond; once it says true the child gets SIGINT.
+  std::function<bool()> interrupt_when;
+};
+
+struct ToolResult {
+  /// What the child returned; minus the signal's number where one ended it.
+  int exit_code = 0;
+  bool timed_out = false;
+  bool interrupted = false;  // SIGINT was sent while it ran
+  std::string out, err;
+  /// shape: the lines of `err`, without those a slow machine adds: progress, one every ten seconds.
+  std::vector<std::string> errorLines() const;
+};
+
+/// Runs KILN_TOOL with `arguments` and waits for its end. throws: std::runtime_error where no child can be started.
+ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options = {});
+
+}  // namespace kiln::test

@@ -1,0 +1,183 @@
+#include "support/vdb_files.h"
+
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/PointIndexGrid.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace kiln::test {
+namespace {
+
+openvdb::Coord coordOf(const VoxelCoord& v) {
+  return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
+}
+
+openvdb::math::Transform::Ptr transformOf(const glm::dmat4& m) {
+  openvdb::Mat4d matrix;
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) matrix(c, r) = m[c][r];
+  }
+  return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+template <class Grid>
+typename Grid::Ptr fog() {
+  using Value = typename Grid::ValueType;
+  auto grid = Grid::create(static_cast<Value>(kVdbBackground));
+  auto accessor = grid->getAccessor();
+  int n = 0;
+  for (std::int64_t z = 0; z < kVdbDims.z; ++z) {
+    for (std::int64_t y = 0; y < kVdbDims.y; ++y) {
+      for (std::int64_t x = 0; x < kVdbDims.x; ++x, ++n) {
+        const VoxelCoord v = {kVdbOrigin.x + x, kVdbOrigin.y + y, kVdbOrigin.z + z};
+        const auto value = static_cast<Value>(vdbValue(v));
+        if (n % 7 == 3) accessor.setValueOff(coordOf(v), value);
+        else accessor.setValueOn(coordOf(v), value);
+      }
+    }
+  }
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  return grid;
+}
+
+openvdb::FloatGrid::Ptr tiles() {
+  auto grid = openvdb::FloatGrid::create(0.5f);
+  grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);   // one 8³ tile
+  grid->fill(openvdb::CoordBBox(4, 3, 2, 23, 22, 21), -7, true);     // tiles and leaves
+  grid->tree().setValueOn(openvdb::Coord(30, -5, 1), 9);
+  return grid;
+}
+
+template <class Grid, class Value>
+openvdb::GridBase::Ptr single(const Value& value) {
+  auto grid = Grid::create();
+  grid->tree().setValueOn(openvdb::Coord(1, 2, 3), value);
+  return grid;
+}
+
+openvdb::GridBase::Ptr points(bool data) {
+  const std::vector<openvdb::Vec3R> positions = {{0, 0, 0}, {3, 2, 1}};
+  auto transform = openvdb::math::Transform::createLinearTransform(1);
+  const openvdb::points::PointAttributeVector<openvdb::Vec3R> wrapper(positions);
+  auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(wrapper, *transform);
+  if (!data) return index;
+  return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(*index, wrapper,
+                                                                                                        *transform);
+}
+
+openvdb::GridBase::Ptr gridOf(VdbKind kind) {
+  switch (kind) {
+    case VdbKind::kFloat:
+    case VdbKind::kHalf:
+    case VdbKind::kFrustum: return fog<openvdb::FloatGrid>();
+    case VdbKind::kDouble: return fog<openvdb::DoubleGrid>();
+    case VdbKind::kInt32: return fog<openvdb::Int32Grid>();
+    case VdbKind::kInt64: return fog<openvdb::Int64Grid>();
+    case VdbKind::kTiles: return tiles();
+    case VdbKind::kLevelSet: return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(12, {1, 2, 3}, 1);
+    case VdbKind::kEmpty: return openvdb::FloatGrid::create(1);
+    case VdbKind::kVec3: return single<openvdb::Vec3SGrid>(openvdb::Vec3s(1, 2, 3));
+    case VdbKind::kBool: return single<openvdb::BoolGrid>(true);
+    case VdbKind::kMask: return single<openvdb::MaskGrid>(true);
+    case VdbKind::kPointIndex: return points(false);
+    case VdbKind::kPointData: return points(true);
+  }
+  throw std::logic_error("kind");
+}
+
+}  // namespace
+
+double vdbValue(const VoxelCoord& v) { return static_cast<double>(((v.x * 37 + v.y * 101 + v.z * 211) & 2047) - 1024); }
+
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable) {
+  openvdb::initialize();
+  openvdb::GridPtrVec grids;
+  for (const VdbSpec& spec : specs) {
+    openvdb::GridBase::Ptr grid = gridOf(spec.kind);
+    grid->setName(spec.name);
+    grid->setSaveFloatAsHalf(spec.kind == VdbKind::kHalf);
+    grid->setTransform(spec.kind == VdbKind::kFrustum
+                           ? openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10)
+                           : transformOf(spec.world_from_grid));
+    grids.push_back(grid);
+  }
+  if (seekable) {
+    openvdb::io::File file(path.string());
+    file.write(grids);
+    file.close();
+  } else {
+    std::ofstream out(path, std::ios::binary);
+    openvdb::io::Stream(out).write(grids);
+  }
+}
+
+struct DirectGrid::Grid {
+  openvdb::GridBase::Ptr base;
+  bool half = false;
+
+  template <class F>
+  auto with(F&& f) const {
+    if (auto p = openvdb::gridConstPtrCast<openvdb::FloatGrid>(base)) return f(*p);
+    if (auto p = openvdb::gridConstPtrCast<openvdb::DoubleGrid>(base)) return f(*p);
+    if (auto p = openvdb::gridConstPtrCast<openvdb::Int32Grid>(base)) return f(*p);
+    if (auto p = openvdb::gridConstPtrCast<openvdb::Int64Grid>(base)) return f(*p);
+    throw std::logic_error("grid type " + base->type());
+  }
+};
+
+DirectGrid::DirectGrid(const std::filesystem::path& path, const std::string& name) {
+  openvdb::initialize();
+  openvdb::io::File file(path.string());
+  file.open(/*delayLoad=*/false);
+  auto grid = std::make_shared<Grid>();
+  grid->base = file.readGrid(name);
+  grid->half = grid->base->saveFloatAsHalf();
+  grid_ = grid;
+}
+
+std::string DirectGrid::type() const { return grid_->base->valueType(); }
+bool DirectGrid::levelSet() const { return grid_->base->getGridClass() == openvdb::GRID_LEVEL_SET; }
+bool DirectGrid::savedAsHalf() const { return grid_->half; }
+std::uint64_t DirectGrid::activeVoxels() const { return grid_->base->activeVoxelCount(); }
+
+double DirectGrid::background() const {
+  return grid_->with([](const auto& grid) { return static_cast<double>(grid.background()); });
+}
+
+glm::dmat4 DirectGrid::worldFromGrid() const {
+  // By what the transform does to points, not by its matrix.
+  const auto at = [&](double x, double y, double z) {
+    const openvdb::Vec3d p = grid_->base->transform().indexToWorld(openvdb::Vec3d(x, y, z));
+    return glm::dvec4(p.x(), p.y(), p.z(), 1);
+  };
+  const glm::dvec4 origin = at(0, 0, 0);
+  return {at(1, 0, 0) - origin, at(0, 1, 0) - origin, at(0, 0, 1) - origin, origin};
+}
+
+VoxelBox DirectGrid::activeBox() const {
+  const openvdb::CoordBBox b = grid_->base->evalActiveVoxelBoundingBox();
+  return {{b.min().x(), b.min().y(), b.min().z()}, {b.max().x() + 1, b.max().y() + 1, b.max().z() + 1}};
+}
+
+double DirectGrid::value(const VoxelCoord& v) const {
+  return grid_->with([&](const auto& grid) { return static_cast<double>(grid.tree().getValue(coordOf(v))); });
+}
+
+bool DirectGrid::active(const VoxelCoord& v) const {
+  return grid_->with([&](const auto& grid) { return grid.tree().isValueOn(coordOf(v)); });
+}
+
+std::vector<std::string> gridNames(const std::filesystem::path& path) {
+  openvdb::initialize();
+  openvdb::io::File file(path.string());
+  file.open(/*delayLoad=*/false);
+  std::vector<std::string> out;
+  for (auto name = file.beginName(); name != file.endName(); ++name) out.push_back(*name);
+  return out;
+}
+
+}  // namespace kiln::test

@@ -1,0 +1,65 @@
+// OpenVDB files written and read with OpenVDB's own io::File and accessors, which share neither the stream nor the dense
+// copy of the reader they test.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grid/coords.h"
+
+namespace kiln::test {
+
+/// What a test grid holds. The scalar ones fill a box at kVdbOrigin with vdbValue; each seventh voxel is inactive.
+enum class VdbKind {
+  kFloat, kHalf, kDouble, kInt32,                        // fog
+  kTiles,                                                // float: an active tile of 8³, a filled 20×20×20 box, one voxel
+  kLevelSet,                                             // float: a ball of radius 12 voxels
+  kEmpty,                                                // float, no active voxel
+  kFrustum,                                              // float with a perspective transform
+  kVec3, kBool, kMask, kInt64, kPointIndex, kPointData  // what is not a scalar volume
+};
+
+inline constexpr VoxelCoord kVdbOrigin = {-13, 5, -9};
+inline constexpr Extent3 kVdbDims = {13, 9, 11};
+inline constexpr double kVdbBackground = 3;
+/// A whole number in [-1024, 1023], which every scalar type and half hold, different from its neighbours.
+double vdbValue(const VoxelCoord& grid_coord);
+
+struct VdbSpec {
+  VdbKind kind = VdbKind::kFloat;
+  std::string name = "density";
+  /// Ignored for frustums.
+  glm::dmat4 world_from_grid{1.0};
+};
+
+/// `seekable` false writes as to a pipe, without grid offsets.
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable = true);
+
+/// One grid as OpenVDB itself reads it.
+class DirectGrid {
+ public:
+  DirectGrid(const std::filesystem::path& path, const std::string& name);
+  std::string type() const;  // "float", "double", "int32", …
+  bool levelSet() const;
+  bool savedAsHalf() const;
+  double background() const;
+  glm::dmat4 worldFromGrid() const;
+  /// Of active voxels and tiles.
+  VoxelBox activeBox() const;
+  std::uint64_t activeVoxels() const;
+  double value(const VoxelCoord& grid_coord) const;
+  bool active(const VoxelCoord& grid_coord) const;
+
+ private:
+  struct Grid;
+  std::shared_ptr<const Grid> grid_;
+};
+
+/// The names of all grids of a file.
+std::vector<std::string> gridNames(const std::filesystem::path& path);
+
+}  // namespace kiln::test
