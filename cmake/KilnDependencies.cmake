@@ -1,7 +1,16 @@
 # Everything Kiln links, found where Debian puts it; used by this build and by an installed kilnConfig.cmake.
 # OpenVDB's find module lies beside its library, outside CMake's own search path.
 list(APPEND CMAKE_MODULE_PATH /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB)
+# That module sets BUILD_SHARED_LIBS for whoever asks: what the user said is put back.
+if(DEFINED BUILD_SHARED_LIBS)
+  set(kiln_build_shared_libs ${BUILD_SHARED_LIBS})
+endif()
 find_package(OpenVDB REQUIRED COMPONENTS openvdb)
+if(DEFINED kiln_build_shared_libs)
+  set(BUILD_SHARED_LIBS ${kiln_build_shared_libs})
+else()
+  unset(BUILD_SHARED_LIBS)
+endif()
 find_package(TBB REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(glm REQUIRED)

@@ -5,11 +5,6 @@ set(kiln_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kiln)
 
 target_include_directories(kiln PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
                                        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kiln>)
-# A static library hands its dependencies on to whoever links it. The exported name must not be a target of this build, or
-# CMake asks for its export too; kilnConfig.cmake defines it.
-get_target_property(kiln_link_interface kiln INTERFACE_LINK_LIBRARIES)
-string(REPLACE "INSTALL_INTERFACE:kiln_dependencies" "INSTALL_INTERFACE:kiln::dependencies" kiln_link_interface "${kiln_link_interface}")
-set_target_properties(kiln PROPERTIES INTERFACE_LINK_LIBRARIES "${kiln_link_interface}")
 install(TARGETS kiln EXPORT kilnTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kiln)
 # Built as a shared library, Kiln is found beside the program, wherever the prefix lies.
 file(RELATIVE_PATH kiln_lib_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})

@@ -1,54 +1,80 @@
 #!/usr/bin/env bash
-# Fails where a file of src/ includes what src/ARCHITECTURE.md does not allow, naming file and line. The tables there are the
-# rule; that the folders form no circle follows from rows naming only rows above them, which is checked, too.
+# Checks that the code keeps to the two tables of src/ARCHITECTURE.md: a folder includes only what its row allows, and a
+# third-party header stays in the files that its row names. The tables are read, not repeated here.
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/../src"
+cd "${1:-$(dirname "${BASH_SOURCE[0]}")/..}"
 
-{ cat ARCHITECTURE.md; echo '=== includes'
-  grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.cpp' --include='*.h' . | LC_ALL=C sort -t: -k1,1 -k2,2n; } | awk -F'|' '
-  function trim(s) { gsub(/^[ \t]+|[ \t]+$/, "", s); return s }
-  function fail(place, text) { print "src/" place ": " text > "/dev/stderr"; failed = 1 }
-  function libraryOf(h) {
-    if (h ~ /^openvdb\//) return "openvdb"
-    if (h ~ /^(tbb|oneapi)\//) return "tbb"
-    if (h ~ /^(OpenEXR\/|Imath\/|Imf|Imath|half\.h|Iex)/) return "openexr"
-    if (h ~ /^(png|pngconf)\.h$/) return "png"
-    if (h ~ /^(zlib|zconf)\.h$/) return "zlib"
-    if (h ~ /^(xxhash|xxh3)\.h$/) return "xxhash"
-    if (h ~ /^nlohmann\//) return "nlohmann"
-    return ""
+# awk reads the tables, then every #include as FILE:LINE:TEXT.
+includes=$(grep -rnE --include='*.h' --include='*.cpp' '^[[:space:]]*#[[:space:]]*include' src tools)
+folders=$(find src -mindepth 1 -maxdepth 1 -type d -printf '%f\n')
+FOLDERS=$folders awk '
+  function complain(where, what) { print where ": " what; ++faults }
+  function exists(path,   line, found) { found = (getline line < path) >= 0; close(path); return found }
+  # The words in backticks of a table cell, separated by spaces.
+  function quoted(cell,   parts, n, i, out) {
+    n = split(cell, parts, "`")
+    for (i = 2; i <= n; i += 2) out = out " " parts[i]
+    return out " "
   }
-  /^=== includes/ { includes = 1; next }
-  !includes {
-    key = trim($2)
-    if (key == "folder" && trim($4) == "may include") { table = "folder"; next }
-    if (key == "library" && trim($3) == "where") { table = "library"; next }
-    if ($0 !~ /^\|/) { table = ""; next }
-    if (key ~ /^-+$/ || table == "") next
-    n = split(trim(table == "folder" ? $4 : $3), names, " ")
-    for (i = 1; i <= n; ++i) {
-      if (names[i] == "-") continue
-      if (table == "folder" && !(names[i] in known)) fail("ARCHITECTURE.md:" NR, key " names " names[i] ", which is not a row above it")
-      allowed[key, names[i]] = 1
+
+  FILENAME == "src/ARCHITECTURE.md" {
+    if (/^## /) section = $0
+    if (!/^\| /) next
+    split($0, cell, "|")
+    if (section ~ /Folders/ && cell[2] ~ /`/) {
+      name = quoted(cell[2]); gsub(/[ \/]/, "", name)
+      if (name == "toolskiln") name = "tools/kiln"
+      may[name] = quoted(cell[4])
+      rows = rows " " name " "
+      n = split(may[name], words, " ")
+      for (i = 1; i <= n; ++i) {
+        folder = words[i]; sub(/\/.*/, "", folder)
+        if (!(folder in may) || folder == name) complain(FILENAME ":" FNR, name " may include " words[i] ", which has no row above")
+      }
     }
-    if (table == "folder") { known[key] = 1; ++folders }
+    if (section ~ /Third-party/ && cell[3] ~ /`/) {
+      n = split(quoted(cell[3]), words, " ")
+      for (i = 1; i <= n; ++i) homes[words[i]] = (cell[4] ~ /anywhere/) ? "anywhere" : quoted(cell[4])
+      m = split(quoted(cell[4]), words, " ")
+      for (i = 1; i <= m; ++i) if (words[i] !~ /\/$/ && !exists((words[i] ~ /^tools\//) ? words[i] : "src/" words[i])) complain(FILENAME ":" FNR, words[i] " is not there")
+    }
     next
   }
+
   {
-    # ./folder/file:line:#include "header"
-    split($0, part, ":")
-    file = substr(part[1], 3); place = file ":" part[2]
-    folder = file; sub(/\/.*/, "", folder)
-    header = $0; sub(/^[^"<]*["<]/, "", header); sub(/[">].*/, "", header)
-    ++count
-    if (!(folder in known)) { fail(place, folder " has no row in ARCHITECTURE.md"); next }
-    to = header
-    if (to ~ /\// && sub(/\/.*/, "", to) && to in known && to != folder && !((folder, to) in allowed))
-      fail(place, folder " may not include " header)
-    library = libraryOf(header)
-    if (library != "" && !((library, file) in allowed)) fail(place, header " may not be included here")
+    split($0, field, ":")
+    file = field[1]; where = file ":" field[2]
+    home = file; sub(/^src\//, "", home)
+    folder = home; sub(/\/[^\/]*$/, "", folder)
+    if (!(folder in may)) { if (!(folder in missing)) complain(where, folder " has no row in src/ARCHITECTURE.md"); missing[folder]; next }
+    ++checked
+    header = $0
+    if (header ~ /include[ \t]*"/) {
+      sub(/^[^"]*"/, "", header); sub(/".*/, "", header)
+      if (header !~ /\//) {
+        if (folder != "tools/kiln" || !exists("tools/kiln/" header)) complain(where, "\"" header "\" does not name its folder")
+        next
+      }
+      from = header; sub(/\/.*/, "", from)
+      if (from != folder && index(may[folder], " " from " ") == 0 && index(may[folder], " " header " ") == 0) complain(where, folder " may not include \"" header "\"")
+      else if (!exists("src/" header)) complain(where, "\"" header "\" is not a header of src/")
+    } else {
+      sub(/^[^<]*</, "", header); sub(/>.*/, "", header)
+      if (header !~ /[\/.]/) next  # the standard library
+      for (prefix in homes) if (index(header, prefix) == 1) {
+        directory = home; sub(/[^\/]*$/, "", directory)
+        if (homes[prefix] != "anywhere" && index(homes[prefix], " " home " ") == 0 && index(homes[prefix], " " directory " ") == 0) complain(where, "<" header "> belongs in" homes[prefix] "only")
+        next
+      }
+      complain(where, "<" header "> has no row in src/ARCHITECTURE.md")
+    }
   }
+
   END {
-    if (!folders || !count) fail("ARCHITECTURE.md", "no folder table or no includes found")
-    exit failed
-  }'
+    n = split(ENVIRON["FOLDERS"], words, "\n")
+    for (i = 1; i <= n; ++i) if (!(words[i] in may)) complain("src/" words[i], "has no row in src/ARCHITECTURE.md")
+    if (checked == 0) complain("src/ARCHITECTURE.md", "no include was checked")
+    if (faults > 0) exit 1
+    print checked " includes keep to src/ARCHITECTURE.md"
+  }
+' src/ARCHITECTURE.md - <<<"$includes"

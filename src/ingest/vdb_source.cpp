@@ -2,7 +2,8 @@
 // The grid is held in memory in its sparse form; only the one that is read. An OpenVDB file has no checksum and OpenVDB
 // trusts its bytes, so this reads through its own stream, which throws at the end of the file instead of handing out
 // nothing for ever, and walks all metadata first, whose lengths OpenVDB allocates before it looks at them. What this
-// cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash OpenVDB.
+// cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash OpenVDB, and one
+// altered by accident can be read with wrong values. OpenVDB also loses the node that it was reading when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>

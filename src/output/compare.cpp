@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "scene/transfer_function.h"
+#include "base/srgb.h"
 
 namespace kiln {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "scene/transfer_function.h"
+#include "base/srgb.h"
 
 namespace kiln {
 namespace {

@@ -21,13 +21,4 @@ double extinctionOf(double opacity, double unit) {
   return -std::log1p(-std::min(opacity, 0.9999)) / unit;
 }
 
-// IEC 61966-2-1: a line near black, a power above it.
-double linearFromSrgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-double srgbFromLinear(double linear) {
-  return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
 }  // namespace kiln

@@ -33,8 +33,4 @@ struct TransferFunction {
 /// Opacity per `unit` as extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
 double extinctionOf(double opacity, double unit);
 
-/// sRGB's decoding curve for one channel in [0, 1].
-double linearFromSrgb(double encoded);
-double srgbFromLinear(double linear);
-
 }  // namespace kiln

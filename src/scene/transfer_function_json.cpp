@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "scene/render_job.h"
+#include "base/srgb.h"
 
 namespace kiln {
 namespace {

@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<std::byte>;
 
 void overwrite(const fs::path& path, std::span<const std::byte> data) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  fs::remove(path);  // ext4 waits for the disk where a file is cut to nothing and written again
+  std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
   ASSERT_TRUE(out.flush().good()) << path;
 }

@@ -9,6 +9,11 @@
 #include <fstream>
 #include <stdexcept>
 
+// OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain new):
+// a leak for each damaged file, which is OpenVDB's to mend.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:readTopology"; }
+
 namespace kiln::test {
 namespace {
 
