@@ -46,9 +46,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
   void SetUp() override {
     volume_ = std::move(volumes()[static_cast<std::size_t>(GetParam())]);
     for (const std::int64_t size : {8, 32, 64, 128}) {
-      stores_.push_back(makeStore(volume_, "equality_" + std::to_string(GetParam()) + "_" + std::to_string(size) + "_" +
-                                               ::testing::UnitTest::GetInstance()->current_test_info()->test_suite_name()[0] +
-                                               std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 5), size));
+      stores_.push_back(makeStore(volume_, "bricks_of_" + std::to_string(size), size));
     }
   }
 

@@ -1,4 +1,8 @@
-#include "test_store.h"
+#include "support/test_store.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "base/progress.h"
 #include "convert/convert.h"
@@ -7,7 +11,10 @@ namespace kiln::test {
 namespace fs = std::filesystem;
 
 fs::path freshDirectory(const std::string& name) {
-  const fs::path directory = fs::path(KILN_TEST_OUTPUT_DIR) / name;
+  std::string test = "no_test";
+  if (const auto* info = ::testing::UnitTest::GetInstance()->current_test_info()) test = std::string(info->test_suite_name()) + "." + info->name();
+  std::replace(test.begin(), test.end(), '/', '_');
+  const fs::path directory = fs::path(KILN_TEST_OUTPUT_DIR) / test / name;
   fs::remove_all(directory);
   fs::create_directories(directory);
   return directory;
