@@ -21,11 +21,15 @@ ErrorCode codeOf(int error_number) {
   switch (error_number) {
     case ENOSPC:
     case EFBIG:  // a limit on the size of files, the user's or the file system's
-    case EDQUOT: return ErrorCode::kNoSpace;
+    case EDQUOT:
+      return ErrorCode::kNoSpace;
     case ENOENT:
-    case ENOTDIR: return ErrorCode::kNotFound;
-    case EEXIST: return ErrorCode::kExists;
-    default: return ErrorCode::kIo;
+    case ENOTDIR:
+      return ErrorCode::kNotFound;
+    case EEXIST:
+      return ErrorCode::kExists;
+    default:
+      return ErrorCode::kIo;
   }
 }
 

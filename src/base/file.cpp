@@ -53,8 +53,7 @@ File::File(File&& other) noexcept
 std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) const {
   std::size_t done = 0;
   while (done < out.size()) {
-    const ssize_t got =
-        ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    const ssize_t got = ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw systemError(errno, path_, "reading at byte " + std::to_string(offset + done));
     if (got == 0) break;

@@ -47,18 +47,18 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file or
-  /// the new one, never a part. With `durable` false the sync is left to the caller's later `syncAll`.
-  /// A device or a pipe (/dev/null) is written to as it is, never replaced.
-  /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
+  /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file
+  /// or the new one, never a part. With `durable` false the sync is left to the caller's later `syncAll`. A device or a
+  /// pipe (/dev/null) is written to as it is, never replaced. throws: Error kNoSpace, kIo; the temporary file is
+  /// removed on failure.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data, bool durable = true);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
 
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
-  /// Brings everything written so far to the file system that holds `path` onto its disk. cost: one wait, where a sync of
-  /// each of thousands of files would be thousands.
+  /// Brings everything written so far to the file system that holds `path` onto its disk. cost: one wait, where a sync
+  /// of each of thousands of files would be thousands.
   virtual void syncAll(const std::filesystem::path& path);
   virtual void removeAll(const std::filesystem::path& path);
 };

@@ -29,8 +29,10 @@ std::uint64_t parseBytes(std::string_view text) {
   for (const char* c = rest; c != text.data() + text.size(); ++c) {
     unit += static_cast<char>(std::toupper(static_cast<unsigned char>(*c)));
   }
-  if (unit.ends_with("IB")) unit.resize(unit.size() - 2);
-  else if (unit.ends_with("B")) unit.resize(unit.size() - 1);
+  if (unit.ends_with("IB"))
+    unit.resize(unit.size() - 2);
+  else if (unit.ends_with("B"))
+    unit.resize(unit.size() - 1);
   static constexpr std::array<std::string_view, 5> kUnits = {"", "K", "M", "G", "T"};
   for (std::size_t power = 0; power < kUnits.size(); ++power) {
     if (unit != kUnits[power]) continue;

@@ -50,8 +50,8 @@ struct ThreadLimit::Control {
 
 ThreadLimit::ThreadLimit(unsigned threads) {
   if (threads > 0) {
-    control_ = std::make_unique<Control>(
-        Control{tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)});
+    control_ =
+        std::make_unique<Control>(Control{tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)});
   }
 }
 

@@ -7,7 +7,8 @@
 
 namespace kiln {
 
-/// Told by long work; the default tells nobody. thread: `advance` is called from any thread, one call at a time; `cancelled` from several.
+/// Told by long work; the default tells nobody. thread: `advance` is called from any thread, one call at a time;
+/// `cancelled` from several.
 class Progress {
  public:
   virtual ~Progress() = default;

@@ -1,5 +1,5 @@
-// The curve between linear light, in which Kiln computes, and sRGB, in which people name colours and displays show them.
-// Source: IEC 61966-2-1: a line near black, a power above it.
+// The curve between linear light, in which Kiln computes, and sRGB, in which people name colours and displays show
+// them. Source: IEC 61966-2-1: a line near black, a power above it.
 #pragma once
 
 #include <cmath>

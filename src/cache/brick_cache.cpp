@@ -17,8 +17,9 @@ std::uint64_t largestReadBytes(const StoreReader& store) {
   for (int level = 0; level < index.levels(); ++level) {
     const Extent3& n = index.lattice(level);
     for (std::int64_t i = 0; i < n.count(); ++i) {
-      const BrickKey key{level, {static_cast<std::int32_t>(i % n.x), static_cast<std::int32_t>(i / n.x % n.y),
-                                 static_cast<std::int32_t>(i / n.x / n.y)}};
+      const BrickKey key{level,
+                         {static_cast<std::int32_t>(i % n.x), static_cast<std::int32_t>(i / n.x % n.y),
+                          static_cast<std::int32_t>(i / n.x / n.y)}};
       largest = std::max<std::uint64_t>(largest, store.readBytes(key));
     }
   }
@@ -27,12 +28,13 @@ std::uint64_t largestReadBytes(const StoreReader& store) {
 
 }  // namespace
 
-BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes) : store_(store), budget_bytes_(budget_bytes) {
+BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes)
+    : store_(store), budget_bytes_(budget_bytes) {
   const std::uint64_t smallest = largestReadBytes(store);
   if (smallest > budget_bytes) {
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
-                fmt::format("{} is too little: reading one brick takes {}; give at least that", formatBytes(budget_bytes),
-                            formatBytes(smallest)));
+                fmt::format("{} is too little: reading one brick takes {}; give at least that",
+                            formatBytes(budget_bytes), formatBytes(smallest)));
   }
 }
 

@@ -32,7 +32,8 @@ Plan planMemory(const SourceInfo& info, ReadOrder order, const ConvertOptions& o
   const std::int64_t padded = options.brick_size + 2 * kApron;
   if (order == ReadOrder::kForwardSlices) plan.window_bytes = SlabWindow::bytesFor(info, padded);
   const Extent3& dims = info.geometry.dims;
-  const auto voxels = static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
+  const auto voxels =
+      static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
   // A lane holds the box as read, its grids (8 bytes a voxel at most), the file, and the counts by value.
   const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
   plan.lane_bytes = voxels * (2 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20);
@@ -83,7 +84,9 @@ class Conversion {
       parallelFor(counters_.size(), [&](std::size_t lane) {
         for (std::int64_t i = next++; i < lattice.x * lattice.y; i = next++) {
           progress_.throwIfCancelled("converting");
-          brick({0, {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x), static_cast<std::int32_t>(z)}},
+          brick({0,
+                 {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x),
+                  static_cast<std::int32_t>(z)}},
                 counters_[lane]);
         }
       });
@@ -136,12 +139,17 @@ class Destination {
  public:
   Destination(const fs::path& out, bool overwrite, FileSystem& disk) : out_(out), building_(out), disk_(disk) {
     std::error_code ignored;
-    if (!fs::exists(fs::symlink_status(out, ignored)) || (fs::is_directory(out, ignored) && fs::is_empty(out, ignored))) return;
-    if (!overwrite) throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
-    if (!mayReplace(out)) throw Error(ErrorCode::kExists, out, "", "is not a store, so --overwrite does not replace it; name another output");
+    if (!fs::exists(fs::symlink_status(out, ignored)) || (fs::is_directory(out, ignored) && fs::is_empty(out, ignored)))
+      return;
+    if (!overwrite)
+      throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
+    if (!mayReplace(out))
+      throw Error(ErrorCode::kExists, out, "",
+                  "is not a store, so --overwrite does not replace it; name another output");
     building_ += ".partial";
     if (!fs::exists(building_, ignored)) return;
-    if (!mayReplace(building_)) throw Error(ErrorCode::kExists, building_, "", "is in the way and is not an unfinished store; move it");
+    if (!mayReplace(building_))
+      throw Error(ErrorCode::kExists, building_, "", "is in the way and is not an unfinished store; move it");
     disk_.removeAll(building_);
   }
 
@@ -182,8 +190,10 @@ fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename()
 ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOptions& options, Progress& progress,
                       FileSystem& disk) {
   const auto begin = std::chrono::steady_clock::now();
-  if (options.brick_size < kCellSize || options.brick_size > (1 << 12) || !std::has_single_bit(static_cast<std::uint64_t>(options.brick_size))) {
-    throw Error(ErrorCode::kUsage, "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
+  if (options.brick_size < kCellSize || options.brick_size > (1 << 12) ||
+      !std::has_single_bit(static_cast<std::uint64_t>(options.brick_size))) {
+    throw Error(ErrorCode::kUsage,
+                "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
   }
   const SourceInfo& info = source.info();
   const Plan plan = planMemory(info, source.order(), options);

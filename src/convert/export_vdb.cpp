@@ -78,7 +78,8 @@ Placement placementOf(const StoreReader& store, int level, const fs::path& out) 
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
-    constexpr std::int64_t kLo = std::numeric_limits<std::int32_t>::min(), kHi = std::numeric_limits<std::int32_t>::max();
+    constexpr std::int64_t kLo = std::numeric_limits<std::int32_t>::min(),
+                           kHi = std::numeric_limits<std::int32_t>::max();
     if (place.origin[axis] < kLo || place.origin[axis] + geometry.dims[axis] - 1 > kHi) {
       throw Error(ErrorCode::kUnsupported, out, "", "the volume goes beyond OpenVDB's 32-bit coordinates");
     }
@@ -221,9 +222,8 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   }
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
-  const openvdb::GridBase::Ptr grid = withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) {
-    return gridOf<T>(store, level, place, progress);
-  });
+  const openvdb::GridBase::Ptr grid = withVoxelType(
+      store.manifest().type, [&]<class T>(std::type_identity<T>) { return gridOf<T>(store, level, place, progress); });
   ExportReport report;
   report.voxels = grid->activeVoxelCount();
   publish(grid, out, disk);

@@ -1,4 +1,5 @@
-// A store, given back as one OpenVDB grid that other programs open: the values and the place of every voxel, bit for bit.
+// A store, given back as one OpenVDB grid that other programs open: the values and the place of every voxel, bit for
+// bit.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +20,13 @@ struct ExportReport {
 
 /// Writes `level` of `store` to `out` as one grid: that of the source with its name, class, background, transform and
 /// coordinates where the source was OpenVDB; else "density" at the store's own coordinates. (A level above 0 has
-/// coordinates of its own in either case.) A voxel is active where its bits differ from the background's, in a level set
-/// where |value| < background; an inactive one keeps its value. Grid type: float for u8, i8, u16, i16 and f32 (saved as
-/// half where every value survives), int32 for i32, int64 for u32, double for f64.
-/// requires: a level that the store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported
-/// (a volume beyond OpenVDB's coordinates), kNoSpace, kIo, kCancelled, and what StoreReader::read throws; nothing is then
-/// left at `out`, and what was there before is untouched.
-/// cost: the whole grid is held in memory in its sparse form, bricks equal to the background free.
+/// coordinates of its own in either case.) A voxel is active where its bits differ from the background's, in a level
+/// set where |value| < background; an inactive one keeps its value. Grid type: float for u8, i8, u16, i16 and f32
+/// (saved as half where every value survives), int32 for i32, int64 for u32, double for f64. requires: a level that the
+/// store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported (a volume beyond
+/// OpenVDB's coordinates), kNoSpace, kIo, kCancelled, and what StoreReader::read throws; nothing is then left at `out`,
+/// and what was there before is untouched. cost: the whole grid is held in memory in its sparse form, bricks equal to
+/// the background free.
 ExportReport exportVdb(const StoreReader& store, int level, const std::filesystem::path& out, Progress& progress,
                        FileSystem& disk = FileSystem::real(), bool overwrite = false);
 

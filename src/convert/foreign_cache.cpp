@@ -12,7 +12,8 @@ namespace {
 bool sameVolume(const fs::path& store, const SourceInfo& info) {
   try {
     const Manifest manifest = StoreReader(store).manifest();
-    const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() && (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
+    const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() &&
+                           (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
     return same_grid && manifest.type == info.type && manifest.geometry().dims == info.geometry.dims &&
            manifest.geometry().world_from_index == info.geometry.world_from_index;
   } catch (const Error&) {
@@ -34,9 +35,12 @@ bool upToDate(const fs::path& store, const SourceInfo& info) {
 
 }  // namespace
 
-fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options, Progress& progress) {
+fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
+                  Progress& progress) {
   std::error_code ignored;
-  if (isStore(input) || !fs::exists(input, ignored) || (fs::is_directory(input, ignored) && input.extension() == ".kiln")) return input;
+  if (isStore(input) || !fs::exists(input, ignored) ||
+      (fs::is_directory(input, ignored) && input.extension() == ".kiln"))
+    return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
   const fs::path store = input.string() + ".kiln";
   if (upToDate(store, source->info())) {

@@ -1,5 +1,6 @@
 // A window of whole slices over a source that can only be read forwards, so that bricks with their aprons can be cut
-// from a compressed stream in one pass. Layers of bricks overlap by twice the apron: those slices are kept, not re-read.
+// from a compressed stream in one pass. Layers of bricks overlap by twice the apron: those slices are kept, not
+// re-read.
 #pragma once
 
 #include <cstdint>

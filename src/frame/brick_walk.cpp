@@ -16,8 +16,9 @@ BrickWalk::BrickWalk(const StoreReader& store, int level, const Classifier& clas
   Layer bricks{lattice, {}};
   bricks.interesting.reserve(static_cast<std::size_t>(lattice.count()));
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{level, {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-                               static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+    const BrickKey key{level,
+                       {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
+                        static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
     bricks.interesting.push_back(classifier.interesting(store.index().at(key).core) ? 1 : 0);
   }
   layers_.push_back(std::move(bricks));
@@ -29,7 +30,8 @@ BrickWalk::BrickWalk(const StoreReader& store, int level, const Classifier& clas
     for (std::int64_t z = 0; z < fine.nodes.z; ++z) {
       for (std::int64_t y = 0; y < fine.nodes.y; ++y) {
         for (std::int64_t x = 0; x < fine.nodes.x; ++x) {
-          coarse.interesting[static_cast<std::size_t>((z / 2 * coarse.nodes.y + y / 2) * coarse.nodes.x + x / 2)] += fine.interesting[i++];
+          coarse.interesting[static_cast<std::size_t>((z / 2 * coarse.nodes.y + y / 2) * coarse.nodes.x + x / 2)] +=
+              fine.interesting[i++];
         }
       }
     }
@@ -68,12 +70,14 @@ void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const 
     return;
   }
   if (layer == 0) {
-    visit.draw({level_, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}}, rect);
+    visit.draw(
+        {level_, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}},
+        rect);
     return;
   }
   const std::int64_t half = brick_size_ << (layer - 1);
-  const unsigned nearest = visit.projector.order().nearestChild(
-      {(2 * at.x + 1) * half, (2 * at.y + 1) * half, (2 * at.z + 1) * half});
+  const unsigned nearest =
+      visit.projector.order().nearestChild({(2 * at.x + 1) * half, (2 * at.y + 1) * half, (2 * at.z + 1) * half});
   for (unsigned i = 0; i < 8; ++i) {
     const unsigned child = nearest ^ i;
     node(visit, layer - 1, {2 * at.x + (child & 1), 2 * at.y + (child >> 1 & 1), 2 * at.z + (child >> 2)});

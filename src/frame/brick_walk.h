@@ -22,8 +22,8 @@ class BrickWalk {
   /// Ranges of every node above a brick of one level. cost: memory of 16 bytes a brick and a seventh.
   BrickWalk(const StoreReader& store, int level, const Classifier& classifier);
 
-  /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can touch.
-  /// Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn.
+  /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
+  /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn.
   void run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
            const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts) const;
 

@@ -30,7 +30,8 @@ struct Walk {
     const unsigned nearest = frame.projector->order().nearestChild({lo.x + half, lo.y + half, lo.z + half});
     for (unsigned i = 0; i < 8; ++i) {
       const unsigned child = nearest ^ i;
-      node(level - 1, 2 * x + static_cast<int>(child & 1), 2 * y + static_cast<int>(child >> 1 & 1), 2 * z + static_cast<int>(child >> 2));
+      node(level - 1, 2 * x + static_cast<int>(child & 1), 2 * y + static_cast<int>(child >> 1 & 1),
+           2 * z + static_cast<int>(child >> 2));
     }
   }
 };

@@ -10,7 +10,8 @@
 
 namespace kiln {
 
-/// What +x, +y, +z of world space mean for a patient: RAS is right, anterior, superior; LPS is left, posterior, superior.
+/// What +x, +y, +z of world space mean for a patient: RAS is right, anterior, superior; LPS is left, posterior,
+/// superior.
 enum class PatientFrame { kUnknown, kRas, kLps };
 
 struct VolumeGeometry {

@@ -16,13 +16,17 @@ enum class VoxelType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64 };
 constexpr std::size_t sizeOf(VoxelType type) {
   switch (type) {
     case VoxelType::u8:
-    case VoxelType::i8: return 1;
+    case VoxelType::i8:
+      return 1;
     case VoxelType::u16:
-    case VoxelType::i16: return 2;
+    case VoxelType::i16:
+      return 2;
     case VoxelType::u32:
     case VoxelType::i32:
-    case VoxelType::f32: return 4;
-    case VoxelType::f64: return 8;
+    case VoxelType::f32:
+      return 4;
+    case VoxelType::f64:
+      return 8;
   }
   return 0;
 }
@@ -46,14 +50,22 @@ constexpr bool isFloating(VoxelType type) { return type == VoxelType::f32 || typ
 template <class F>
 decltype(auto) withVoxelType(VoxelType type, F&& f) {
   switch (type) {
-    case VoxelType::u8: return std::forward<F>(f)(std::type_identity<std::uint8_t>{});
-    case VoxelType::i8: return std::forward<F>(f)(std::type_identity<std::int8_t>{});
-    case VoxelType::u16: return std::forward<F>(f)(std::type_identity<std::uint16_t>{});
-    case VoxelType::i16: return std::forward<F>(f)(std::type_identity<std::int16_t>{});
-    case VoxelType::u32: return std::forward<F>(f)(std::type_identity<std::uint32_t>{});
-    case VoxelType::i32: return std::forward<F>(f)(std::type_identity<std::int32_t>{});
-    case VoxelType::f32: return std::forward<F>(f)(std::type_identity<float>{});
-    case VoxelType::f64: break;
+    case VoxelType::u8:
+      return std::forward<F>(f)(std::type_identity<std::uint8_t>{});
+    case VoxelType::i8:
+      return std::forward<F>(f)(std::type_identity<std::int8_t>{});
+    case VoxelType::u16:
+      return std::forward<F>(f)(std::type_identity<std::uint16_t>{});
+    case VoxelType::i16:
+      return std::forward<F>(f)(std::type_identity<std::int16_t>{});
+    case VoxelType::u32:
+      return std::forward<F>(f)(std::type_identity<std::uint32_t>{});
+    case VoxelType::i32:
+      return std::forward<F>(f)(std::type_identity<std::int32_t>{});
+    case VoxelType::f32:
+      return std::forward<F>(f)(std::type_identity<float>{});
+    case VoxelType::f64:
+      break;
   }
   return std::forward<F>(f)(std::type_identity<double>{});
 }

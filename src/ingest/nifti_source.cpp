@@ -139,7 +139,8 @@ NiftiFiles filesOf(const fs::path& input) {
 
 void findVoxels(NiftiFiles& files, const Header& header, const fs::path& input) {
   const bool pair = header.magicIs("ni1");
-  if (!pair && files.header != input) fail(files.header, "byte 344", "holds its own voxels, but an .img stands beside it");
+  if (!pair && files.header != input)
+    fail(files.header, "byte 344", "holds its own voxels, but an .img stands beside it");
   files.voxels = !pair ? files.header : files.header == input ? partner(input, ".img") : input;
   // The voxels of a plain .img may begin with gzip's magic number; its name decides.
   files.gzip_voxels = pair ? files.voxels.extension() == ".gz" : files.gzip_header;
@@ -148,16 +149,26 @@ void findVoxels(NiftiFiles& files, const Header& header, const fs::path& input) 
 void refuseIntent(const Header& header, const fs::path& path) {
   const auto name = [&]() -> const char* {
     switch (header.i16(kIntentCode)) {
-      case 1004: return "matrix";
-      case 1005: return "symmetric matrix";
-      case 1006: return "displacement vector";
-      case 1007: return "vector";
-      case 1008: return "point set";
-      case 1009: return "triangle";
-      case 1010: return "quaternion";
-      case 2003: return "RGB";
-      case 2004: return "RGBA";
-      default: return nullptr;
+      case 1004:
+        return "matrix";
+      case 1005:
+        return "symmetric matrix";
+      case 1006:
+        return "displacement vector";
+      case 1007:
+        return "vector";
+      case 1008:
+        return "point set";
+      case 1009:
+        return "triangle";
+      case 1010:
+        return "quaternion";
+      case 2003:
+        return "RGB";
+      case 2004:
+        return "RGBA";
+      default:
+        return nullptr;
     }
   }();
   if (name != nullptr) refuse(path, fmt::format("holds {} data (by its intent), not one value a voxel", name));
@@ -172,33 +183,53 @@ Extent3 dimsOf(const Header& header, const fs::path& path) {
     if (dim[i] < 1) fail(path, fmt::format("byte {}", kDim + 2 * i), fmt::format("dim[{}] is {}", i, dim[i]));
   }
   if (count < 3) refuse(path, fmt::format("has {} dimensions; Kiln reads volumes", count));
-  if (count >= 4 && dim[4] > 1) refuse(path, fmt::format("is a time series of {} volumes; extract one of them", dim[4]));
+  if (count >= 4 && dim[4] > 1)
+    refuse(path, fmt::format("is a time series of {} volumes; extract one of them", dim[4]));
   for (std::size_t i = 5; i <= static_cast<std::size_t>(count); ++i) {
-    if (dim[i] > 1) refuse(path, fmt::format("holds {} values a voxel (dim[{}]); Kiln reads scalar volumes", dim[i], i));
+    if (dim[i] > 1)
+      refuse(path, fmt::format("holds {} values a voxel (dim[{}]); Kiln reads scalar volumes", dim[i], i));
   }
   return {dim[1], dim[2], dim[3]};
 }
 
 VoxelType typeOf(const Header& header, const fs::path& path) {
   switch (header.i16(kDatatype)) {
-    case 2: return VoxelType::u8;
-    case 4: return VoxelType::i16;
-    case 8: return VoxelType::i32;
-    case 16: return VoxelType::f32;
-    case 64: return VoxelType::f64;
-    case 256: return VoxelType::i8;
-    case 512: return VoxelType::u16;
-    case 768: return VoxelType::u32;
-    case 1: refuse(path, "holds single bits, which Kiln does not read; save it as 8-bit integers");
-    case 32: refuse(path, "holds complex numbers; save the real part or the magnitude");
-    case 128: refuse(path, "holds RGB24 colours, not one value a voxel");
-    case 1024: refuse(path, "holds 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
-    case 1280: refuse(path, "holds unsigned 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
-    case 1536: refuse(path, "holds 128-bit floats, which Kiln does not read; save it as float or double");
-    case 1792: refuse(path, "holds complex numbers of 128 bits; save the real part or the magnitude");
-    case 2048: refuse(path, "holds complex numbers of 256 bits; save the real part or the magnitude");
-    case 2304: refuse(path, "holds RGBA32 colours, not one value a voxel");
-    default: fail(path, "byte 70", fmt::format("data type {} is not one of NIfTI-1's", header.i16(kDatatype)));
+    case 2:
+      return VoxelType::u8;
+    case 4:
+      return VoxelType::i16;
+    case 8:
+      return VoxelType::i32;
+    case 16:
+      return VoxelType::f32;
+    case 64:
+      return VoxelType::f64;
+    case 256:
+      return VoxelType::i8;
+    case 512:
+      return VoxelType::u16;
+    case 768:
+      return VoxelType::u32;
+    case 1:
+      refuse(path, "holds single bits, which Kiln does not read; save it as 8-bit integers");
+    case 32:
+      refuse(path, "holds complex numbers; save the real part or the magnitude");
+    case 128:
+      refuse(path, "holds RGB24 colours, not one value a voxel");
+    case 1024:
+      refuse(path, "holds 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
+    case 1280:
+      refuse(path, "holds unsigned 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
+    case 1536:
+      refuse(path, "holds 128-bit floats, which Kiln does not read; save it as float or double");
+    case 1792:
+      refuse(path, "holds complex numbers of 128 bits; save the real part or the magnitude");
+    case 2048:
+      refuse(path, "holds complex numbers of 256 bits; save the real part or the magnitude");
+    case 2304:
+      refuse(path, "holds RGBA32 colours, not one value a voxel");
+    default:
+      fail(path, "byte 70", fmt::format("data type {} is not one of NIfTI-1's", header.i16(kDatatype)));
   }
 }
 
@@ -234,10 +265,14 @@ glm::dmat4 rowsAffine(const Header& header) {
 
 std::string unitOf(const Header& header) {
   switch (header.byteAt(kXyztUnits) & 7) {
-    case 1: return "m";
-    case 2: return "mm";
-    case 3: return "um";
-    default: return "";
+    case 1:
+      return "m";
+    case 2:
+      return "mm";
+    case 3:
+      return "um";
+    default:
+      return "";
   }
 }
 

@@ -1,9 +1,10 @@
-// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they are.
-// The grid is held in memory in its sparse form; only the one that is read. An OpenVDB file has no checksum and OpenVDB
-// trusts its bytes, so this reads through its own stream, which throws at the end of the file instead of handing out
-// nothing for ever, and walks all metadata first, whose lengths OpenVDB allocates before it looks at them. What this
-// cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash OpenVDB, and one
-// altered by accident can be read with wrong values. OpenVDB also loses the node that it was reading when it throws.
+// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they
+// are. The grid is held in memory in its sparse form; only the one that is read. An OpenVDB file has no checksum and
+// OpenVDB trusts its bytes, so this reads through its own stream, which throws at the end of the file instead of
+// handing out nothing for ever, and walks all metadata first, whose lengths OpenVDB allocates before it looks at them.
+// What this cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash
+// OpenVDB, and one altered by accident can be read with wrong values. OpenVDB also loses the node that it was reading
+// when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -55,9 +56,7 @@ class FileReader : public std::streambuf {
     return std::streambuf::xsgetn(to, count);
   }
   pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    const std::uint64_t base = from == std::ios_base::beg   ? 0
-                               : from == std::ios_base::cur ? position()
-                                                            : file_.size();
+    const std::uint64_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? position() : file_.size();
     const off_type to = static_cast<off_type>(base) + offset;
     if (to < 0 || static_cast<std::uint64_t>(to) > file_.size()) return pos_type(off_type(-1));
     next_ = static_cast<std::uint64_t>(to);
@@ -245,7 +244,8 @@ std::string reasonAgainst(const openvdb::GridBase& grid) {
 
 std::string listOf(const std::vector<GridEntry>& entries) {
   std::string out;
-  for (const GridEntry& entry : entries) out += fmt::format("{}'{}' ({})", out.empty() ? "" : ", ", entry.name(), entry.type());
+  for (const GridEntry& entry : entries)
+    out += fmt::format("{}'{}' ({})", out.empty() ? "" : ", ", entry.name(), entry.type());
   return out.empty() ? "none" : out;
 }
 
@@ -254,7 +254,8 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
     const auto named = [&](const GridEntry& entry) { return entry.name() == *options.grid_name; };
     const auto found = std::find_if(entries.begin(), entries.end(), named);
     if (found == entries.end()) {
-      throw Error(ErrorCode::kUsage, path, "", fmt::format("has no grid '{}'; it has {}", *options.grid_name, listOf(entries)));
+      throw Error(ErrorCode::kUsage, path, "",
+                  fmt::format("has no grid '{}'; it has {}", *options.grid_name, listOf(entries)));
     }
     return *found;
   }
@@ -284,7 +285,8 @@ glm::dmat4 affineOf(const openvdb::math::Transform& transform) {
 VoxelBox activeBox(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (grid.empty() || box.empty()) {
-    throw Error(ErrorCode::kFormat, path, fmt::format("grid '{}'", entry.name()), "has no active voxel: there is nothing to read");
+    throw Error(ErrorCode::kFormat, path, fmt::format("grid '{}'", entry.name()),
+                "has no active voxel: there is nothing to read");
   }
   return {{box.min().x(), box.min().y(), box.min().z()},
           {std::int64_t{box.max().x()} + 1, std::int64_t{box.max().y()} + 1, std::int64_t{box.max().z()} + 1}};
@@ -340,7 +342,8 @@ class VdbSource : public VolumeSource {
 };
 
 std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOptions& options) {
-  if (options.spacing) throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
+  if (options.spacing)
+    throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
   initializeOpenVdb();
   GridFile file(path);
   const GridEntry& entry = chooseGrid(path, file.entries(), options);
@@ -349,9 +352,15 @@ std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOpti
   const openvdb::GridBase::Ptr grid = file.load(entry);
   SourceInfo info = infoOf(*grid, path, entry);
   switch (*type) {
-    case VoxelType::f32: return std::make_unique<VdbSource<openvdb::FloatGrid>>(std::move(info), openvdb::gridPtrCast<openvdb::FloatGrid>(grid));
-    case VoxelType::f64: return std::make_unique<VdbSource<openvdb::DoubleGrid>>(std::move(info), openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
-    default: return std::make_unique<VdbSource<openvdb::Int32Grid>>(std::move(info), openvdb::gridPtrCast<openvdb::Int32Grid>(grid));
+    case VoxelType::f32:
+      return std::make_unique<VdbSource<openvdb::FloatGrid>>(std::move(info),
+                                                             openvdb::gridPtrCast<openvdb::FloatGrid>(grid));
+    case VoxelType::f64:
+      return std::make_unique<VdbSource<openvdb::DoubleGrid>>(std::move(info),
+                                                              openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
+    default:
+      return std::make_unique<VdbSource<openvdb::Int32Grid>>(std::move(info),
+                                                             openvdb::gridPtrCast<openvdb::Int32Grid>(grid));
   }
 }
 

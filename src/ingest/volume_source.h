@@ -59,12 +59,12 @@ class VolumeSource {
 
 /// What a user may say of a source; empty means "as the file says".
 struct SourceOptions {
-  std::optional<Extent3> dims;            // headerless raw
-  std::optional<VoxelType> type;          // headerless raw
-  std::optional<bool> big_endian;         // headerless raw; little-endian where not given
-  std::uint64_t skip_bytes = 0;           // headerless raw
-  std::optional<glm::dvec3> spacing;      // replaces the spacing of a file without directions
-  std::optional<std::string> grid_name;   // OpenVDB
+  std::optional<Extent3> dims;           // headerless raw
+  std::optional<VoxelType> type;         // headerless raw
+  std::optional<bool> big_endian;        // headerless raw; little-endian where not given
+  std::uint64_t skip_bytes = 0;          // headerless raw
+  std::optional<glm::dvec3> spacing;     // replaces the spacing of a file without directions
+  std::optional<std::string> grid_name;  // OpenVDB
 };
 
 /// Opens `input` by what it holds (its first bytes, then its name).

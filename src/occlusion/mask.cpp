@@ -1,8 +1,8 @@
 // The mask: one bit a pixel, 8×8 pixels a 64-bit word, and on top one word for each 8×8 words, a tile of 64×64 pixels,
-// whose bit is set where a word is full. Invariant: a bit of the upper word is set exactly where all 64 bits of its lower
-// word are; pixels outside of the image count as opaque from the start. Exact. A rectangle costs one AND-compare of the
-// upper word per tile where its words are full, and one per word along its border where they are not.
-// Source: ours; the pyramid idea is Greene, Kass and Miller 1993.
+// whose bit is set where a word is full. Invariant: a bit of the upper word is set exactly where all 64 bits of its
+// lower word are; pixels outside of the image count as opaque from the start. Exact. A rectangle costs one AND-compare
+// of the upper word per tile where its words are full, and one per word along its border where they are not. Source:
+// ours; the pyramid idea is Greene, Kass and Miller 1993.
 #include <cstdint>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// Image-space coherence: one question, whether a rectangle of pixels is already opaque, and one update, that a pixel has
-// become so. The answers differ in price and exactness, one file each. Source: Lee and Ihm §2.
+// Image-space coherence: one question, whether a rectangle of pixels is already opaque, and one update, that a pixel
+// has become so. The answers differ in price and exactness, one file each. Source: Lee and Ihm §2.
 #pragma once
 
 #include <algorithm>

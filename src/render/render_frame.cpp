@@ -20,14 +20,16 @@ std::vector<TilePixels> tilesOf(Image& image, const PixelRect& rect, int tile_px
   std::vector<TilePixels> out;
   for (int y = rect.y0 / tile_px * tile_px; y < rect.y1; y += tile_px) {
     for (int x = rect.x0 / tile_px * tile_px; x < rect.x1; x += tile_px) {
-      const PixelRect tile = intersection(PixelRect{x, y, x + tile_px, y + tile_px}, PixelRect{0, 0, image.width, image.height});
+      const PixelRect tile =
+          intersection(PixelRect{x, y, x + tile_px, y + tile_px}, PixelRect{0, 0, image.width, image.height});
       out.push_back({tile, image.pixel(tile.x0, tile.y0), std::ptrdiff_t{4} * image.width});
     }
   }
   return out;
 }
 
-SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, Image& image, const PixelRect& rect, int tile_px) {
+SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, Image& image, const PixelRect& rect,
+                      int tile_px) {
   const std::vector<TilePixels> tiles = tilesOf(image, rect, tile_px);
   std::vector<SplatCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) { walkTile(frame, block, tiles[i], counts[i]); });
@@ -40,16 +42,19 @@ void layOverBackground(Image& image, const std::array<double, 4>& background) {
   if (background == std::array<double, 4>{0, 0, 0, 0}) return;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     const float open = 1.0f - image.rgba[i + 3];
-    for (std::size_t channel = 0; channel < 4; ++channel) image.rgba[i + channel] += open * static_cast<float>(background[channel]);
+    for (std::size_t channel = 0; channel < 4; ++channel)
+      image.rgba[i + channel] += open * static_cast<float>(background[channel]);
   }
 }
 
 void requireRequest(const StoreReader& store, const FrameRequest& request) {
   if (request.level < 0 || request.level >= store.index().levels()) {
-    throw Error(ErrorCode::kUsage, fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
   }
   if (request.tile_px <= 0 || request.tile_px % kVisibilityTile != 0) {
-    throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels is not a multiple of {}", request.tile_px, kVisibilityTile));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a tile of {} pixels is not a multiple of {}", request.tile_px, kVisibilityTile));
   }
 }
 
@@ -61,7 +66,8 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   requireRequest(store, request);
   const Manifest& manifest = store.manifest();
   const VolumeGeometry& volume = store.level(request.level).geometry;
-  const double unit = request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
+  const double unit =
+      request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
   const CacheCounts before = cache.counts();
 
   const Classifier classifier(request.transfer_function, unit, manifest.type, manifest.range);
@@ -69,13 +75,14 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const BrickWalk bricks(store, request.level, classifier);
   const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size);
   Image image(request.view.size.width, request.view.size.height);
-  const SplatFrame frame{&projector,
-                         &classifier,
-                         request.shading,
-                         manifest.range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo)),
-                         static_cast<float>(request.opacity_threshold),
-                         visibility.get(),
-                         request.visibility == VisibilityMethod::kMask};
+  const SplatFrame frame{
+      &projector,
+      &classifier,
+      request.shading,
+      manifest.range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo)),
+      static_cast<float>(request.opacity_threshold),
+      visibility.get(),
+      request.visibility == VisibilityMethod::kMask};
   SplatCounts counts;
   BrickWalkCounts walked;
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {

@@ -1,5 +1,5 @@
-// One frame as a list of steps (DESIGN §3): classify, walk the bricks front to back, draw each in parallel tiles, lay the
-// result over the background.
+// One frame as a list of steps (DESIGN §3): classify, walk the bricks front to back, draw each in parallel tiles, lay
+// the result over the background.
 #pragma once
 
 #include "base/progress.h"
@@ -22,8 +22,8 @@ struct FrameRequest {
   int tile_px = 64;
 };
 
-/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on an
-/// exact visibility method. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
+/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on
+/// an exact visibility method. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

@@ -21,7 +21,8 @@ double quantile(const ValueHistogram& histogram, double part) {
   for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
     below += static_cast<double>(histogram.counts[bin]);
     if (below >= part * total) {
-      return histogram.lo + (histogram.hi - histogram.lo) * (static_cast<double>(bin) + 0.5) / static_cast<double>(histogram.counts.size());
+      return histogram.lo + (histogram.hi - histogram.lo) * (static_cast<double>(bin) + 0.5) /
+                                static_cast<double>(histogram.counts.size());
     }
   }
   return histogram.hi;
@@ -51,7 +52,8 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
   const double pixel = std::min(spacing[out.right], spacing[out.down]);
   out.voxels_per_column = pixel / spacing[out.right];
   out.voxels_per_row = pixel / spacing[out.down];
-  out.width = std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.right]) / out.voxels_per_column), 1);
+  out.width =
+      std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.right]) / out.voxels_per_column), 1);
   out.height = std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.down]) / out.voxels_per_row), 1);
   return out;
 }
@@ -60,7 +62,9 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
 void drawBrick(const BrickBlock& block, const Layout& layout, std::int64_t index, const Window& window, Image& image) {
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const voxels = block.data<T>();
-    const auto voxelAt = [](std::int64_t pixel, double step) { return static_cast<std::int64_t>((static_cast<double>(pixel) + 0.5) * step); };
+    const auto voxelAt = [](std::int64_t pixel, double step) {
+      return static_cast<std::int64_t>((static_cast<double>(pixel) + 0.5) * step);
+    };
     for (int y = 0; y < image.height; ++y) {
       VoxelCoord v;
       v[layout.axis] = index;
@@ -88,12 +92,15 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
   if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
   const std::int64_t count = volume.dims[request.axis];
   const std::int64_t index = request.index.value_or(count / 2);
-  if (index < 0 || index >= count) throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
+  if (index < 0 || index >= count)
+    throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
   const Window window = request.window.value_or(defaultWindow(store.manifest().histogram));
-  if (!(window.width > 0) || !std::isfinite(window.centre)) throw Error(ErrorCode::kUsage, "--window: the width must be positive");
+  if (!(window.width > 0) || !std::isfinite(window.centre))
+    throw Error(ErrorCode::kUsage, "--window: the width must be positive");
   const Layout layout = layoutOf(volume, request.axis);
   if (layout.width > kLargestSide || layout.height > kLargestSide) {
-    throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
   }
   Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
   const Extent3& lattice = store.index().lattice(0);
@@ -105,7 +112,9 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
     brick[layout.axis] = row;
     brick[layout.right] = i % lattice[layout.right];
     brick[layout.down] = i / lattice[layout.right];
-    drawBrick(store.read({0, {static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y), static_cast<std::int32_t>(brick.z)}}),
+    drawBrick(store.read({0,
+                          {static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
+                           static_cast<std::int32_t>(brick.z)}}),
               layout, index, window, image);
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(bricks));
   }

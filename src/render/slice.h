@@ -15,14 +15,14 @@ struct Window {
 };
 
 struct SliceRequest {
-  int axis = 2;                        // 0 x, 1 y, 2 z
-  std::optional<std::int64_t> index;   // the middle where not given
-  std::optional<Window> window;        // the middle 99 % of the values where not given
+  int axis = 2;                       // 0 x, 1 y, 2 z
+  std::optional<std::int64_t> index;  // the middle where not given
+  std::optional<Window> window;       // the middle 99 % of the values where not given
 };
 
-/// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice along z
-/// has y down; the others have z up. NaN is transparent. memory: the slice and one brick.
-/// throws: Error kUsage (axis, index, window), and what StoreReader::read throws.
+/// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice
+/// along z has y down; the others have z up. NaN is transparent. memory: the slice and one brick. throws: Error kUsage
+/// (axis, index, window), and what StoreReader::read throws.
 Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
 
 }  // namespace kiln

@@ -1,8 +1,8 @@
 #include "scene/transfer_function_json.h"
 
 #include "base/file.h"
-#include "scene/render_job.h"
 #include "base/srgb.h"
+#include "scene/render_job.h"
 
 namespace kiln {
 namespace {

@@ -43,7 +43,8 @@ bool Classifier::interesting(const ValueRange& range) const {
   if (range.empty()) return false;
   const auto first = firstPointAtOrAbove(function_, range.lo) - function_.points.begin();
   const auto last = firstPointAbove(function_, range.hi) - function_.points.begin();
-  if (opaque_points_before_[static_cast<std::size_t>(last)] > opaque_points_before_[static_cast<std::size_t>(first)]) return true;
+  if (opaque_points_before_[static_cast<std::size_t>(last)] > opaque_points_before_[static_cast<std::size_t>(first)])
+    return true;
   return function_.interesting(range.lo) || function_.interesting(range.hi);
 }
 

@@ -1,5 +1,5 @@
-// Classification as the kernel asks for it: colour and extinction of a value, by one table look-up for 8 and 16 bits and
-// by segment for wider types; and whether a range of values holds anything at all, for the octree. Both are exact.
+// Classification as the kernel asks for it: colour and extinction of a value, by one table look-up for 8 and 16 bits
+// and by segment for wider types; and whether a range of values holds anything at all, for the octree. Both are exact.
 #pragma once
 
 #include <cmath>

@@ -33,7 +33,8 @@ Ellipse ellipseOf(double xx, double xy, double yy) {
 // No eigenvalue of a symmetric matrix is larger than its largest absolute row sum.
 double eigenvalueBound(const glm::dmat3& m) {
   double bound = 0;
-  for (int row = 0; row < 3; ++row) bound = std::max(bound, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
+  for (int row = 0; row < 3; ++row)
+    bound = std::max(bound, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
   return bound;
 }
 
@@ -96,8 +97,9 @@ PixelRect Projector::bounds(const VoxelBox& box) const {
   const double inf = std::numeric_limits<double>::infinity();
   double x0 = inf, y0 = inf, x1 = -inf, y1 = -inf, nearest = inf, farthest = -inf;
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p = viewOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x, (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
-                                 (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
+    const glm::dvec3 p =
+        viewOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x, (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
+                (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
     nearest = std::min(nearest, p.z);
     farthest = std::max(farthest, p.z);
     if (perspective_ && p.z < near_depth_) continue;
@@ -118,7 +120,8 @@ PixelRect Projector::bounds(const VoxelBox& box) const {
   const auto radius = [&](double lo, double hi, double centre) {
     const double u = std::max(std::abs(lo - centre), std::abs(hi - centre)) / focal_px_;
     const double s = focal_px_ / nearest;
-    return kFootprintRadius * std::sqrt(largest_variance_ * s * s * (1 + u * u) + kPixelSigma * kPixelSigma) + kRounding;
+    return kFootprintRadius * std::sqrt(largest_variance_ * s * s * (1 + u * u) + kPixelSigma * kPixelSigma) +
+           kRounding;
   };
   const double rx = radius(x0, x1, centre_px_.x);
   const double ry = radius(y0, y1, centre_px_.y);

@@ -24,9 +24,9 @@ inline constexpr double kFootprintRadius = 3.0;
 
 /// The footprint of one voxel: weight exp(-q/2), q = a dx² + 2 b dx dy + c dy², where q <= kFootprintRadius².
 struct Ellipse {
-  float a = 0, b = 0, c = 0;       // unit: 1 / pixel²
-  float half_x = 0, half_y = 0;    // of its bounding box. unit: pixels
-  float area = 0;                  // integral of the weight over the plane, cut off at the radius. unit: pixels²
+  float a = 0, b = 0, c = 0;     // unit: 1 / pixel²
+  float half_x = 0, half_y = 0;  // of its bounding box. unit: pixels
+  float area = 0;                // integral of the weight over the plane, cut off at the radius. unit: pixels²
 };
 
 class Projector {

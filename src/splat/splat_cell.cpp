@@ -16,9 +16,10 @@ constexpr int kSmallTaps = 256;
 
 // exp(-q/2) for 0 <= q <= kCut in steps of 1/64, read with linear interpolation: error below 3e-5.
 constexpr int kSteps = 64;
-const std::array<float, static_cast<std::size_t>(kCut) * kSteps + 2> kGaussian = [] {
+const std::array<float, static_cast<std::size_t>(kCut)* kSteps + 2> kGaussian = [] {
   std::array<float, static_cast<std::size_t>(kCut) * kSteps + 2> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(std::exp(-0.5 * static_cast<double>(i) / kSteps));
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = static_cast<float>(std::exp(-0.5 * static_cast<double>(i) / kSteps));
   return table;
 }();
 
@@ -26,7 +27,8 @@ float gaussian(float q) {
   const float at = q * kSteps;
   const int i = static_cast<int>(at);
   const float t = at - static_cast<float>(i);
-  return kGaussian[static_cast<std::size_t>(i)] + t * (kGaussian[static_cast<std::size_t>(i) + 1] - kGaussian[static_cast<std::size_t>(i)]);
+  return kGaussian[static_cast<std::size_t>(i)] +
+         t * (kGaussian[static_cast<std::size_t>(i) + 1] - kGaussian[static_cast<std::size_t>(i)]);
 }
 
 // 1 - exp(-x) for x >= 0, the opacity of optical depth x, to 2e-6 of its value. The same bits on every machine.
@@ -37,7 +39,8 @@ float opacityOf(float x) {
   const float y = x * -1.44269504f;
   const float n = std::floor(y + 0.5f);
   const float f = y - n;
-  const float p = 1.0f + f * (0.69314718f + f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
+  const float p =
+      1.0f + f * (0.69314718f + f * (0.24022651f + f * (0.05550411f + f * (0.00961813f + f * 0.00133336f))));
   return 1.0f - p * std::bit_cast<float>(static_cast<std::int32_t>(n + 127.0f) << 23);
 }
 
@@ -59,15 +62,18 @@ struct Color {
 };
 
 // Phong with a headlight, two-sided: DESIGN §10.
-Color shade(const SplatFrame& frame, const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) {
+Color shade(const SplatFrame& frame, const Material& material, const glm::vec3& index_gradient,
+            const glm::dvec3& view_point) {
   const Shading& s = frame.shading;
   Color out{material.r, material.g, material.b};
   if (!s.phong || glm::dot(index_gradient, index_gradient) < frame.gradient_noise * frame.gradient_noise) return out;
   const glm::vec3 normal = frame.projector->viewFromIndexGradient() * index_gradient;
-  const glm::vec3 to_eye = frame.projector->perspective() ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
+  const glm::vec3 to_eye =
+      frame.projector->perspective() ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
   const float cosine = std::min(std::abs(glm::dot(normal, to_eye)) / glm::length(normal), 1.0f);
   const float matte = static_cast<float>(s.ambient) + static_cast<float>(s.diffuse) * cosine;
-  const float gloss = s.specular > 0 ? static_cast<float>(s.specular) * std::pow(cosine, static_cast<float>(s.power)) : 0.0f;
+  const float gloss =
+      s.specular > 0 ? static_cast<float>(s.specular) * std::pow(cosine, static_cast<float>(s.power)) : 0.0f;
   return {out.r * matte + gloss, out.g * matte + gloss, out.b * matte + gloss};
 }
 
@@ -107,9 +113,10 @@ class Taps {
   float weights_[kSmallTaps];
 };
 
-// Front to back over the pixels; a pixel that reaches the threshold is divided by its alpha and closed, so that its alpha
-// of one lets nothing more in, whatever the visibility method.
-void accumulate(const SplatFrame& frame, const TilePixels& tile, const Footprint& print, float depth, const Color& color) {
+// Front to back over the pixels; a pixel that reaches the threshold is divided by its alpha and closed, so that its
+// alpha of one lets nothing more in, whatever the visibility method.
+void accumulate(const SplatFrame& frame, const TilePixels& tile, const Footprint& print, float depth,
+                const Color& color) {
   const Taps taps(print);
   if (!(taps.sum() > 0)) return;
   const float scale = depth / taps.sum();
@@ -210,9 +217,8 @@ class CellSplatter {
 
 void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, const TilePixels& tile,
                SplatCounts& counts) noexcept {
-  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
-    CellSplatter<T>(frame, block, tile, counts).cell(cell);
-  });
+  withVoxelType(block.type,
+                [&]<class T>(std::type_identity<T>) { CellSplatter<T>(frame, block, tile, counts).cell(cell); });
 }
 
 }  // namespace kiln

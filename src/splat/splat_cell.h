@@ -1,5 +1,5 @@
-// The kernel of `--lattice voxel`: the voxels of one cell, each once, front to back, as footprints into one tile. This is
-// Lee and Ihm's algorithm to the letter: classify, test, shade, project, accumulate, update.
+// The kernel of `--lattice voxel`: the voxels of one cell, each once, front to back, as footprints into one tile. This
+// is Lee and Ihm's algorithm to the letter: classify, test, shade, project, accumulate, update.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct SplatFrame {
   const Projector* projector = nullptr;
   const Classifier* classifier = nullptr;
   Shading shading;
-  float gradient_noise = 0;   // unit: value per voxel
-  float opaque_at = 1;        // alpha at which a pixel is closed
+  float gradient_noise = 0;  // unit: value per voxel
+  float opaque_at = 1;       // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
   bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
 };

@@ -21,8 +21,8 @@ struct BrickBlock {
   VoxelType type = VoxelType::u8;
   /// Global index coordinates of the core's voxels.
   VoxelBox core;
-  /// Global index coordinates of all voxels in `voxels`: the core grown by the apron. Those outside of the volume repeat
-  /// the nearest voxel of the volume.
+  /// Global index coordinates of all voxels in `voxels`: the core grown by the apron. Those outside of the volume
+  /// repeat the nearest voxel of the volume.
   VoxelBox extent;
   /// shape: extent, x fastest, densely packed.
   std::vector<std::byte> voxels;

@@ -1,5 +1,5 @@
-// A brick as an OpenVDB file (FORMAT.md, brick files). Grids are filled leaf by leaf, so that exactly the voxels of core
-// and apron are active whatever their value, and the bytes depend on the voxels alone.
+// A brick as an OpenVDB file (FORMAT.md, brick files). Grids are filled leaf by leaf, so that exactly the voxels of
+// core and apron are active whatever their value, and the bytes depend on the voxels alone.
 #include "store/brick_codec.h"
 
 #include <fmt/format.h>
@@ -165,7 +165,8 @@ class Encoder {
         for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
           for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
             if (!core && core_.contains({x, y, z})) continue;
-            leaf->setValueOn(openvdb::Index(((x - origin.x) << 6) | ((y - origin.y) << 3) | (z - origin.z)), valueAt(x, y, z));
+            leaf->setValueOn(openvdb::Index(((x - origin.x) << 6) | ((y - origin.y) << 3) | (z - origin.z)),
+                             valueAt(x, y, z));
           }
         }
       }
@@ -187,8 +188,9 @@ class Encoder {
         for (int x = 0; x < edge; ++x, ++i) {
           if (cells[i].empty()) continue;
           const double value = least ? cells[i].lo : cells[i].hi;
-          accessor.setValueOn(coordOf({core_.lo.x / kCellSize + x, core_.lo.y / kCellSize + y, core_.lo.z / kCellSize + z}),
-                              static_cast<Value>(value));
+          accessor.setValueOn(
+              coordOf({core_.lo.x / kCellSize + x, core_.lo.y / kCellSize + y, core_.lo.z / kCellSize + z}),
+              static_cast<Value>(value));
         }
       }
     }
@@ -207,7 +209,8 @@ class Encoder {
       for (std::int64_t i = 0; i < size_.count(); ++i) {
         const float value = static_cast<float>(voxels_[i]);
         const float back = static_cast<float>(openvdb::math::half(value));
-        if (std::isnan(value) || std::bit_cast<std::uint32_t>(value) != std::bit_cast<std::uint32_t>(back)) return false;
+        if (std::isnan(value) || std::bit_cast<std::uint32_t>(value) != std::bit_cast<std::uint32_t>(back))
+          return false;
       }
       return true;
     } else {
@@ -267,7 +270,8 @@ class Decoder {
       for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Index n = voxel.pos();
         const VoxelCoord v = {origin.x() + (n >> 6), origin.y() + ((n >> 3) & 7), origin.z() + (n & 7)};
-        if (!stored_.contains(v) || core_.contains(v) != core) fail(base.getName() + " has a voxel outside of its place");
+        if (!stored_.contains(v) || core_.contains(v) != core)
+          fail(base.getName() + " has a voxel outside of its place");
         voxels[block_.offsetOf(v)] = static_cast<T>(*voxel);
         ++count;
       }
@@ -284,7 +288,8 @@ class Decoder {
       const std::int64_t x = c.x() - core_.lo.x / kCellSize;
       const std::int64_t y = c.y() - core_.lo.y / kCellSize;
       const std::int64_t z = c.z() - core_.lo.z / kCellSize;
-      if (!voxel.isVoxelValue() || !boxOf({edge, edge, edge}).contains({x, y, z})) fail(base.getName() + " has a cell outside of its place");
+      if (!voxel.isVoxelValue() || !boxOf({edge, edge, edge}).contains({x, y, z}))
+        fail(base.getName() + " has a cell outside of its place");
       ValueRange& range = cells[static_cast<std::size_t>((z * edge + y) * edge + x)];
       (least ? range.lo : range.hi) = static_cast<double>(*voxel);
     }
@@ -295,7 +300,9 @@ class Decoder {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
     const VoxelBox& all = block_.extent;
     const Extent3 n = all.extent();
-    const auto nearest = [&](std::int64_t i, int axis) { return std::clamp(i, stored_.lo[axis], stored_.hi[axis] - 1) - all.lo[axis]; };
+    const auto nearest = [&](std::int64_t i, int axis) {
+      return std::clamp(i, stored_.lo[axis], stored_.hi[axis] - 1) - all.lo[axis];
+    };
     for (std::int64_t z = stored_.lo.z; z < stored_.hi.z; ++z) {
       for (std::int64_t y = stored_.lo.y; y < stored_.hi.y; ++y) {
         T* const row = voxels + ((z - all.lo.z) * n.y + (y - all.lo.y)) * n.x;
@@ -333,7 +340,8 @@ BrickBlock emptyBlock(const BrickFrame& frame) {
   return block;
 }
 
-openvdb::GridBase::Ptr gridNamed(const openvdb::GridPtrVec& grids, const char* name, const std::filesystem::path& path) {
+openvdb::GridBase::Ptr gridNamed(const openvdb::GridPtrVec& grids, const char* name,
+                                 const std::filesystem::path& path) {
   for (const auto& grid : grids) {
     if (grid && grid->getName() == name) return grid;
   }
@@ -386,7 +394,8 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
       throw Error(ErrorCode::kDamaged, path, "metadata", "the file is another brick's; convert the source again");
     }
     openvdb::GridPtrVecPtr grids = stream.getGrids();
-    return withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) { return decodeTyped<T>(frame, *grids, path); });
+    return withVoxelType(frame.type,
+                         [&]<class T>(std::type_identity<T>) { return decodeTyped<T>(frame, *grids, path); });
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {

@@ -74,9 +74,14 @@ std::vector<std::byte> BrickIndex::encode() const {
     const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
     for (std::size_t i = first_[level]; i < first_[level] + count; ++i) {
       const BrickEntry& entry = entries_[i];
-      RawEntry raw{entry.constant ? kConstantFlag : 0, 0,
-                   entry.core.lo, entry.core.hi, entry.support.lo, entry.support.hi,
-                   entry.file_bytes, {}};
+      RawEntry raw{entry.constant ? kConstantFlag : 0,
+                   0,
+                   entry.core.lo,
+                   entry.core.hi,
+                   entry.support.lo,
+                   entry.support.hi,
+                   entry.file_bytes,
+                   {}};
       std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
       append(out, raw);
     }
@@ -86,11 +91,13 @@ std::vector<std::byte> BrickIndex::encode() const {
 
 BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector<Extent3>& lattices,
                               const std::filesystem::path& path) {
-  if (!haveRoom(data.size(), lattices)) throw Error(ErrorCode::kFormat, path, "", "is too short for the bricks of the manifest");
+  if (!haveRoom(data.size(), lattices))
+    throw Error(ErrorCode::kFormat, path, "", "is too short for the bricks of the manifest");
   BrickIndex index(lattices);
   std::size_t at = 0;
   const auto take = [&](void* into, std::size_t bytes) {
-    if (data.size() - at < bytes) throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "the index ends here");
+    if (data.size() - at < bytes)
+      throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "the index ends here");
     std::memcpy(into, data.data() + at, bytes);
     at += bytes;
   };

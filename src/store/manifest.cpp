@@ -147,8 +147,11 @@ class Reader {
 };
 
 Json sourceJson(const Provenance& source) {
-  Json out = {{"format", source.format}, {"files", source.files}, {"command", source.command},
-              {"time", source.time},     {"kiln", KILN_VERSION}};
+  Json out = {{"format", source.format},
+              {"files", source.files},
+              {"command", source.command},
+              {"time", source.time},
+              {"kiln", KILN_VERSION}};
   if (source.vdb) {
     out["grid"] = source.vdb->grid_name;
     const VoxelCoord& origin = source.vdb->index_origin;
@@ -201,7 +204,8 @@ std::size_t digitsOf(const std::string& text) {
 
 void requireChecksum(const std::string& text, const std::filesystem::path& path) {
   const std::size_t digits = digitsOf(text);
-  if (digits == std::string::npos) throw Error(ErrorCode::kDamaged, path, "", "has no checksum; the file is cut off or damaged");
+  if (digits == std::string::npos)
+    throw Error(ErrorCode::kDamaged, path, "", "has no checksum; the file is cut off or damaged");
   std::string zeroed = text;
   zeroed.replace(digits, kDigits, kDigits, '0');
   const std::string found = toHex(hashOf(zeroed));
@@ -217,8 +221,11 @@ void requireChecksum(const std::string& text, const std::filesystem::path& path)
 std::string manifestText(const Manifest& m) {
   Json levels = Json::array();
   for (const LevelInfo& level : m.levels) {
-    levels.push_back({{"dimensions", triple(level.geometry.dims)}, {"affine", rows(level.geometry.world_from_index)},
-                      {"bricks", triple(level.bricks)}, {"stored", level.stored_bricks}, {"bytes", level.stored_bytes}});
+    levels.push_back({{"dimensions", triple(level.geometry.dims)},
+                      {"affine", rows(level.geometry.world_from_index)},
+                      {"bricks", triple(level.bricks)},
+                      {"stored", level.stored_bricks},
+                      {"bytes", level.stored_bytes}});
   }
   const VolumeGeometry& geometry = m.geometry();
   Json json = {

@@ -17,7 +17,8 @@ namespace kiln {
 class MinMaxOctree {
  public:
   MinMaxOctree() = default;
-  /// shape: `cells` holds edge³ ranges, x fastest; cells outside of the volume are empty. requires: edge a power of two.
+  /// shape: `cells` holds edge³ ranges, x fastest; cells outside of the volume are empty. requires: edge a power of
+  /// two.
   MinMaxOctree(std::vector<ValueRange> cells, int edge);
 
   /// 0 is the cells; depth() - 1 is the root.

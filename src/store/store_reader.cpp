@@ -16,15 +16,17 @@ constexpr std::uint64_t kLargestManifest = 64ull << 20;
 std::vector<std::byte> readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
   const File file(path);
   if (file.size() != bytes) {
-    throw Error(ErrorCode::kDamaged, path, "",
-                fmt::format("has {} bytes, expected {}; restore the file or convert the source again", file.size(), bytes));
+    throw Error(
+        ErrorCode::kDamaged, path, "",
+        fmt::format("has {} bytes, expected {}; restore the file or convert the source again", file.size(), bytes));
   }
   std::vector<std::byte> data(bytes);
   file.readAt(0, data);
   const Hash128 found = hashOf(data);
   if (found != expected) {
     throw Error(ErrorCode::kDamaged, path, "",
-                fmt::format("checksum {}, expected {}; restore the file or convert the source again", toHex(found), toHex(expected)));
+                fmt::format("checksum {}, expected {}; restore the file or convert the source again", toHex(found),
+                            toHex(expected)));
   }
   return data;
 }
@@ -74,8 +76,10 @@ std::uint64_t StoreReader::verify() const {
   for (int l = 0; l < index_.levels(); ++l) {
     const Extent3& lattice = index_.lattice(l);
     for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      const BrickKey key{l, {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-                             static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+      const BrickKey key{
+          l,
+          {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
+           static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
       if (index_.at(key).constant) continue;
       const BrickBlock block = read(key);
       const int edge = block.octree.edge(0);

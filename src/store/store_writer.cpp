@@ -42,7 +42,8 @@ StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& 
 }
 
 BrickFrame StoreWriter::frame(const BrickKey& key) const {
-  return {key, manifest_.type, manifest_.brick_size, manifest_.apron, manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
+  return {key, manifest_.type, manifest_.brick_size, manifest_.apron,
+          manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
 }
 
 void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {

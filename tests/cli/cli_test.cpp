@@ -1,5 +1,5 @@
-// The program as its users meet it: what it writes, what it says, and its exit code: 0 done, 1 data or I/O, 2 command line.
-// A failure is exactly one line on stderr that names the file or the option.
+// The program as its users meet it: what it writes, what it says, and its exit code: 0 done, 1 data or I/O, 2 command
+// line. A failure is exactly one line on stderr that names the file or the option.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,11 +28,15 @@ void write(const fs::path& path, std::string_view text) {
   ASSERT_TRUE(out.flush().good()) << path;
 }
 
-std::string_view textOf(const std::vector<std::byte>& data) { return {reinterpret_cast<const char*>(data.data()), data.size()}; }
+std::string_view textOf(const std::vector<std::byte>& data) {
+  return {reinterpret_cast<const char*>(data.data()), data.size()};
+}
 
 class Cli : public ::testing::Test {
  protected:
-  void SetUp() override { directory_ = freshDirectory(std::string("cli_") + ::testing::UnitTest::GetInstance()->current_test_info()->name()); }
+  void SetUp() override {
+    directory_ = freshDirectory(std::string("cli_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
 
   std::string in(const std::string& name) const { return (directory_ / name).string(); }
 
@@ -43,7 +47,8 @@ class Cli : public ::testing::Test {
   // v.kiln, of v.raw.
   void makeRampStore(const std::string& brick_size = "16") const {
     writeRamp();
-    expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", brick_size});
+    expectDone(
+        {"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", brick_size});
   }
 
   ToolResult expectDone(const std::vector<std::string>& arguments) const {
@@ -54,7 +59,8 @@ class Cli : public ::testing::Test {
   }
 
   // Runs what must fail: the exit code, one line, and in it all of `mentions`.
-  ToolResult expectRefused(const std::vector<std::string>& arguments, int exit_code, const std::vector<std::string>& mentions, const ToolOptions& options = {}) const {
+  ToolResult expectRefused(const std::vector<std::string>& arguments, int exit_code,
+                           const std::vector<std::string>& mentions, const ToolOptions& options = {}) const {
     std::string command;
     for (const std::string& argument : arguments) command += " " + argument;
     SCOPED_TRACE("kiln" + command);
@@ -65,7 +71,8 @@ class Cli : public ::testing::Test {
     EXPECT_TRUE(result.err.starts_with("kiln: ")) << result.err;
     EXPECT_EQ(result.err.find("defect"), std::string::npos) << result.err;
     EXPECT_EQ(result.out, "");
-    for (const std::string& mention : mentions) EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
+    for (const std::string& mention : mentions)
+      EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
     return result;
   }
 
@@ -79,20 +86,23 @@ class Cli : public ::testing::Test {
   fs::path directory_;
 };
 
-// --- what works -------------------------------------------------------------------------------------------------------
+// --- what works
+// -------------------------------------------------------------------------------------------------------
 
 // Known because the volume is a ramp: its numbers are those of the formula.
 TEST_F(Cli, ConvertInfoVerify) {
   makeRampStore();
   const ToolResult info = expectDone({"info", in("v.kiln")});
-  for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3", "v.raw"}) EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
+  for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3", "v.raw"})
+    EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
   const ToolResult json = expectDone({"info", in("v.kiln"), "--json"});
   EXPECT_EQ(json.out, readTextFile(in("v.kiln") + "/manifest.json"));
   EXPECT_EQ(Json::parse(json.out)["range"], Json::array({1.0, 231.0}));
   const ToolResult verify = expectDone({"verify", in("v.kiln")});
   EXPECT_NE(verify.out.find("whole, 6 files"), std::string::npos) << verify.out;
   EXPECT_EQ(info.err + json.err + verify.err, "");
-  expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--overwrite", "--brick-size", "128"});
+  expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--overwrite", "--brick-size",
+              "128"});
   EXPECT_EQ(StoreReader(in("v.kiln")).manifest().brick_size, 128);
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
@@ -164,9 +174,10 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   const Json stats = Json::parse(readTextFile(in("s.json")));
   ASSERT_EQ(stats["frames"].size(), 3u);
   for (const Json& frame : stats["frames"]) EXPECT_GT(frame["wall_s"], 0.0);
-  for (const char* key : {"/voxels/visited", "/voxels/splats", "/nodes/tested", "/nodes/hidden", "/bricks/total", "/bricks/interesting", "/bricks/read",
-                          "/bricks/hidden", "/bricks/read_bytes", "/memory/budget_bytes", "/memory/peak_cache_bytes", "/memory/peak_rss_bytes",
-                          "/time/load_s", "/time/render_s", "/time/output_s"}) {
+  for (const char* key :
+       {"/voxels/visited", "/voxels/splats", "/nodes/tested", "/nodes/hidden", "/bricks/total", "/bricks/interesting",
+        "/bricks/read", "/bricks/hidden", "/bricks/read_bytes", "/memory/budget_bytes", "/memory/peak_cache_bytes",
+        "/memory/peak_rss_bytes", "/time/load_s", "/time/render_s", "/time/output_s"}) {
     const Json::json_pointer at(key);
     EXPECT_TRUE(stats.contains(at) && stats.at(at).is_number()) << key;
   }
@@ -179,11 +190,13 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
 TEST_F(Cli, ThreadsAndMemoryDoNotChangeThePicture) {
   const DenseVolume volume = cheese({{60, 50, 70}, VoxelType::u16, anisotropicAffine()}, 3, usualRange(VoxelType::u16));
   write(in("c.raw"), textOf(volume.voxels));
-  expectDone({"convert", in("c.raw"), in("c.kiln"), "--dims", "60,50,70", "--type", "u16", "--brick-size", "16", "--threads", "2"});
+  expectDone({"convert", in("c.raw"), in("c.kiln"), "--dims", "60,50,70", "--type", "u16", "--brick-size", "16",
+              "--threads", "2"});
   std::vector<std::byte> first;
   for (const char* threads : {"1", "2"}) {
     for (const char* memory : {"32M", "2G"}) {
-      expectDone({"render", in("c.kiln"), "-o", in("p.png"), "--size", "90x70", "--threads", threads, "--memory", memory});
+      expectDone(
+          {"render", in("c.kiln"), "-o", in("p.png"), "--size", "90x70", "--threads", threads, "--memory", memory});
       const std::vector<std::byte> picture = readFile(in("p.png"));
       if (first.empty()) first = picture;
       EXPECT_TRUE(picture == first) << threads << " threads, " << memory;
@@ -194,7 +207,8 @@ TEST_F(Cli, ThreadsAndMemoryDoNotChangeThePicture) {
 // Known because the store beside the file is made once, and anew when the file or what is said of it has changed.
 TEST_F(Cli, RenderOfAForeignFile) {
   writeRamp();
-  std::vector<std::string> arguments = {"render", in("v.raw"), "-o", in("p.png"), "--size", "16x16", "--dims", "24,20,16", "--type", "u8"};
+  std::vector<std::string> arguments = {"render", in("v.raw"), "-o",       in("p.png"), "--size",
+                                        "16x16",  "--dims",    "24,20,16", "--type",    "u8"};
   const fs::path store = in("v.raw.kiln");
   EXPECT_NE(expectDone(arguments).err.find("kiln: converting to the store " + store.string()), std::string::npos);
   EXPECT_TRUE(isStore(store));
@@ -210,7 +224,8 @@ TEST_F(Cli, RenderOfAForeignFile) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
 }
 
-// --- what is wrong ----------------------------------------------------------------------------------------------------
+// --- what is wrong
+// ----------------------------------------------------------------------------------------------------
 
 // Known because none of these can mean anything: the command line is at fault, and no file is made.
 TEST_F(Cli, WrongCommandLines) {
@@ -279,14 +294,19 @@ TEST_F(Cli, MissingFiles) {
 TEST_F(Cli, WrongVolumes) {
   const std::string rest = "encoding: raw\nendian: little\n\n";
   write(in("short.nrrd"), "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 8 8 8\n" + rest + std::string(1000, 'x'));
-  write(in("huge.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\n" + rest + std::string(1000, 'x'));
-  write(in("large.nrrd"), "NRRD0004\ntype: float\ndimension: 3\nsizes: 2000000000 2000000000 2000000000\n" + rest + std::string(1000, 'x'));
+  write(in("huge.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\n" + rest +
+                             std::string(1000, 'x'));
+  write(in("large.nrrd"), "NRRD0004\ntype: float\ndimension: 3\nsizes: 2000000000 2000000000 2000000000\n" + rest +
+                              std::string(1000, 'x'));
   write(in("type.nrrd"), "NRRD0004\ntype: foo\ndimension: 3\nsizes: 8 8 8\n" + rest + std::string(1000, 'x'));
   write(in("empty.nrrd"), "");
   write(in("noise.bin"), std::string("\x7f\x01\x02\x00\xff", 5));
-  for (const char* name : {"short.nrrd", "huge.nrrd", "large.nrrd", "type.nrrd", "empty.nrrd"}) expectRefused({"convert", in(name), in("n.kiln")}, 1, {in(name)});
+  for (const char* name : {"short.nrrd", "huge.nrrd", "large.nrrd", "type.nrrd", "empty.nrrd"})
+    expectRefused({"convert", in(name), in("n.kiln")}, 1, {in(name)});
   expectRefused({"convert", in("noise.bin"), in("n.kiln"), "--dims", "8,8,8", "--type", "u8"}, 1, {in("noise.bin")});
-  expectRefused({"convert", in("noise.bin"), in("n.kiln"), "--dims", "2147483647,2147483647,2147483647", "--type", "f64"}, 1, {in("noise.bin")});
+  expectRefused(
+      {"convert", in("noise.bin"), in("n.kiln"), "--dims", "2147483647,2147483647,2147483647", "--type", "f64"}, 1,
+      {in("noise.bin")});
   EXPECT_FALSE(fs::exists(in("n.kiln")));
 }
 
@@ -307,8 +327,10 @@ TEST_F(Cli, OutputsThatExist) {
 // Known because 100 bytes hold no brick: the message says what would.
 TEST_F(Cli, TooLittleMemory) {
   makeRampStore();
-  expectRefused({"convert", in("v.raw"), in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--memory", "100"}, 1, {"--memory", "smallest", "MiB"});
-  const ToolResult result = expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--memory", "100"}, 1, {"memory"});
+  expectRefused({"convert", in("v.raw"), in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--memory", "100"}, 1,
+                {"--memory", "smallest", "MiB"});
+  const ToolResult result =
+      expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--memory", "100"}, 1, {"memory"});
   EXPECT_TRUE(result.err.find("KiB") != std::string::npos || result.err.find("MiB") != std::string::npos) << result.err;
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
@@ -319,7 +341,8 @@ TEST_F(Cli, NoSpaceLeft) {
   write(in("n.raw"), textOf(volume.voxels));
   ToolOptions full;
   full.file_bytes = 4096;
-  expectRefused({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"}, 1, {in("n.kiln"), "free space"}, full);
+  expectRefused({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"}, 1,
+                {in("n.kiln"), "free space"}, full);
   EXPECT_EQ(listing(), std::vector<std::string>{"n.raw"});
   expectDone({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"});
   // Noise in every pixel: no PNG of 40 x 40 such pixels is shorter than the limit.
@@ -328,7 +351,8 @@ TEST_F(Cli, NoSpaceLeft) {
   if (fs::exists("/dev/full")) {
     // Through a link, so that a program that replaces what it should write to replaces only that.
     fs::create_symlink("/dev/full", in("full.json"));
-    expectRefused({"render", in("n.kiln"), "-o", in("p.png"), "--size", "8x8", "--stats", in("full.json")}, 1, {in("full.json"), "free space"});
+    expectRefused({"render", in("n.kiln"), "-o", in("p.png"), "--size", "8x8", "--stats", in("full.json")}, 1,
+                  {in("full.json"), "free space"});
     EXPECT_TRUE(fs::is_symlink(in("full.json")));
     fs::remove(in("full.json"));
     fs::remove(in("p.png"));
@@ -336,7 +360,8 @@ TEST_F(Cli, NoSpaceLeft) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"n.kiln", "n.raw"}));
 }
 
-// Known because a job or a transfer function that is misread would draw another picture: nothing unknown is passed over.
+// Known because a job or a transfer function that is misread would draw another picture: nothing unknown is passed
+// over.
 TEST_F(Cli, WrongJobsAndTransferFunctions) {
   makeRampStore();
   const auto job = [&](const std::string& text, int exit_code, const std::string& mention) {
@@ -349,7 +374,8 @@ TEST_F(Cli, WrongJobsAndTransferFunctions) {
   job("", 1, "job.json");
   const auto transfer = [&](const std::string& text, int exit_code, const std::string& mention) {
     write(in("tf.json"), text);
-    expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--tf", in("tf.json")}, exit_code, {"tf.json", mention});
+    expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--tf", in("tf.json")}, exit_code,
+                  {"tf.json", mention});
   };
   transfer(R"({"points": [{"value": 1, "color": [1, 0, 0]}]})", 2, "opacity");
   transfer(R"({"points": [{"value": 1, "color": [1, 0], "opacity": 1}]})", 2, "color");
@@ -367,7 +393,8 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
   write(brick, textOf(data));
   expectDone({"info", in("v.kiln")});
   expectRefused({"verify", in("v.kiln")}, 1, {brick, "checksum"});
-  expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none"}, 1, {brick, "checksum"});
+  expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none"}, 1,
+                {brick, "checksum"});
   expectRefused({"export", in("v.kiln"), in("v.vdb")}, 1, {brick, "checksum"});
   fs::remove(in("v.kiln") + "/manifest.json");
   expectRefused({"info", in("v.kiln")}, 1, {in("v.kiln"), "did not finish"});
@@ -389,7 +416,9 @@ TEST_F(Cli, AnInterruptLeavesNothing) {
     std::error_code ignored;
     return fs::exists(bricks, ignored) && !fs::is_empty(bricks, ignored);
   };
-  const ToolResult result = runTool({"convert", in("big.raw"), in("big.kiln"), "--dims", "256,512,512", "--type", "u8", "--brick-size", "64"}, options);
+  const ToolResult result =
+      runTool({"convert", in("big.raw"), in("big.kiln"), "--dims", "256,512,512", "--type", "u8", "--brick-size", "64"},
+              options);
   fs::remove(in("big.raw"));
   if (result.exit_code == 0) GTEST_SKIP() << "it finished first";
   EXPECT_TRUE(result.interrupted);

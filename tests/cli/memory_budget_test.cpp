@@ -26,8 +26,8 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
   ASSERT_EQ(runTool({"convert", input, store}).exit_code, 0);
   const auto draw = [&](const std::string& memory) {
     const fs::path picture = directory / (memory + ".exr");
-    const ToolResult result = runTool({"render", store, "-o", picture, "--size", "1024x1024", "--exr-type", "float", "--memory", memory, "--stats",
-                                       directory / (memory + ".json")});
+    const ToolResult result = runTool({"render", store, "-o", picture, "--size", "1024x1024", "--exr-type", "float",
+                                       "--memory", memory, "--stats", directory / (memory + ".json")});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return readFile(picture);
   };
@@ -37,7 +37,8 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
   EXPECT_LE(statistics["memory"]["peak_cache_bytes"], budget);
   EXPECT_EQ(statistics["memory"]["budget_bytes"], budget);
   std::printf("budget 32 MiB: peak cache %.1f MiB, peak resident %.1f MiB, image %.1f MiB\n",
-              statistics["memory"]["peak_cache_bytes"].get<double>() / 1048576, statistics["memory"]["peak_rss_bytes"].get<double>() / 1048576,
+              statistics["memory"]["peak_cache_bytes"].get<double>() / 1048576,
+              statistics["memory"]["peak_rss_bytes"].get<double>() / 1048576,
               statistics["memory"]["framebuffer_bytes"].get<double>() / 1048576);
   // A sanitizer keeps what was freed and shadows every byte: its resident memory says nothing.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

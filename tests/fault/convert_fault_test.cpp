@@ -34,7 +34,8 @@ bool holds(const fs::path& path, const DenseVolume& volume) {
     if (store.manifest().geometry().dims != volume.geometry.dims) return false;
     const Extent3& n = store.index().lattice(0);
     for (std::int32_t i = 0; i < n.count(); ++i) {
-      const BrickBlock block = store.read({0, {std::int32_t(i % n.x), std::int32_t(i / n.x % n.y), std::int32_t(i / n.x / n.y)}});
+      const BrickBlock block =
+          store.read({0, {std::int32_t(i % n.x), std::int32_t(i / n.x % n.y), std::int32_t(i / n.x / n.y)}});
       for (std::int64_t z = block.core.lo.z; z < block.core.hi.z; ++z) {
         for (std::int64_t y = block.core.lo.y; y < block.core.hi.y; ++y) {
           for (std::int64_t x = block.core.lo.x; x < block.core.hi.x; ++x) {
@@ -69,7 +70,8 @@ DenseVolume newVolume() { return cheese({{33, 18, 9}, VoxelType::i16}, 1, usualR
 DenseVolume oldVolume() { return cheese({{20, 9, 9}, VoxelType::i16}, 2, usualRange(VoxelType::i16)); }
 
 // One conversion that meets `fault`; the error it ended with, if it did.
-std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, bool overwrite, FaultyFileSystem& disk) {
+std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, bool overwrite,
+                                 FaultyFileSystem& disk) {
   DenseSource source(volume);
   Progress silent;
   try {
@@ -99,15 +101,20 @@ struct FaultCase {
   bool torn_write, crash;
 };
 constexpr FaultCase kFaults[] = {
-    {"Full", ENOSPC, ErrorCode::kNoSpace, false, false},     {"FullTorn", ENOSPC, ErrorCode::kNoSpace, true, false},
-    {"Io", EIO, ErrorCode::kIo, false, false},               {"IoTorn", EIO, ErrorCode::kIo, true, false},
-    {"Crash", EIO, ErrorCode::kIo, false, true},             {"CrashTorn", EIO, ErrorCode::kIo, true, true},
+    {"Full", ENOSPC, ErrorCode::kNoSpace, false, false},
+    {"FullTorn", ENOSPC, ErrorCode::kNoSpace, true, false},
+    {"Io", EIO, ErrorCode::kIo, false, false},
+    {"IoTorn", EIO, ErrorCode::kIo, true, false},
+    {"Crash", EIO, ErrorCode::kIo, false, true},
+    {"CrashTorn", EIO, ErrorCode::kIo, true, true},
     {"FullCrashTorn", ENOSPC, ErrorCode::kNoSpace, true, true},
 };
 
 class ConvertFault : public ::testing::TestWithParam<FaultCase> {
  protected:
-  DiskFault faultAt(std::uint64_t n) const { return {n, GetParam().error_number, GetParam().torn_write, GetParam().crash}; }
+  DiskFault faultAt(std::uint64_t n) const {
+    return {n, GetParam().error_number, GetParam().torn_write, GetParam().crash};
+  }
 
   void expectError(const std::optional<Error>& error) const {
     ASSERT_TRUE(error);
@@ -168,7 +175,8 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     if (GetParam().crash) {
       disk.leaveWreckage();
       const fs::path old_path = out.string() + ".old", partial = out.string() + ".partial";
-      EXPECT_TRUE(holds(out, old_volume) || holds(out, new_volume) || holds(old_path, old_volume) || holds(partial, new_volume));
+      EXPECT_TRUE(holds(out, old_volume) || holds(out, new_volume) || holds(old_path, old_volume) ||
+                  holds(partial, new_volume));
       EXPECT_TRUE(!opens(out) || holds(out, old_volume) || holds(out, new_volume));
     } else if (error) {
       EXPECT_TRUE(holds(out, old_volume));
@@ -196,7 +204,8 @@ TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::ValuesIn(kFaults), [](const auto& fault) { return std::string(fault.param.name); });
+INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::ValuesIn(kFaults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
 
 // Says stop after `polls` questions.
 class ImpatientProgress : public Progress {
@@ -243,14 +252,17 @@ TEST(ConvertStopped, ByTheUserKeepsTheOldStore) {
 // A file that ends early: from the n-th read on, or at its very end, where a stream's own checksum is.
 class TruncatedSource : public VolumeSource {
  public:
-  TruncatedSource(const DenseVolume& volume, ReadOrder order, int reads) : dense_(volume), order_(order), left_(reads) {}
+  TruncatedSource(const DenseVolume& volume, ReadOrder order, int reads)
+      : dense_(volume), order_(order), left_(reads) {}
   const SourceInfo& info() const override { return dense_.info(); }
   ReadOrder order() const override { return order_; }
   void read(const VoxelBox& box, std::span<std::byte> out) override {
     if (left_-- <= 0) throw Error(ErrorCode::kFormat, "scan.raw", "byte 4711", "the file ends here");
     dense_.read(box, out);
   }
-  void finish() override { throw Error(ErrorCode::kFormat, "scan.raw", "byte 9999", "the stream's checksum disagrees"); }
+  void finish() override {
+    throw Error(ErrorCode::kFormat, "scan.raw", "byte 9999", "the stream's checksum disagrees");
+  }
 
  private:
   DenseSource dense_;
@@ -265,7 +277,8 @@ TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
     for (const int reads : {0, 1, 2, 5, 11, 1000}) {
       for (const bool over : {false, true}) {
         SCOPED_TRACE(std::to_string(reads) + (over ? " over" : ""));
-        const fs::path out = over ? makeStore(oldVolume(), "fault_truncated", kBrickSize) : freshDirectory("fault_truncated") / "volume.kiln";
+        const fs::path out = over ? makeStore(oldVolume(), "fault_truncated", kBrickSize)
+                                  : freshDirectory("fault_truncated") / "volume.kiln";
         TruncatedSource source(volume, order, reads);
         Progress silent;
         try {

@@ -1,5 +1,5 @@
-// A store exported to OpenVDB and read back by OpenVDB's own io::File and getValue: every voxel and the transform must be
-// what was put into the store, which the test made voxel by voxel.
+// A store exported to OpenVDB and read back by OpenVDB's own io::File and getValue: every voxel and the transform must
+// be what was put into the store, which the test made voxel by voxel.
 #include "convert/export_vdb.h"
 
 #include <gtest/gtest.h>
@@ -38,8 +38,9 @@ void makeStore(const fs::path& directory, const SourceInfo& info, const BoxReade
   StoreWriter writer(directory, draft, FileSystem::real());
   const Extent3 lattice = brickLattice(info.geometry.dims, kBrick);
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{0, {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-                           static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+    const BrickKey key{0,
+                       {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
+                        static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
     const VoxelBox box = writer.frame(key).stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
     read(box, voxels);
@@ -118,7 +119,8 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
       EXPECT_EQ(report.voxels, active);
       EXPECT_EQ(grid.activeVoxels(), active);
       for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 4; ++r) EXPECT_NEAR(grid.worldFromGrid()[c][r], info.geometry.world_from_index[c][r], 1e-12);
+        for (int r = 0; r < 4; ++r)
+          EXPECT_NEAR(grid.worldFromGrid()[c][r], info.geometry.world_from_index[c][r], 1e-12);
       }
     });
   }
@@ -175,7 +177,8 @@ void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& 
 
 TEST_F(ExportVdb, GridsComeBackAtTheirOwnCoordinates) {
   int n = 0;
-  for (const VdbKind kind : {VdbKind::kFloat, VdbKind::kHalf, VdbKind::kDouble, VdbKind::kInt32, VdbKind::kTiles, VdbKind::kLevelSet}) {
+  for (const VdbKind kind :
+       {VdbKind::kFloat, VdbKind::kHalf, VdbKind::kDouble, VdbKind::kInt32, VdbKind::kTiles, VdbKind::kLevelSet}) {
     const glm::dmat4 m = {{0, 2, 0, 0}, {-1.5, 0, 0.25, 0}, {0, 0, 3, 0}, {4, 5, 6, 1}};
     test::writeVdb(directory_ / "in.vdb", {{kind, "heat", m}});
     const std::string name = std::to_string(n++);

@@ -1,5 +1,6 @@
 // NIfTI-1 as the reader takes it. Answers are known because the files are written here byte by byte from the offsets of
-// nifti1.h, voxel i holding a known function of i, or, for real files, read by a second, plainer decoder (zlib's gzread).
+// nifti1.h, voxel i holding a known function of i, or, for real files, read by a second, plainer decoder (zlib's
+// gzread).
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -23,8 +24,8 @@ struct Type {
   int code, bits;
   VoxelType type;
 };
-constexpr Type kTypes[] = {{2, 8, VoxelType::u8},    {4, 16, VoxelType::i16},  {8, 32, VoxelType::i32},
-                           {16, 32, VoxelType::f32}, {64, 64, VoxelType::f64}, {256, 8, VoxelType::i8},
+constexpr Type kTypes[] = {{2, 8, VoxelType::u8},     {4, 16, VoxelType::i16},  {8, 32, VoxelType::i32},
+                           {16, 32, VoxelType::f32},  {64, 64, VoxelType::f64}, {256, 8, VoxelType::i8},
                            {512, 16, VoxelType::u16}, {768, 32, VoxelType::u32}};
 
 // Distinct at each voxel, negative where the type is, and of more than one byte where it has more.
@@ -99,7 +100,8 @@ TEST_F(Nifti, EveryTypeOrderAndContainerGivesTheValuesBack) {
         EXPECT_EQ(source->info().type, t.type);
         EXPECT_EQ(source->info().geometry.dims, (Extent3{5, 4, 3}));
         const std::vector<double> values = readAll(*source);
-        for (int i = 0; i < kVoxels; ++i) ASSERT_EQ(values[static_cast<std::size_t>(i)], valueAt(i, t)) << name << " " << t.code;
+        for (int i = 0; i < kVoxels; ++i)
+          ASSERT_EQ(values[static_cast<std::size_t>(i)], valueAt(i, t)) << name << " " << t.code;
       }
     }
   }
@@ -183,8 +185,9 @@ TEST_F(Nifti, RefusesByName) {
   expectRefusal(h, ErrorCode::kUnsupported, "vector data");
   h = {}, h.dim = {2, 5, 4, 1, 1, 1, 1, 1};
   expectRefusal(h, ErrorCode::kUnsupported, "2 dimensions");
-  const std::pair<int, const char*> types[] = {{1, "bits"}, {32, "complex"}, {128, "RGB24"}, {1024, "64-bit"},
-                                               {1280, "64-bit"}, {1536, "128-bit"}, {1792, "complex"}, {2304, "RGBA32"}};
+  const std::pair<int, const char*> types[] = {{1, "bits"},       {32, "complex"},  {128, "RGB24"},
+                                               {1024, "64-bit"},  {1280, "64-bit"}, {1536, "128-bit"},
+                                               {1792, "complex"}, {2304, "RGBA32"}};
   for (const auto& [code, says] : types) {
     h = {}, h.datatype = code;
     expectRefusal(h, ErrorCode::kUnsupported, says);
@@ -264,7 +267,9 @@ TEST_P(RealNifti, HoldsTheStoredValuesScaled) {
   Bytes all(64 << 20);
   all.resize(static_cast<std::size_t>(gzread(file, all.data(), static_cast<unsigned>(all.size()))));
   gzclose(file);
-  const auto number = [&]<class T>(std::size_t at, T value) { return std::memcpy(&value, all.data() + at, sizeof(T)), value; };
+  const auto number = [&]<class T>(std::size_t at, T value) {
+    return std::memcpy(&value, all.data() + at, sizeof(T)), value;
+  };
   ASSERT_EQ(number(0, std::int32_t{}), 348) << "the three files are little-endian";
   const double slope = static_cast<double>(number(112, 0.0f)), intercept = static_cast<double>(number(116, 0.0f));
   const bool scaled = slope != 0 && !(slope == 1 && intercept == 0);
@@ -286,7 +291,8 @@ TEST_P(RealNifti, HoldsTheStoredValuesScaled) {
     EXPECT_NEAR(slope, 2.2, 0.05);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Files, RealNifti, ::testing::Values("ch2.nii.gz", "CT_AVM.nii.gz", "eun_brain_uchar_8.nii.gz"));
+INSTANTIATE_TEST_SUITE_P(Files, RealNifti,
+                         ::testing::Values("ch2.nii.gz", "CT_AVM.nii.gz", "eun_brain_uchar_8.nii.gz"));
 #endif
 
 }  // namespace

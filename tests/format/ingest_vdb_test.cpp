@@ -45,7 +45,8 @@ void expectSame(VolumeSource& source, const test::DirectGrid& direct, std::int64
   for (const glm::dvec3 v : {glm::dvec3(0), glm::dvec3(3, 1, 2)}) {
     const glm::dvec3 lo(static_cast<double>(box.lo.x), static_cast<double>(box.lo.y), static_cast<double>(box.lo.z));
     const glm::dvec3 expected(direct.worldFromGrid() * glm::dvec4(lo + v, 1));
-    for (int a = 0; a < 3; ++a) EXPECT_NEAR(info.geometry.worldOf(v)[a], expected[a], 1e-9 * (1 + std::abs(expected[a])));
+    for (int a = 0; a < 3; ++a)
+      EXPECT_NEAR(info.geometry.worldOf(v)[a], expected[a], 1e-9 * (1 + std::abs(expected[a])));
   }
   const Extent3 n = info.geometry.dims;
   for (std::int64_t z = 0; z < n.z; ++z) {
@@ -76,8 +77,10 @@ class Vdb : public ::testing::Test {
 };
 
 TEST_F(Vdb, ScalarGridsGiveTheirValuesInactiveOnesToo) {
-  const std::pair<VdbKind, VoxelType> kinds[] = {{VdbKind::kFloat, VoxelType::f32}, {VdbKind::kHalf, VoxelType::f32},
-                                                 {VdbKind::kDouble, VoxelType::f64}, {VdbKind::kInt32, VoxelType::i32}};
+  const std::pair<VdbKind, VoxelType> kinds[] = {{VdbKind::kFloat, VoxelType::f32},
+                                                 {VdbKind::kHalf, VoxelType::f32},
+                                                 {VdbKind::kDouble, VoxelType::f64},
+                                                 {VdbKind::kInt32, VoxelType::i32}};
   for (const auto& [kind, type] : kinds) {
     for (const bool seekable : {true, false}) {
       const auto source = openVdb(write({{kind, "smoke"}}, seekable), {});
@@ -88,7 +91,8 @@ TEST_F(Vdb, ScalarGridsGiveTheirValuesInactiveOnesToo) {
       EXPECT_EQ(source->info().background, test::kVdbBackground);
       const std::vector<double> values = readBox(*source, boxOf(test::kVdbDims));
       for (std::int64_t i = 0; i < test::kVdbDims.count(); ++i) {
-        const VoxelCoord v = {i % 13 + test::kVdbOrigin.x, i / 13 % 9 + test::kVdbOrigin.y, i / 117 + test::kVdbOrigin.z};
+        const VoxelCoord v = {i % 13 + test::kVdbOrigin.x, i / 13 % 9 + test::kVdbOrigin.y,
+                              i / 117 + test::kVdbOrigin.z};
         ASSERT_EQ(values[static_cast<std::size_t>(i)], test::vdbValue(v));
       }
     }
@@ -146,15 +150,17 @@ TEST_F(Vdb, TheGridIsTheOnlyScalarOneOrDensityOrTheNamed) {
   EXPECT_EQ(openVdb(two, options)->info().type, VoxelType::f32);
   options.grid_name = "cold";
   expectRefused(two, ErrorCode::kUsage, "'heat' (Tree_float_5_4_3)", options);
-  expectRefused(write({{VdbKind::kFloat, "heat"}, {VdbKind::kFloat, "fuel"}}), ErrorCode::kUnsupported, "'fuel' (Tree_float_5_4_3)");
-  expectRefused(write({{VdbKind::kFloat, "density"}, {VdbKind::kInt32, "density"}}), ErrorCode::kUnsupported, "'density[1]'");
+  expectRefused(write({{VdbKind::kFloat, "heat"}, {VdbKind::kFloat, "fuel"}}), ErrorCode::kUnsupported,
+                "'fuel' (Tree_float_5_4_3)");
+  expectRefused(write({{VdbKind::kFloat, "density"}, {VdbKind::kInt32, "density"}}), ErrorCode::kUnsupported,
+                "'density[1]'");
   options.grid_name = "density[1]";
   EXPECT_EQ(openVdb(directory_ / "a.vdb", options)->info().type, VoxelType::i32);
 }
 
 TEST_F(Vdb, RefusesByName) {
-  const std::pair<VdbKind, const char*> kinds[] = {{VdbKind::kVec3, "vectors"}, {VdbKind::kBool, "mask"},
-                                                   {VdbKind::kMask, "mask"}, {VdbKind::kInt64, "64-bit"},
+  const std::pair<VdbKind, const char*> kinds[] = {{VdbKind::kVec3, "vectors"},      {VdbKind::kBool, "mask"},
+                                                   {VdbKind::kMask, "mask"},         {VdbKind::kInt64, "64-bit"},
                                                    {VdbKind::kPointIndex, "points"}, {VdbKind::kPointData, "points"},
                                                    {VdbKind::kFrustum, "frustum"}};
   for (const auto& [kind, says] : kinds) expectRefused(write({{kind, "a"}}), ErrorCode::kUnsupported, says);
@@ -208,7 +214,9 @@ TEST_P(RealVdb, IsAsOpenVdbReadsIt) {
     EXPECT_EQ(source->info().geometry.dims, (Extent3{111, 222, 112}));
   }
 }
-INSTANTIATE_TEST_SUITE_P(Files, RealVdb, ::testing::Values("smoke.vdb", "sphere.vdb", "dragon_with_xform.vdb", "wdas_cloud_sixteenth.vdb"));
+INSTANTIATE_TEST_SUITE_P(Files, RealVdb,
+                         ::testing::Values("smoke.vdb", "sphere.vdb", "dragon_with_xform.vdb",
+                                           "wdas_cloud_sixteenth.vdb"));
 
 TEST_F(Vdb, RealPointsAreRefused) {
   const fs::path path = fs::path(KILN_TEST_DATA_DIR) / "vdb" / "points.vdb";

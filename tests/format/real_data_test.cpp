@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 struct RealVolume {
   const char* file;
-  Extent3 dims;           // {0,0,0}: what the file says is taken as it is
-  VoxelType raw_type{};   // for headerless raw
+  Extent3 dims;          // {0,0,0}: what the file says is taken as it is
+  VoxelType raw_type{};  // for headerless raw
   bool raw = false;
 };
 
@@ -100,8 +100,11 @@ TEST_P(RealData, ComesBackAsItWas) {
   for (std::int64_t z = 0; z < dims.z; ++z) {
     for (std::int64_t y = 0; y < dims.y; ++y) {
       for (std::int64_t x = 0; x < dims.x; ++x, ++i) {
-        const VoxelCoord at = {x + origin.x - back.vdb->index_origin.x, y + origin.y - back.vdb->index_origin.y, z + origin.z - back.vdb->index_origin.z};
-        const double value = box.contains(at) ? found[static_cast<std::size_t>((at.z * inner.y + at.y) * inner.x + at.x)] : back.background;
+        const VoxelCoord at = {x + origin.x - back.vdb->index_origin.x, y + origin.y - back.vdb->index_origin.y,
+                               z + origin.z - back.vdb->index_origin.z};
+        const double value = box.contains(at)
+                                 ? found[static_cast<std::size_t>((at.z * inner.y + at.y) * inner.x + at.x)]
+                                 : back.background;
         // A level set has two backgrounds, outside and inside, by sign.
         const bool beyond = !box.contains(at) && info.volume_class == VolumeClass::kLevelSet;
         wrong += same(value, expected[i]) || (beyond && std::abs(expected[i]) == back.background) ? 0 : 1;
@@ -114,7 +117,8 @@ TEST_P(RealData, ComesBackAsItWas) {
 
 INSTANTIATE_TEST_SUITE_P(Files, RealData, ::testing::ValuesIn(kVolumes), [](const auto& info) {
   std::string name;
-  for (const char c : fs::path(info.param.file).filename().string()) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  for (const char c : fs::path(info.param.file).filename().string())
+    name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   return name;
 });
 

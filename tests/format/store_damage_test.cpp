@@ -44,7 +44,8 @@ class StoreDamage : public ::testing::Test {
  protected:
   void SetUp() override {
     volume_ = cheese({{40, 33, 21}, VoxelType::i16, anisotropicAffine()}, 11, usualRange(VoxelType::i16));
-    store_ = makeStore(volume_, std::string("damage_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    store_ =
+        makeStore(volume_, std::string("damage_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     request_.view = resolve(cameraFrom(volume_.geometry, {1, -2, 0.7}, Projection::kPerspective), {64, 64});
     Random random(7);
     request_.transfer_function = randomTransferFunction(random, volume_.range(), volume_.geometry.meanSpacing());
@@ -58,7 +59,8 @@ class StoreDamage : public ::testing::Test {
   }
 
   bool samePicture(const Image& image) const {
-    return image.rgba.size() == picture_.rgba.size() && std::memcmp(image.rgba.data(), picture_.rgba.data(), image.rgba.size() * sizeof(float)) == 0;
+    return image.rgba.size() == picture_.rgba.size() &&
+           std::memcmp(image.rgba.data(), picture_.rgba.data(), image.rgba.size() * sizeof(float)) == 0;
   }
 
   // What opening, reading and drawing says; empty where the picture is the right one. Fails where it is another, or
@@ -135,10 +137,14 @@ TEST_F(StoreDamage, ThePictureShowsSomething) {
 }
 
 // Known because a manifest that is cut off has lost its last member, which is its checksum, or the line's end under it.
-TEST_F(StoreDamage, EveryTruncationOfTheManifestIsFound) { truncate(store_ / "manifest.json", everyLength(store_ / "manifest.json")); }
+TEST_F(StoreDamage, EveryTruncationOfTheManifestIsFound) {
+  truncate(store_ / "manifest.json", everyLength(store_ / "manifest.json"));
+}
 
 // Known because the manifest says the index's length.
-TEST_F(StoreDamage, EveryTruncationOfTheIndexIsFound) { truncate(store_ / "index.bin", everyLength(store_ / "index.bin")); }
+TEST_F(StoreDamage, EveryTruncationOfTheIndexIsFound) {
+  truncate(store_ / "index.bin", everyLength(store_ / "index.bin"));
+}
 
 // Known because the index says the brick's length.
 TEST_F(StoreDamage, TruncationsOfABrickAreFound) {
@@ -170,8 +176,8 @@ TEST_F(StoreDamage, BytesBeyondTheEndAreFound) {
   }
 }
 
-// Known because two whole brick files at each other's place are a different volume. Inner bricks of noise have one shape,
-// and some of them one size: there only the checksum can tell.
+// Known because two whole brick files at each other's place are a different volume. Inner bricks of noise have one
+// shape, and some of them one size: there only the checksum can tell.
 TEST_F(StoreDamage, SwappedBricksOfEqualSizeAreFound) {
   const DenseVolume volume = noise({{64, 8, 8}, VoxelType::u8}, 3, {0, 255});
   const fs::path store = makeStore(volume, "damage_swap", 8);

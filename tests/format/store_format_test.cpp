@@ -49,20 +49,29 @@ void forEachVoxel(const VoxelBox& box, F&& f) {
   }
 }
 
-// The values a careless codec loses, at random places: extremes for integers; for floats also NaN, both infinities, -0.0,
-// the smallest denormal, and what half cannot hold.
+// The values a careless codec loses, at random places: extremes for integers; for floats also NaN, both infinities,
+// -0.0, the smallest denormal, and what half cannot hold.
 template <class T>
 void sprinkle(DenseVolume& volume, Random& random) {
   std::vector<T> specials = {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max(), T(0), T(1)};
   if constexpr (std::is_floating_point_v<T>) {
     using Limits = std::numeric_limits<T>;
-    const T more[] = {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), T(-0.0), Limits::denorm_min(), T(65504), T(65520), T(1e-8), T(0.1)};
+    const T more[] = {Limits::quiet_NaN(),
+                      Limits::infinity(),
+                      -Limits::infinity(),
+                      T(-0.0),
+                      Limits::denorm_min(),
+                      T(65504),
+                      T(65520),
+                      T(1e-8),
+                      T(0.1)};
     specials.insert(specials.end(), std::begin(more), std::end(more));
   }
   const auto count = static_cast<int>(volume.geometry.dims.count());
   for (int i = 0; i < 1 + count / 50; ++i) {
     const T value = specials[static_cast<std::size_t>(random.between(0, static_cast<int>(specials.size()) - 1))];
-    std::memcpy(volume.voxels.data() + static_cast<std::size_t>(random.between(0, count - 1)) * sizeof(T), &value, sizeof(T));
+    std::memcpy(volume.voxels.data() + static_cast<std::size_t>(random.between(0, count - 1)) * sizeof(T), &value,
+                sizeof(T));
   }
 }
 
@@ -72,19 +81,24 @@ DenseVolume makeVolume(Content content, const VolumeShape& shape, std::uint64_t 
   Random random(seed ^ 0x51ab);
   const ValueRange range = usualRange(shape.type);
   switch (content) {
-    case Content::kNoise: return noise(shape, seed, range);
-    case Content::kCheese: return cheese(shape, seed, range);
+    case Content::kNoise:
+      return noise(shape, seed, range);
+    case Content::kCheese:
+      return cheese(shape, seed, range);
     case Content::kConstant: {
       // -0.0 is a value of its own, and an infinite one is legal.
       const double floats[] = {-0.0, std::numeric_limits<double>::infinity(), 0.1, range.hi};
-      const double value = isFloating(shape.type) ? floats[random.between(0, 3)] : random.chance(0.5) ? range.lo : range.hi;
+      const double value = isFloating(shape.type) ? floats[random.between(0, 3)]
+                           : random.chance(0.5)   ? range.lo
+                                                  : range.hi;
       return fill(shape, [=](std::int64_t, std::int64_t, std::int64_t) { return value; });
     }
     case Content::kIsland:  // one voxel in a corner: most bricks are constant, those whose apron sees it are not
       return fill(shape, [=, n = shape.dims](std::int64_t i, std::int64_t j, std::int64_t k) {
         return i == n.x - 1 && j == n.y / 2 && k == n.z - 1 ? range.hi : 0.0;
       });
-    default: break;
+    default:
+      break;
   }
   DenseVolume volume = cheese(shape, seed, range);
   withVoxelType(shape.type, [&]<class T>(std::type_identity<T>) { sprinkle<T>(volume, random); });
@@ -122,12 +136,16 @@ void expectOctree(const DenseVolume& volume, const BrickBlock& block, std::int64
   ASSERT_EQ(block.octree.edge(block.octree.depth() - 1), 1);
   for (int level = 0; level < block.octree.depth(); ++level) {
     const std::int64_t size = kCellSize << level;
-    forEachVoxel(boxOf({block.octree.edge(level), block.octree.edge(level), block.octree.edge(level)}), [&](const VoxelCoord& node) {
-      const VoxelCoord lo = {block.core.lo.x + node.x * size, block.core.lo.y + node.y * size, block.core.lo.z + node.z * size};
-      const VoxelBox box = intersection({lo, {lo.x + size, lo.y + size, lo.z + size}}, block.core);
-      const ValueRange& found = block.octree.at(level, static_cast<int>(node.x), static_cast<int>(node.y), static_cast<int>(node.z));
-      EXPECT_EQ(found, rangeIn(volume, box)) << "level " << level << " node " << node.x << " " << node.y << " " << node.z;
-    });
+    forEachVoxel(boxOf({block.octree.edge(level), block.octree.edge(level), block.octree.edge(level)}),
+                 [&](const VoxelCoord& node) {
+                   const VoxelCoord lo = {block.core.lo.x + node.x * size, block.core.lo.y + node.y * size,
+                                          block.core.lo.z + node.z * size};
+                   const VoxelBox box = intersection({lo, {lo.x + size, lo.y + size, lo.z + size}}, block.core);
+                   const ValueRange& found = block.octree.at(level, static_cast<int>(node.x), static_cast<int>(node.y),
+                                                             static_cast<int>(node.z));
+                   EXPECT_EQ(found, rangeIn(volume, box))
+                       << "level " << level << " node " << node.x << " " << node.y << " " << node.z;
+                 });
   }
 }
 
@@ -181,7 +199,8 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
     }
     EXPECT_EQ(wrong, 0);
     for (int column = 0; column < 4; ++column) {
-      for (int row = 0; row < 4; ++row) EXPECT_NEAR(grid.world_from_index[column][row], volume.geometry.world_from_index[column][row], 1e-12);
+      for (int row = 0; row < 4; ++row)
+        EXPECT_NEAR(grid.world_from_index[column][row], volume.geometry.world_from_index[column][row], 1e-12);
     }
   }
   for (const char* name : {"cell_min", "cell_max"}) {
@@ -214,11 +233,15 @@ void expectStore(VoxelType type, std::int64_t brick_size, std::uint64_t seed, in
   Extent3 dims{random.between(1, largest), random.between(1, largest), random.between(1, largest)};
   if (random.chance(0.08)) dims = {1, 1, 1};
   if (random.chance(0.15)) dims = {std::min<std::int64_t>(brick_size, largest), dims.y, dims.z};
-  const std::string what = std::string(nameOf(type)) + " seed " + std::to_string(seed) + " content " + std::to_string(int(content)) + " dims " +
-                           std::to_string(dims.x) + "x" + std::to_string(dims.y) + "x" + std::to_string(dims.z) + " bricks of " + std::to_string(brick_size);
+  const std::string what = std::string(nameOf(type)) + " seed " + std::to_string(seed) + " content " +
+                           std::to_string(int(content)) + " dims " + std::to_string(dims.x) + "x" +
+                           std::to_string(dims.y) + "x" + std::to_string(dims.z) + " bricks of " +
+                           std::to_string(brick_size);
   SCOPED_TRACE(what);
-  const DenseVolume volume = makeVolume(content, {dims, type, random.chance(0.5) ? obliqueAffine() : anisotropicAffine()}, seed);
-  const std::string name = "format_" + std::string(nameOf(type)) + "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  const DenseVolume volume =
+      makeVolume(content, {dims, type, random.chance(0.5) ? obliqueAffine() : anisotropicAffine()}, seed);
+  const std::string name =
+      "format_" + std::string(nameOf(type)) + "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
   const fs::path path = makeStore(volume, name.substr(0, name.find('/')), brick_size);
   const StoreReader store(path);
 
@@ -261,7 +284,8 @@ TEST_P(StoreFormat, KeepsEveryVoxel) {
   std::uint64_t seed = first;
   for (const std::int64_t brick_size : kBrickSizes) {
     // Small bricks carry large aprons: fewer voxels cost the same time.
-    for (int i = 0; i < 3; ++i) expectStore(GetParam(), brick_size, seed++, brick_size == 8 ? 24 : brick_size == 16 ? 40 : 70);
+    for (int i = 0; i < 3; ++i)
+      expectStore(GetParam(), brick_size, seed++, brick_size == 8 ? 24 : brick_size == 16 ? 40 : 70);
   }
 }
 
@@ -278,7 +302,8 @@ TEST_P(StoreFormat, NightlyKeepsEveryVoxel) {
 TEST_P(StoreFormat, OpensInPlainOpenVdb) {
   for (int content = 0; content < static_cast<int>(Content::kContents); ++content) {
     SCOPED_TRACE(content);
-    const DenseVolume volume = makeVolume(static_cast<Content>(content), {{37, 18, 21}, GetParam(), obliqueAffine()}, 5);
+    const DenseVolume volume =
+        makeVolume(static_cast<Content>(content), {{37, 18, 21}, GetParam(), obliqueAffine()}, 5);
     const StoreReader store(makeStore(volume, "format_opens_" + std::string(nameOf(GetParam())), 16));
     for (const BrickKey& key : keysOf(store)) {
       if (!store.index().at(key).constant) expectOpens(volume, store, key);
@@ -286,7 +311,8 @@ TEST_P(StoreFormat, OpensInPlainOpenVdb) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kTypes), [](const auto& type) { return std::string(nameOf(type.param)); });
+INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kTypes),
+                         [](const auto& type) { return std::string(nameOf(type.param)); });
 
 // Known by FORMAT.md: voxel (0,0,0) alone is a volume; its store has one constant brick and no brick file.
 TEST(StoreFormatEdges, OneVoxelIsAStore) {
@@ -307,7 +333,8 @@ TEST(StoreFormatEdges, NothingButNanIsAStore) {
   for (const BrickKey& key : keysOf(store)) expectBrick(volume, store, key);
 }
 
-// --- manifest ---------------------------------------------------------------------------------------------------------
+// --- manifest
+// ---------------------------------------------------------------------------------------------------------
 
 // A manifest with something unusual under every key.
 Manifest unusualManifest() {
@@ -402,7 +429,8 @@ TEST(StoreManifest, NamesTheMissingKey) {
   const Json whole = Json::parse(manifestText(unusualManifest()));
   int keys = 0;
   forEachKey(whole, [&](const Json::json_pointer& place, const std::string& key) {
-    if (place.to_string() == "/checksum" || key == "grid") return;  // the first is tested with damage; without the second, the others are unknown
+    if (place.to_string() == "/checksum" || key == "grid")
+      return;  // the first is tested with damage; without the second, the others are unknown
     Json json = whole;
     json.at(place.parent_pointer()).erase(key);
     EXPECT_NE(complaintOf(json).find(key + ": is missing"), std::string::npos) << place;
@@ -427,13 +455,15 @@ TEST(StoreManifest, NamesTheUnknownKey) {
 // Known because no key's value may be an object with a strange key, or a negative number with a fraction.
 TEST(StoreManifest, NamesTheKeyOfAWrongValue) {
   const Json whole = Json::parse(manifestText(unusualManifest()));
-  for (const Json& wrong : {Json{{"strange", 1}}, Json(-1.5), Json("wrong"), Json(nullptr), Json::array(), Json(1e300), Json(18446744073709551615ull)}) {
+  for (const Json& wrong : {Json{{"strange", 1}}, Json(-1.5), Json("wrong"), Json(nullptr), Json::array(), Json(1e300),
+                            Json(18446744073709551615ull)}) {
     forEachKey(whole, [&](const Json::json_pointer& place, const std::string& key) {
       const std::string where = place.to_string();
       if (where == "/checksum") return;
       const bool text = whole.at(place).is_string();
       const bool number = where == "/background" || where == "/histogram/lo" || where == "/histogram/hi";
-      if (text && wrong.is_string() && key != "type" && key != "class" && key != "frame" && where != "/index/checksum") return;  // any text will do
+      if (text && wrong.is_string() && key != "type" && key != "class" && key != "frame" && where != "/index/checksum")
+        return;  // any text will do
       if (number && wrong.is_number()) return;
       if (where == "/range" && wrong.is_null()) return;
       if ((key == "counts" || key == "files") && wrong.is_array()) return;

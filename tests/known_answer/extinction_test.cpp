@@ -1,7 +1,8 @@
-// The light that passes a slab, a ball and a linear ramp is known in closed form: exp(-∫τ ds), and the integral is a chord
-// length, or a length times the value in its middle. Opacity is physical if the picture's -ln(1 - alpha) is that number,
-// whatever the direction, the projection and the density. Density is set so that the picture's longest ray has the
-// optical depth asked for. Pixels nearer than 3 to the silhouette are left out: there a footprint straddles the edge.
+// The light that passes a slab, a ball and a linear ramp is known in closed form: exp(-∫τ ds), and the integral is a
+// chord length, or a length times the value in its middle. Opacity is physical if the picture's -ln(1 - alpha) is that
+// number, whatever the direction, the projection and the density. Density is set so that the picture's longest ray has
+// the optical depth asked for. Pixels nearer than 3 to the silhouette are left out: there a footprint straddles the
+// edge.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +42,8 @@ struct Segment {
 };
 
 // Where a ray (index space) is inside of the box lo..hi.
-std::optional<Segment> insideBox(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& lo, const glm::dvec3& hi) {
+std::optional<Segment> insideBox(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& lo,
+                                 const glm::dvec3& hi) {
   Segment out{-1e30, 1e30};
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(direction[axis]) < 1e-12) {
@@ -80,7 +82,8 @@ Agreement compareDepths(const Image& image, const std::vector<double>& expected,
     for (int x = kMargin; x < image.width - kMargin; ++x) {
       bool inside = true;
       for (int dy = -kMargin; dy <= kMargin; ++dy) {
-        for (int dx = -kMargin; dx <= kMargin; ++dx) inside = inside && expected[static_cast<std::size_t>((y + dy) * image.width + x + dx)] > 0;
+        for (int dx = -kMargin; dx <= kMargin; ++dx)
+          inside = inside && expected[static_cast<std::size_t>((y + dy) * image.width + x + dx)] > 0;
       }
       if (!inside) continue;
       const double want = tau_per_value * expected[static_cast<std::size_t>(y * image.width + x)];
@@ -133,7 +136,9 @@ class Extinction : public ::testing::TestWithParam<std::tuple<int, Projection>> 
 TEST_P(Extinction, HasItsClosedForm) {
   const auto [shape_index, projection] = GetParam();
   const Shape shape = std::move(shapes()[static_cast<std::size_t>(shape_index)]);
-  const auto store = makeStore(shape.volume, std::string("extinction_") + shape.name + (projection == Projection::kPerspective ? "_p" : "_o"), 32);
+  const auto store =
+      makeStore(shape.volume,
+                std::string("extinction_") + shape.name + (projection == Projection::kPerspective ? "_p" : "_o"), 32);
   const StoreReader reader(store);
   BrickCache cache(reader, 1ull << 30);
   double worst_mean = 0, worst_rms = 0;
@@ -141,7 +146,8 @@ TEST_P(Extinction, HasItsClosedForm) {
     FrameRequest request;
     request.opacity_threshold = 1;
     request.shading.phong = false;
-    const Camera camera = cameraFrom(shape.volume.geometry, randomDirection(kSeed, static_cast<std::uint64_t>(i)), projection);
+    const Camera camera =
+        cameraFrom(shape.volume.geometry, randomDirection(kSeed, static_cast<std::uint64_t>(i)), projection);
     request.view = resolve(camera, {kPixels, kPixels});
     const std::vector<double> value_length = closedFormImage(request.view, shape.value_length);
     for (const double depth : {0.1, 1.0, 4.0}) {
@@ -152,18 +158,21 @@ TEST_P(Extinction, HasItsClosedForm) {
       const Image image = renderFrame(reader, cache, request, silent, statistics);
       const Agreement agreement = compareDepths(image, value_length, tau_per_value);
       EXPECT_GT(agreement.pixels, 500);
-      EXPECT_LT(std::abs(agreement.mean_error), 0.005) << shape.name << " depth " << depth << " seed " << kSeed << " view " << i;
+      EXPECT_LT(std::abs(agreement.mean_error), 0.005)
+          << shape.name << " depth " << depth << " seed " << kSeed << " view " << i;
       EXPECT_LT(agreement.rms, 0.01) << shape.name << " depth " << depth << " seed " << kSeed << " view " << i;
       worst_mean = std::max(worst_mean, std::abs(agreement.mean_error));
       worst_rms = std::max(worst_rms, agreement.rms);
     }
   }
   std::printf("%s, %s: worst of %d views and 3 depths: mean %.3f %%, rms %.3f %%\n", shape.name,
-              projection == Projection::kPerspective ? "perspective" : "orthographic", kViews, 100 * worst_mean, 100 * worst_rms);
+              projection == Projection::kPerspective ? "perspective" : "orthographic", kViews, 100 * worst_mean,
+              100 * worst_rms);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Extinction,
-                         ::testing::Combine(::testing::Values(0, 1, 2), ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
+                         ::testing::Combine(::testing::Values(0, 1, 2),
+                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
 
 }  // namespace
 }  // namespace kiln::test

@@ -1,6 +1,6 @@
 // The splatted picture beside the reference renderer's: the same volume, camera, transfer function and shading, traced
-// finely in double precision. Splatting the plain voxel lattice is a little blurred and its silhouettes a little fat, so
-// the figure is reported, and the bounds only catch what is wrong (a flip, a seam, a wrong light): they are what a
+// finely in double precision. Splatting the plain voxel lattice is a little blurred and its silhouettes a little fat,
+// so the figure is reported, and the bounds only catch what is wrong (a flip, a seam, a wrong light): they are what a
 // picture shifted by two pixels does not reach. Pictures stay in the test's output: reference, splatted, difference.
 #include <gtest/gtest.h>
 
@@ -28,13 +28,15 @@ TransferFunction skin(double threshold, double opaque) {
 Image sideBySide(const std::vector<Image>& images) {
   Image out(images.front().width * static_cast<int>(images.size()), images.front().height);
   for (std::size_t i = 0; i < images.size(); ++i) {
-    for (int y = 0; y < out.height; ++y) std::copy_n(images[i].pixel(0, y), 4 * images[i].width, out.pixel(images[i].width * static_cast<int>(i), y));
+    for (int y = 0; y < out.height; ++y)
+      std::copy_n(images[i].pixel(0, y), 4 * images[i].width, out.pixel(images[i].width * static_cast<int>(i), y));
   }
   return out;
 }
 
-void compareWithReference(const DenseVolume& volume, const fs::path& store, const Camera& camera, const TransferFunction& tf, int pixels,
-                          const ReferenceSettings& settings, const std::string& name) {
+void compareWithReference(const DenseVolume& volume, const fs::path& store, const Camera& camera,
+                          const TransferFunction& tf, int pixels, const ReferenceSettings& settings,
+                          const std::string& name) {
   FrameRequest request;
   request.view = resolve(camera, {pixels, pixels});
   request.transfer_function = tf;
@@ -44,8 +46,8 @@ void compareWithReference(const DenseVolume& volume, const fs::path& store, cons
   const ImageDifference d = compareImages(reference, splatted);
   const fs::path picture = fs::path(KILN_TEST_OUTPUT_DIR) / ("reference_" + name + ".png");
   writeImage(sideBySide({reference, splatted, differenceImage(reference, splatted)}), {}, {}, picture);
-  std::printf("%s: PSNR %.2f dB, foreground %.2f dB, mean brightness ratio %.4f; %s\n", name.c_str(), d.psnr_db, d.foreground_psnr_db,
-              d.mean_brightness_ratio, picture.c_str());
+  std::printf("%s: PSNR %.2f dB, foreground %.2f dB, mean brightness ratio %.4f; %s\n", name.c_str(), d.psnr_db,
+              d.foreground_psnr_db, d.mean_brightness_ratio, picture.c_str());
   // The same reference, two pixels aside: what a geometric mistake would look like in this scene.
   Image shifted(pixels, pixels);
   for (int y = 0; y < pixels; ++y) std::copy_n(reference.pixel(0, y), 4 * (pixels - 2), shifted.pixel(2, y));
@@ -62,8 +64,8 @@ TEST_P(ReferenceComparison, ProceduralHead) {
   const fs::path store = makeStore(volume, "reference_head_" + suffix, 32);
   const ValueRange range = volume.range();
   const double span = range.hi - range.lo;
-  compareWithReference(volume, store, cameraFrom(volume.geometry, {-0.6, -1, 0.3}, GetParam()), skin(range.lo + 0.15 * span, range.lo + 0.3 * span), 128, {2, 0.25, 1},
-                       "head_" + suffix);
+  compareWithReference(volume, store, cameraFrom(volume.geometry, {-0.6, -1, 0.3}, GetParam()),
+                       skin(range.lo + 0.15 * span, range.lo + 0.3 * span), 128, {2, 0.25, 1}, "head_" + suffix);
 }
 
 void realHead(Projection projection, const ReferenceSettings& settings, const std::string& name) {
@@ -87,7 +89,8 @@ TEST_P(ReferenceComparison, NightlySkinOfARealHeadFinely) {
   realHead(GetParam(), {4, 0.1, 1}, GetParam() == Projection::kPerspective ? "perspective_fine" : "orthographic_fine");
 }
 
-INSTANTIATE_TEST_SUITE_P(Projections, ReferenceComparison, ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+INSTANTIATE_TEST_SUITE_P(Projections, ReferenceComparison,
+                         ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
 
 }  // namespace
 }  // namespace kiln::test

@@ -103,7 +103,8 @@ TEST(Classifier, TableAndSegmentsAgree) {
       const Material b = segments.at(static_cast<float>(value));
       ASSERT_EQ(a.tau, b.tau);
       ASSERT_EQ(a.r, b.r);
-      ASSERT_FLOAT_EQ(a.tau, static_cast<float>(tf.at(value).opacity > 0 ? extinctionOf(tf.at(value).opacity, 0.7) : 0));
+      ASSERT_FLOAT_EQ(a.tau,
+                      static_cast<float>(tf.at(value).opacity > 0 ? extinctionOf(tf.at(value).opacity, 0.7) : 0));
     }
   }
 }

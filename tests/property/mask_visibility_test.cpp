@@ -49,7 +49,8 @@ void agree(std::uint64_t seed, int questions) {
       }
     }
     const int x = random.between(-30, width + 10), y = random.between(-30, height + 10);
-    const PixelRect rect{x, y, x + random.between(0, 1 << random.between(0, 8)), y + random.between(0, 1 << random.between(0, 8))};
+    const PixelRect rect{x, y, x + random.between(0, 1 << random.between(0, 8)),
+                         y + random.between(0, 1 << random.between(0, 8))};
     ASSERT_EQ(mask->hidden(rect), plain.hidden(rect)) << "seed " << seed << " question " << i;
     hidden += plain.hidden(rect) ? 1 : 0;
   }

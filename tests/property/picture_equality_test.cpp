@@ -1,7 +1,7 @@
-// "Nothing in the second group of options changes a bit of the picture", and neither does how the volume was cut: order is
-// decided per cell of 8³ voxels of the one octree, every footprint's weights are taken over all of it, and each pixel is
-// written by one tile. So pictures of the same scene must be equal to the bit for every brick size, visibility method,
-// thread count, tile size and memory budget.
+// "Nothing in the second group of options changes a bit of the picture", and neither does how the volume was cut: order
+// is decided per cell of 8³ voxels of the one octree, every footprint's weights are taken over all of it, and each
+// pixel is written by one tile. So pictures of the same scene must be equal to the bit for every brick size, visibility
+// method, thread count, tile size and memory budget.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -28,7 +28,8 @@ FrameRequest requestOf(const RandomScene& scene, double threshold) {
 }
 
 bool equalBits(const Image& a, const Image& b) {
-  return a.width == b.width && a.height == b.height && std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
+  return a.width == b.width && a.height == b.height &&
+         std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
 }
 
 // Volumes that differ in all that could matter: type, proportions, affine; none a multiple of a brick.
@@ -66,15 +67,20 @@ class PictureEquality : public ::testing::TestWithParam<int> {
         }
       }
       request.visibility = VisibilityMethod::kMask;
-      for (const auto& store : stores_) EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
+      for (const auto& store : stores_)
+        EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
       const ThreadLimit one(1);
       request.tile_px = 64 * static_cast<int>(1 + seed % 3);
-      EXPECT_TRUE(equalBits(truth, draw(stores_[1], request))) << "one thread, tiles of " << request.tile_px << ", seed " << seed;
+      EXPECT_TRUE(equalBits(truth, draw(stores_[1], request)))
+          << "one thread, tiles of " << request.tile_px << ", seed " << seed;
       const StoreReader reader(stores_[1]);
       std::uint64_t smallest = 0;
       for (std::int64_t b = 0; b < reader.index().lattice(0).count(); ++b) {
         const Extent3& n = reader.index().lattice(0);
-        smallest = std::max<std::uint64_t>(smallest, reader.readBytes({0, {static_cast<std::int32_t>(b % n.x), static_cast<std::int32_t>(b / n.x % n.y), static_cast<std::int32_t>(b / n.x / n.y)}}));
+        smallest = std::max<std::uint64_t>(
+            smallest, reader.readBytes({0,
+                                        {static_cast<std::int32_t>(b % n.x), static_cast<std::int32_t>(b / n.x % n.y),
+                                         static_cast<std::int32_t>(b / n.x / n.y)}}));
       }
       FrameStatistics statistics;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request, smallest, &statistics))) << "least memory, seed " << seed;

@@ -25,7 +25,8 @@ void visit(const VisitingOrder& order, const VoxelCoord& lo, int edge, Position&
     for (int k = 0; k < 8; ++k) {
       for (int j = 0; j < 8; ++j) {
         for (int i = 0; i < 8; ++i) {
-          positions.emplace(std::tuple(lo.x + offsets[0][i], lo.y + offsets[1][j], lo.z + offsets[2][k]), static_cast<int>(positions.size()));
+          positions.emplace(std::tuple(lo.x + offsets[0][i], lo.y + offsets[1][j], lo.z + offsets[2][k]),
+                            static_cast<int>(positions.size()));
         }
       }
     }
@@ -35,15 +36,19 @@ void visit(const VisitingOrder& order, const VoxelCoord& lo, int edge, Position&
   const unsigned nearest = order.nearestChild({lo.x + half, lo.y + half, lo.z + half});
   for (unsigned i = 0; i < 8; ++i) {
     const unsigned child = nearest ^ i;
-    visit(order, {lo.x + half * (child & 1), lo.y + half * (child >> 1 & 1), lo.z + half * (child >> 2)}, half, positions);
+    visit(order, {lo.x + half * (child & 1), lo.y + half * (child >> 1 & 1), lo.z + half * (child >> 2)}, half,
+          positions);
   }
 }
 
-void expectFrontToBack(const Position& positions, const glm::dvec3& origin, const glm::dvec3& direction, std::uint64_t seed) {
+void expectFrontToBack(const Position& positions, const glm::dvec3& origin, const glm::dvec3& direction,
+                       std::uint64_t seed) {
   int last = -1;
   for (double t = 0; t < 4 * kEdge; t += 0.01) {
     const glm::dvec3 p = origin + t * direction + 0.5;
-    const auto it = positions.find({static_cast<std::int64_t>(std::floor(p.x)), static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z))});
+    const auto it =
+        positions.find({static_cast<std::int64_t>(std::floor(p.x)), static_cast<std::int64_t>(std::floor(p.y)),
+                        static_cast<std::int64_t>(std::floor(p.z))});
     if (it == positions.end()) continue;
     ASSERT_GE(it->second, last) << "seed " << seed;
     last = it->second;
@@ -53,7 +58,9 @@ void expectFrontToBack(const Position& positions, const glm::dvec3& origin, cons
 TEST(VisitingOrder, IsFrontToBackFromAnyEye) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     Random random(seed);
-    const auto coordinate = [&] { return random.chance(0.3) ? random.between(-1, kEdge) - 0.5 : random.uniform(-kEdge, 2 * kEdge); };
+    const auto coordinate = [&] {
+      return random.chance(0.3) ? random.between(-1, kEdge) - 0.5 : random.uniform(-kEdge, 2 * kEdge);
+    };
     const glm::dvec3 eye(coordinate(), coordinate(), coordinate());
     Position positions;
     visit(VisitingOrder::fromEye(eye), {0, 0, 0}, kEdge, positions);

@@ -8,7 +8,8 @@
 
 namespace kiln::test {
 
-Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes, FrameStatistics* statistics) {
+Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes,
+           FrameStatistics* statistics) {
   const StoreReader reader(store);
   BrickCache cache(reader, budget_bytes);
   Progress silent;
@@ -21,7 +22,8 @@ Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projecti
   const glm::dvec3 centre = volume.worldOf(glm::dvec3(n.x - 1, n.y - 1, n.z - 1) / 2.0);
   double radius = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 index((corner & 1) != 0 ? n.x - 0.5 : -0.5, (corner & 2) != 0 ? n.y - 0.5 : -0.5, (corner & 4) != 0 ? n.z - 0.5 : -0.5);
+    const glm::dvec3 index((corner & 1) != 0 ? n.x - 0.5 : -0.5, (corner & 2) != 0 ? n.y - 0.5 : -0.5,
+                           (corner & 4) != 0 ? n.z - 0.5 : -0.5);
     radius = std::max(radius, glm::length(volume.worldOf(index) - centre));
   }
   const glm::dvec3 direction = glm::normalize(from);

@@ -34,13 +34,18 @@ void appendInteger(Bytes& out, std::int64_t value, std::size_t size, bool big_en
 
 void appendValue(Bytes& out, double value, int datatype, bool big_endian) {
   switch (datatype) {
-    case 16: return appendInteger(out, std::bit_cast<std::int32_t>(static_cast<float>(value)), 4, big_endian);
-    case 64: return appendInteger(out, std::bit_cast<std::int64_t>(value), 8, big_endian);
+    case 16:
+      return appendInteger(out, std::bit_cast<std::int32_t>(static_cast<float>(value)), 4, big_endian);
+    case 64:
+      return appendInteger(out, std::bit_cast<std::int64_t>(value), 8, big_endian);
     case 2:
-    case 256: return appendInteger(out, static_cast<std::int64_t>(value), 1, big_endian);
+    case 256:
+      return appendInteger(out, static_cast<std::int64_t>(value), 1, big_endian);
     case 4:
-    case 512: return appendInteger(out, static_cast<std::int64_t>(value), 2, big_endian);
-    default: return appendInteger(out, static_cast<std::int64_t>(value), 4, big_endian);
+    case 512:
+      return appendInteger(out, static_cast<std::int64_t>(value), 2, big_endian);
+    default:
+      return appendInteger(out, static_cast<std::int64_t>(value), 4, big_endian);
   }
 }
 
@@ -76,7 +81,8 @@ Bytes niftiFile(const NiftiHeader& header, const Bytes& voxels) {
 
 Bytes gzipped(const Bytes& data) {
   z_stream stream{};
-  if (deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::runtime_error("deflateInit2");
+  if (deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::runtime_error("deflateInit2");
   Bytes out(deflateBound(&stream, data.size()));
   stream.next_in = const_cast<Bytef*>(data.data());
   stream.avail_in = static_cast<uInt>(data.size());

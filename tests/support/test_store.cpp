@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 
 fs::path freshDirectory(const std::string& name) {
   std::string test = "no_test";
-  if (const auto* info = ::testing::UnitTest::GetInstance()->current_test_info()) test = std::string(info->test_suite_name()) + "." + info->name();
+  if (const auto* info = ::testing::UnitTest::GetInstance()->current_test_info())
+    test = std::string(info->test_suite_name()) + "." + info->name();
   std::replace(test.begin(), test.end(), '/', '_');
   const fs::path directory = fs::path(KILN_TEST_OUTPUT_DIR) / test / name;
   fs::remove_all(directory);

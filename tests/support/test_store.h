@@ -9,7 +9,8 @@
 
 namespace kiln::test {
 
-/// An empty directory of the running test's own, under the build's test output; what an earlier run left there is removed.
+/// An empty directory of the running test's own, under the build's test output; what an earlier run left there is
+/// removed.
 std::filesystem::path freshDirectory(const std::string& name);
 
 /// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.

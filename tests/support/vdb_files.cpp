@@ -9,8 +9,8 @@
 #include <fstream>
 #include <stdexcept>
 
-// OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain new):
-// a leak for each damaged file, which is OpenVDB's to mend.
+// OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain
+// new): a leak for each damaged file, which is OpenVDB's to mend.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:readTopology"; }
 
@@ -40,8 +40,10 @@ typename Grid::Ptr fog() {
       for (std::int64_t x = 0; x < kVdbDims.x; ++x, ++n) {
         const VoxelCoord v = {kVdbOrigin.x + x, kVdbOrigin.y + y, kVdbOrigin.z + z};
         const auto value = static_cast<Value>(vdbValue(v));
-        if (n % 7 == 3) accessor.setValueOff(coordOf(v), value);
-        else accessor.setValueOn(coordOf(v), value);
+        if (n % 7 == 3)
+          accessor.setValueOff(coordOf(v), value);
+        else
+          accessor.setValueOn(coordOf(v), value);
       }
     }
   }
@@ -51,8 +53,8 @@ typename Grid::Ptr fog() {
 
 openvdb::FloatGrid::Ptr tiles() {
   auto grid = openvdb::FloatGrid::create(0.5f);
-  grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);   // one 8³ tile
-  grid->fill(openvdb::CoordBBox(4, 3, 2, 23, 22, 21), -7, true);     // tiles and leaves
+  grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);  // one 8³ tile
+  grid->fill(openvdb::CoordBBox(4, 3, 2, 23, 22, 21), -7, true);    // tiles and leaves
   grid->tree().setValueOn(openvdb::Coord(30, -5, 1), 9);
   return grid;
 }
@@ -70,26 +72,38 @@ openvdb::GridBase::Ptr points(bool data) {
   const openvdb::points::PointAttributeVector<openvdb::Vec3R> wrapper(positions);
   auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(wrapper, *transform);
   if (!data) return index;
-  return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(*index, wrapper,
-                                                                                                        *transform);
+  return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
+      *index, wrapper, *transform);
 }
 
 openvdb::GridBase::Ptr gridOf(VdbKind kind) {
   switch (kind) {
     case VdbKind::kFloat:
     case VdbKind::kHalf:
-    case VdbKind::kFrustum: return fog<openvdb::FloatGrid>();
-    case VdbKind::kDouble: return fog<openvdb::DoubleGrid>();
-    case VdbKind::kInt32: return fog<openvdb::Int32Grid>();
-    case VdbKind::kInt64: return fog<openvdb::Int64Grid>();
-    case VdbKind::kTiles: return tiles();
-    case VdbKind::kLevelSet: return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(12, {1, 2, 3}, 1);
-    case VdbKind::kEmpty: return openvdb::FloatGrid::create(1);
-    case VdbKind::kVec3: return single<openvdb::Vec3SGrid>(openvdb::Vec3s(1, 2, 3));
-    case VdbKind::kBool: return single<openvdb::BoolGrid>(true);
-    case VdbKind::kMask: return single<openvdb::MaskGrid>(true);
-    case VdbKind::kPointIndex: return points(false);
-    case VdbKind::kPointData: return points(true);
+    case VdbKind::kFrustum:
+      return fog<openvdb::FloatGrid>();
+    case VdbKind::kDouble:
+      return fog<openvdb::DoubleGrid>();
+    case VdbKind::kInt32:
+      return fog<openvdb::Int32Grid>();
+    case VdbKind::kInt64:
+      return fog<openvdb::Int64Grid>();
+    case VdbKind::kTiles:
+      return tiles();
+    case VdbKind::kLevelSet:
+      return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(12, {1, 2, 3}, 1);
+    case VdbKind::kEmpty:
+      return openvdb::FloatGrid::create(1);
+    case VdbKind::kVec3:
+      return single<openvdb::Vec3SGrid>(openvdb::Vec3s(1, 2, 3));
+    case VdbKind::kBool:
+      return single<openvdb::BoolGrid>(true);
+    case VdbKind::kMask:
+      return single<openvdb::MaskGrid>(true);
+    case VdbKind::kPointIndex:
+      return points(false);
+    case VdbKind::kPointData:
+      return points(true);
   }
   throw std::logic_error("kind");
 }
@@ -105,9 +119,9 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
     openvdb::GridBase::Ptr grid = gridOf(spec.kind);
     grid->setName(spec.name);
     grid->setSaveFloatAsHalf(spec.kind == VdbKind::kHalf);
-    grid->setTransform(spec.kind == VdbKind::kFrustum
-                           ? openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10)
-                           : transformOf(spec.world_from_grid));
+    grid->setTransform(spec.kind == VdbKind::kFrustum ? openvdb::math::Transform::createFrustumTransform(
+                                                            openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10)
+                                                      : transformOf(spec.world_from_grid));
     grids.push_back(grid);
   }
   if (seekable) {

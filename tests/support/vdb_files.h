@@ -1,5 +1,5 @@
-// OpenVDB files written and read with OpenVDB's own io::File and accessors, which share neither the stream nor the dense
-// copy of the reader they test.
+// OpenVDB files written and read with OpenVDB's own io::File and accessors, which share neither the stream nor the
+// dense copy of the reader they test.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,20 @@ namespace kiln::test {
 
 /// What a test grid holds. The scalar ones fill a box at kVdbOrigin with vdbValue; each seventh voxel is inactive.
 enum class VdbKind {
-  kFloat, kHalf, kDouble, kInt32,                        // fog
-  kTiles,                                                // float: an active tile of 8³, a filled 20×20×20 box, one voxel
-  kLevelSet,                                             // float: a ball of radius 12 voxels
-  kEmpty,                                                // float, no active voxel
-  kFrustum,                                              // float with a perspective transform
-  kVec3, kBool, kMask, kInt64, kPointIndex, kPointData  // what is not a scalar volume
+  kFloat,
+  kHalf,
+  kDouble,
+  kInt32,     // fog
+  kTiles,     // float: an active tile of 8³, a filled 20×20×20 box, one voxel
+  kLevelSet,  // float: a ball of radius 12 voxels
+  kEmpty,     // float, no active voxel
+  kFrustum,   // float with a perspective transform
+  kVec3,
+  kBool,
+  kMask,
+  kInt64,
+  kPointIndex,
+  kPointData  // what is not a scalar volume
 };
 
 inline constexpr VoxelCoord kVdbOrigin = {-13, 5, -9};

@@ -39,7 +39,8 @@ TEST(ValueCounter, CountsEveryVoxelOfEveryTypeOnce) {
     const auto voxel_type = static_cast<VoxelType>(type);
     const DenseVolume volume = noise({{17, 9, 11}, voxel_type}, 4, usualRange(voxel_type));
     const ValueHistogram histogram = count(volume);
-    EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0}), 17u * 9 * 11) << nameOf(voxel_type);
+    EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0}), 17u * 9 * 11)
+        << nameOf(voxel_type);
     EXPECT_EQ(histogram.lo, volume.range().lo);
     EXPECT_EQ(histogram.hi, volume.range().hi);
   }

@@ -23,10 +23,15 @@ void run(const Arguments& arguments) {
   if (!arguments.output.empty()) writeImage(differenceImage(a, b), {}, {}, arguments.output);
   if (arguments.json) {
     // JSON has no infinity: equal pictures have a PSNR of null.
-    const auto decibels = [](double db) { return std::isfinite(db) ? nlohmann::ordered_json(db) : nlohmann::ordered_json(nullptr); };
-    const nlohmann::ordered_json out = {{"psnr_db", decibels(d.psnr_db)}, {"foreground_psnr_db", decibels(d.foreground_psnr_db)},
-                                        {"largest", d.largest}, {"differing_pixels", d.differing},
-                                        {"foreground_pixels", d.foreground}, {"mean_brightness_ratio", d.mean_brightness_ratio}};
+    const auto decibels = [](double db) {
+      return std::isfinite(db) ? nlohmann::ordered_json(db) : nlohmann::ordered_json(nullptr);
+    };
+    const nlohmann::ordered_json out = {{"psnr_db", decibels(d.psnr_db)},
+                                        {"foreground_psnr_db", decibels(d.foreground_psnr_db)},
+                                        {"largest", d.largest},
+                                        {"differing_pixels", d.differing},
+                                        {"foreground_pixels", d.foreground},
+                                        {"mean_brightness_ratio", d.mean_brightness_ratio}};
     fmt::print("{}\n", out.dump(1));
     return;
   }
@@ -34,8 +39,10 @@ void run(const Arguments& arguments) {
     fmt::print("equal: {} x {} pixels\n", a.width, a.height);
     return;
   }
-  fmt::print("PSNR {:.2f} dB, {:.2f} dB over {} foreground pixels; largest difference {:.4g} of 1; {} pixels differ; mean brightness ratio {:.4f}\n",
-             d.psnr_db, d.foreground_psnr_db, d.foreground, d.largest, d.differing, d.mean_brightness_ratio);
+  fmt::print(
+      "PSNR {:.2f} dB, {:.2f} dB over {} foreground pixels; largest difference {:.4g} of 1; {} pixels differ; mean "
+      "brightness ratio {:.4f}\n",
+      d.psnr_db, d.foreground_psnr_db, d.foreground, d.largest, d.differing, d.mean_brightness_ratio);
 }
 
 }  // namespace
@@ -45,7 +52,8 @@ void addCompare(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("compare", "say how far two pictures are apart");
   command->add_option("A", a->a, "a picture, .exr or .png")->required();
   command->add_option("B", a->b, "another")->required();
-  command->add_option("-o,--output", a->output, "the difference as a picture, in the colours of Lee and Ihm's Figure 11");
+  command->add_option("-o,--output", a->output,
+                      "the difference as a picture, in the colours of Lee and Ihm's Figure 11");
   command->add_flag("--json", a->json, "for programs");
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
 }

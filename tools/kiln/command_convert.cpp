@@ -29,11 +29,11 @@ void run(const Arguments& a, Context& context) {
   const ConvertReport report = convert(*source, a.output, options, context.progress);
   context.progress.clear();
   const Extent3& dims = source->info().geometry.dims;
-  fmt::print("{}: {} x {} x {} voxels of {} ({}) from {}\n", a.output, dims.x, dims.y, dims.z, nameOf(source->info().type),
-             formatBytes(report.source_bytes), source->info().format);
-  fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n", report.stored_bricks, report.bricks,
-             formatBytes(report.stored_bytes), report.seconds, static_cast<double>(report.voxels) / 1e6 / report.seconds,
-             formatBytes(report.buffer_bytes));
+  fmt::print("{}: {} x {} x {} voxels of {} ({}) from {}\n", a.output, dims.x, dims.y, dims.z,
+             nameOf(source->info().type), formatBytes(report.source_bytes), source->info().format);
+  fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
+             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds,
+             static_cast<double>(report.voxels) / 1e6 / report.seconds, formatBytes(report.buffer_bytes));
   if (report.nan_count > 0) fmt::print("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
@@ -41,12 +41,14 @@ void run(const Arguments& a, Context& context) {
 
 void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, OpenVDB) to a brick store");
+  CLI::App* command =
+      app.add_subcommand("convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, OpenVDB) to a brick store");
   command->add_option("INPUT", a->input, "the volume to read")->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln")->required();
   command->add_option("--memory", a->memory, "the most memory for buffers")->capture_default_str()->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
-  command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")->capture_default_str();
+  command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
+      ->capture_default_str();
   command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
   addSourceArguments(*command, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

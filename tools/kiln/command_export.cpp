@@ -27,7 +27,8 @@ void run(const Arguments& a, Context& context) {
 
 void addExport(CLI::App& app, Context& context) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
+  CLI::App* command =
+      app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("OUT", a->output, "the .vdb to write")->required();
   command->add_option("--level", a->level, "0 is finest")->capture_default_str();

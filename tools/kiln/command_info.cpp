@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-
 #include "base/file.h"
 #include "base/memory.h"
 #include "commands.h"
@@ -11,18 +10,24 @@ namespace {
 
 const char* className(VolumeClass volume_class) {
   switch (volume_class) {
-    case VolumeClass::kFog: return "fog";
-    case VolumeClass::kLevelSet: return "level set";
-    case VolumeClass::kUnknown: break;
+    case VolumeClass::kFog:
+      return "fog";
+    case VolumeClass::kLevelSet:
+      return "level set";
+    case VolumeClass::kUnknown:
+      break;
   }
   return "unknown";
 }
 
 const char* frameName(PatientFrame frame) {
   switch (frame) {
-    case PatientFrame::kRas: return "RAS (+x right, +y anterior, +z superior)";
-    case PatientFrame::kLps: return "LPS (+x left, +y posterior, +z superior)";
-    case PatientFrame::kUnknown: break;
+    case PatientFrame::kRas:
+      return "RAS (+x right, +y anterior, +z superior)";
+    case PatientFrame::kLps:
+      return "LPS (+x left, +y posterior, +z superior)";
+    case PatientFrame::kUnknown:
+      break;
   }
   return "unknown";
 }
@@ -38,20 +43,22 @@ void printForPeople(const StoreReader& store) {
   fmt::print("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
   fmt::print("affine       ");
   for (int row = 0; row < 3; ++row) {
-    fmt::print("{}[{:.6g} {:.6g} {:.6g} {:.6g}]\n", row == 0 ? "" : "             ", g.world_from_index[0][row], g.world_from_index[1][row],
-               g.world_from_index[2][row], g.world_from_index[3][row]);
+    fmt::print("{}[{:.6g} {:.6g} {:.6g} {:.6g}]\n", row == 0 ? "" : "             ", g.world_from_index[0][row],
+               g.world_from_index[1][row], g.world_from_index[2][row], g.world_from_index[3][row]);
   }
   fmt::print("patient      {}\n", frameName(g.frame));
   if (m.range.empty()) {
     fmt::print("values       none but NaN\n");
   } else {
-    fmt::print("values       {:.9g} to {:.9g}, background {:.6g}, class {}\n", m.range.lo, m.range.hi, m.background, className(m.volume_class));
+    fmt::print("values       {:.9g} to {:.9g}, background {:.6g}, class {}\n", m.range.lo, m.range.hi, m.background,
+               className(m.volume_class));
   }
   if (m.nan_count > 0) fmt::print("NaN          {} voxels\n", m.nan_count);
   for (std::size_t i = 0; i < m.levels.size(); ++i) {
     const LevelInfo& level = m.levels[i];
-    fmt::print("level {}      {} x {} x {} voxels, {} bricks of {}^3, {} stored in {}\n", i, level.geometry.dims.x, level.geometry.dims.y,
-               level.geometry.dims.z, level.bricks.count(), m.brick_size, level.stored_bricks, formatBytes(level.stored_bytes));
+    fmt::print("level {}      {} x {} x {} voxels, {} bricks of {}^3, {} stored in {}\n", i, level.geometry.dims.x,
+               level.geometry.dims.y, level.geometry.dims.z, level.bricks.count(), m.brick_size, level.stored_bricks,
+               formatBytes(level.stored_bytes));
   }
   fmt::print("codec        {}, blosc\n", m.container_version);
   for (const std::string& file : m.source.files) fmt::print("source       {} ({})\n", file, m.source.format);

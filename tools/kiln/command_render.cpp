@@ -18,7 +18,8 @@ namespace {
 
 struct Arguments {
   std::string input, output, stats;
-  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, lattice, level, memory, exr_type, background;
+  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, lattice, level, memory, exr_type,
+      background;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits;
@@ -30,13 +31,16 @@ struct Arguments {
 template <class E, std::size_t N>
 E named(const std::array<std::string_view, N>& names, const std::string& found, const char* option) {
   const auto it = std::find(names.begin(), names.end(), found);
-  if (it == names.end()) throw Error(ErrorCode::kUsage, fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(names, ", "), found));
+  if (it == names.end())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(names, ", "), found));
   return static_cast<E>(it - names.begin());
 }
 
 // Numbers a job would refuse, refused the same way on the command line.
 double between(double value, double lo, double hi, const char* option) {
-  if (!(value > lo && value <= hi)) throw Error(ErrorCode::kUsage, fmt::format("{}: {} is not above {} and at most {}", option, value, lo, hi));
+  if (!(value > lo && value <= hi))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: {} is not above {} and at most {}", option, value, lo, hi));
   return value;
 }
 
@@ -71,11 +75,14 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     } else if (fs::exists(*a.tf, ignored)) {
       picture.transfer_function = fs::path(*a.tf);
     } else {
-      throw Error(ErrorCode::kUsage, fmt::format("--tf: '{}' is neither a file nor one of {}", *a.tf, fmt::join(presetNames(), ", ")));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--tf: '{}' is neither a file nor one of {}", *a.tf, fmt::join(presetNames(), ", ")));
     }
   }
   if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
-  if (a.lattice && *a.lattice != "voxel") throw Error(ErrorCode::kUsage, fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
+  if (a.lattice && *a.lattice != "voxel")
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
   if (a.level && *a.level != "auto") {
     picture.level = static_cast<int>(parseTriple(*a.level + ",0,0", "--level").x);
   }
@@ -91,11 +98,13 @@ void applyOutput(const Arguments& a, OutputOptions& output) {
   if (!a.output.empty()) output.path = a.output;
   if (output.path.empty()) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
   if (a.exr_type) {
-    if (*a.exr_type != "half" && *a.exr_type != "float") throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
+    if (*a.exr_type != "half" && *a.exr_type != "float")
+      throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
     output.exr_float = *a.exr_type == "float";
   }
   if (a.png_bits) {
-    if (*a.png_bits != 8 && *a.png_bits != 16) throw Error(ErrorCode::kUsage, fmt::format("--png-bits: expected 8 or 16, found {}", *a.png_bits));
+    if (*a.png_bits != 8 && *a.png_bits != 16)
+      throw Error(ErrorCode::kUsage, fmt::format("--png-bits: expected 8 or 16, found {}", *a.png_bits));
     output.png_bits = *a.png_bits;
   }
 }
@@ -126,11 +135,13 @@ void run(const Arguments& a, Context& context) {
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
   context.progress.clear();
   const FrameStatistics& frame = result.statistics.frames.back();
-  fmt::print("{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak cache {} of {}, resident {}\n",
-             job.output.path.string(), job.picture.size.width, job.picture.size.height, frame.wall_s, frame.bricks_read, frame.bricks_total,
-             formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited, frame.voxels_splats,
-             formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.budget_bytes),
-             formatBytes(result.statistics.peak_rss_bytes));
+  fmt::print(
+      "{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
+      "cache {} of {}, resident {}\n",
+      job.output.path.string(), job.picture.size.width, job.picture.size.height, frame.wall_s, frame.bricks_read,
+      frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
+      frame.voxels_splats, formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.budget_bytes),
+      formatBytes(result.statistics.peak_rss_bytes));
 }
 
 void addCameraOptions(CLI::App& command, Arguments& a) {
@@ -150,21 +161,28 @@ void addCameraOptions(CLI::App& command, Arguments& a) {
 
 void addRender(CLI::App& app, Context& context) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
-  command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")->required();
+  CLI::App* command =
+      app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
+  command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")
+      ->required();
   command->add_option("-o,--output", a->output, "the picture, .exr or .png");
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
   addCameraOptions(*command, *a);
-  command->add_option("--tf", a->tf, fmt::format("transfer function: a file or one of {}", fmt::join(presetNames(), ", ")));
-  command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")->type_name("R,G,B");
-  command->add_option("--visibility", a->visibility, "mask or none: what is hidden is skipped, or all is drawn; the picture is the same");
-  command->add_option("--opacity-threshold", a->threshold, "alpha at which a pixel takes no more light; 0.998 if not given");
+  command->add_option("--tf", a->tf,
+                      fmt::format("transfer function: a file or one of {}", fmt::join(presetNames(), ", ")));
+  command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")
+      ->type_name("R,G,B");
+  command->add_option("--visibility", a->visibility,
+                      "mask or none: what is hidden is skipped, or all is drawn; the picture is the same");
+  command->add_option("--opacity-threshold", a->threshold,
+                      "alpha at which a pixel takes no more light; 0.998 if not given");
   command->add_option("--lattice", a->lattice, "voxel");
   command->add_option("--level", a->level, "auto or the number of a level; 0 is finest");
   command->add_option("--memory", a->memory, "the most memory for bricks; 2G if not given")->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all");
   command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
-  command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")->capture_default_str();
+  command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")
+      ->capture_default_str();
   command->add_option("--exr-type", a->exr_type, "half or float");
   command->add_option("--png-bits", a->png_bits, "8 or 16");
   addSourceArguments(*command, a->source);

@@ -17,7 +17,8 @@ void run(const Arguments& a, Context& context) {
   requireImagePath(a.output);
   SliceRequest request;
   const std::string axes = "xyz";
-  if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos) throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", a.axis));
+  if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos)
+    throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", a.axis));
   request.axis = static_cast<int>(axes.find(a.axis));
   request.index = a.index;
   if (!a.window.empty()) {

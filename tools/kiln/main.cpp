@@ -28,7 +28,8 @@ int run(int argc, char** argv) {
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
     if (app.get_subcommands().empty() && !app.remaining().empty()) {
-      std::fprintf(stderr, "kiln: there is no command or option '%s'; run 'kiln --help'\n", app.remaining().front().c_str());
+      std::fprintf(stderr, "kiln: there is no command or option '%s'; run 'kiln --help'\n",
+                   app.remaining().front().c_str());
       return 2;
     }
     std::fprintf(stderr, "kiln: %s; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());

@@ -33,13 +33,16 @@ std::vector<double> numbers(const std::string& text, char separator, const char*
 
 glm::dvec3 parseTriple(const std::string& text, const char* option) {
   const std::vector<double> values = numbers(text, ',', option, "three numbers X,Y,Z");
-  if (values.size() != 3) throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
+  if (values.size() != 3)
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
   return {values[0], values[1], values[2]};
 }
 
 std::pair<int, int> parseSize(const std::string& text, const char* option) {
-  const std::vector<double> values = numbers(text, text.find('x') != std::string::npos ? 'x' : ',', option, "WIDTHxHEIGHT");
-  if (values.size() != 2 || values[0] != std::floor(values[0]) || values[1] != std::floor(values[1]) || std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
+  const std::vector<double> values =
+      numbers(text, text.find('x') != std::string::npos ? 'x' : ',', option, "WIDTHxHEIGHT");
+  if (values.size() != 2 || values[0] != std::floor(values[0]) || values[1] != std::floor(values[1]) ||
+      std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: expected WIDTHxHEIGHT, found '{}'", option, text));
   }
   return {static_cast<int>(values[0]), static_cast<int>(values[1])};
@@ -60,16 +63,19 @@ SourceOptions SourceArguments::resolve() const {
   }
   if (!type.empty()) {
     out.type = voxelTypeNamed(type);
-    if (!out.type) throw Error(ErrorCode::kUsage, fmt::format("--type: '{}' is not one of u8 i8 u16 i16 u32 i32 f32 f64", type));
+    if (!out.type)
+      throw Error(ErrorCode::kUsage, fmt::format("--type: '{}' is not one of u8 i8 u16 i16 u32 i32 f32 f64", type));
   }
   if (!endian.empty()) {
-    if (endian != "little" && endian != "big") throw Error(ErrorCode::kUsage, fmt::format("--endian: expected little or big, found '{}'", endian));
+    if (endian != "little" && endian != "big")
+      throw Error(ErrorCode::kUsage, fmt::format("--endian: expected little or big, found '{}'", endian));
     out.big_endian = endian == "big";
   }
   out.skip_bytes = skip;
   if (!spacing.empty()) {
     out.spacing = parseTriple(spacing, "--spacing");
-    if (!(out.spacing->x > 0 && out.spacing->y > 0 && out.spacing->z > 0)) throw Error(ErrorCode::kUsage, fmt::format("--spacing: expected three positive numbers, found '{}'", spacing));
+    if (!(out.spacing->x > 0 && out.spacing->y > 0 && out.spacing->z > 0))
+      throw Error(ErrorCode::kUsage, fmt::format("--spacing: expected three positive numbers, found '{}'", spacing));
   }
   if (!grid.empty()) out.grid_name = grid;
   return out;

@@ -52,7 +52,8 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
   const double seconds = std::chrono::duration<double>(now - begin_).count();
   const double rate = static_cast<double>(done) / seconds;
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
-  const std::string line = fmt::format("{}: {:.0f} % of {}{}, {}{}/s, {:.0f} s left", step, 100.0 * static_cast<double>(done) / static_cast<double>(total),
+  const std::string line = fmt::format("{}: {:.0f} % of {}{}, {}{}/s, {:.0f} s left", step,
+                                       100.0 * static_cast<double>(done) / static_cast<double>(total),
                                        scaled(static_cast<double>(total)), unit, scaled(rate), unit, left);
   if (terminal_) {
     fmt::print(stderr, "\r\033[K{}", line);
