@@ -3,6 +3,11 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <utility>
+
 #if defined(__SANITIZE_THREAD__)
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -23,6 +28,26 @@ void observe([[maybe_unused]] void* from) {
 #endif
 }
 
+// The first failure of a loop. It is kept from TBB, which would answer by cancelling the loops that other bodies are in
+// the middle of: OpenVDB frees its trees in such loops, and a cancelled one leaks them.
+class FirstFailure {
+ public:
+  bool happened() const { return happened_.load(std::memory_order_relaxed); }
+  void keep(std::exception_ptr failure) {
+    const std::scoped_lock lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+    happened_.store(true, std::memory_order_relaxed);
+  }
+  void rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+  std::atomic<bool> happened_ = false;
+};
+
 }  // namespace
 
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body) {
@@ -32,16 +57,24 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   }
   char begin = 0;
   char end = 0;
+  FirstFailure failure;
   publish(&begin);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         observe(&begin);
-        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+        for (std::size_t i = range.begin(); i != range.end() && !failure.happened(); ++i) {
+          try {
+            body(i);
+          } catch (...) {
+            failure.keep(std::current_exception());
+          }
+        }
         publish(&end);
       },
       tbb::simple_partitioner());
   observe(&end);
+  failure.rethrow();
 }
 
 struct ThreadLimit::Control {

@@ -123,7 +123,9 @@ std::filesystem::path HeaderFields::dataFile(const HeaderField& field, const std
     fail(field, "the data file " + inQuotes(name) + " is not there; put it where the header says",
          ErrorCode::kNotFound);
   }
-  if (std::filesystem::is_directory(status)) fail(field, inQuotes(name) + " is a directory, not a data file");
+  if (!std::filesystem::is_regular_file(status)) {
+    fail(field, inQuotes(name) + " is a directory, pipe or device, not a data file");
+  }
   return file;
 }
 

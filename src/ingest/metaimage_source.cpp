@@ -89,6 +89,17 @@ void refuseWhatIsNotAScalarVolume(const HeaderFields& fields) {
   if (fields.integers(ndims, 1)[0] != 3) {
     fields.unsupported(ndims, ndims.value + "-D data; give a volume of three dimensions");
   }
+  if (const HeaderField* gaps = fields.find("HeaderSizePerSlice")) {
+    if (fields.integers(*gaps, 1)[0] != 0) fields.unsupported(*gaps, "slices with headers of their own are not read");
+  }
+  // The format defines this map, ITK does not apply it: whichever were taken, somebody would see wrong values.
+  for (const auto& [key, neutral] :
+       {std::pair{"ElementToIntensityFunctionSlope", 1.0}, std::pair{"ElementToIntensityFunctionOffset", 0.0}}) {
+    const HeaderField* map = fields.find(key);
+    if (map && fields.doubles(*map, 1)[0] != neutral) {
+      fields.unsupported(*map, "values with a linear map are not read; remove the line to get the stored values");
+    }
+  }
   if (!flag(fields, "BinaryData", true)) {
     fields.unsupported(*fields.find("BinaryData"),
                        "values written as text are not read; write it with BinaryData = True");
@@ -119,6 +130,8 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
   const HeaderField* orientation = fields.find("AnatomicalOrientation");
   const bool known = orientation && !orientation->value.empty() && orientation->value.find('?') == std::string::npos;
   geometry.frame = known ? PatientFrame::kLps : PatientFrame::kUnknown;
+  const HeaderField* units = fields.find("DistanceUnits");
+  if (units && (units->value == "mm" || units->value == "um" || units->value == "cm")) geometry.unit = units->value;
   return geometry;
 }
 
@@ -141,6 +154,10 @@ LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
     // MetaIO: a positive size counts from the start of the data file, even of LOCAL data; -1: the data are its end.
     const std::int64_t skip = fields.integers(*size, 1)[0];
     if (skip < -1 || (skip == -1 && compressed)) fields.fail(*size, inQuotes(size->value) + " is not legal here");
+    if (skip > 0 && local && static_cast<std::uint64_t>(skip) < header.end_offset) {
+      fields.fail(*size, inQuotes(size->value) + " is inside the header, which ends at byte " +
+                             std::to_string(header.end_offset));
+    }
     if (skip > 0) data.offset_bytes = static_cast<std::uint64_t>(skip);
     if (skip == -1) {
       const std::uint64_t bytes = checkedBytes(dims, type, fields.path()), found = File(data.file).size();

@@ -110,9 +110,20 @@ Finding byName(const fs::path& path) {
   return {};
 }
 
-Finding identify(const fs::path& path) {
+// The voxels of a NIfTI pair carry no magic: their header stands beside them.
+bool isNiftiVoxels(const fs::path& path) {
+  if (!endsWith(path, {".img", ".img.gz"})) return false;
+  const fs::path stem = path.extension() == ".gz" ? fs::path(path).replace_extension() : path;
+  const fs::path header = fs::path(stem).replace_extension(".hdr");
+  std::error_code ignored;
+  if (fs::is_regular_file(header, ignored)) return byBytes(firstBytes(File(header))).format == Format::kNifti;
+  return fs::is_regular_file(header.string() + ".gz", ignored);
+}
+
+Finding identify(const fs::path& path, bool described) {
   const std::string bytes = firstBytes(File(path));
   Finding found = byBytes(bytes);
+  if (!described && found.format == Format::kUnknown && isNiftiVoxels(path)) return {Format::kNifti, "NIfTI"};
   if (found.format != Format::kUnknown) return found;
   if (bytes.starts_with("\x1f\x8b")) {
     const Finding inside = byBytes(firstDecompressedBytes(path));
@@ -139,6 +150,28 @@ Finding identify(const fs::path& path) {
                   (example.empty() ? " (it has none)" : ", such as " + inQuotes(example.string())));
 }
 
+// A pipe would be waited for, and a device has no length.
+void requireRegularFile(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error(ErrorCode::kUnsupported, path, "",
+                "is a pipe or a device, which cannot be read at any place; copy it to a file first");
+  }
+}
+
+// " or give 'engine.nhdr', …" where a header with the name of the raw file lies beside it.
+std::string headerBeside(const fs::path& path) {
+  for (const char* extension : {".nhdr", ".mhd"}) {
+    const fs::path header = fs::path(path).replace_extension(extension);
+    std::error_code ignored;
+    if (header != path && fs::is_regular_file(header, ignored)) {
+      return ", or give " + inQuotes(header.filename().string()) + ", the header beside it";
+    }
+  }
+  return "";
+}
+
 void requireOptionsApply(const fs::path& path, const std::string& format, const SourceOptions& options) {
   const auto refuse = [&](bool given, const std::string& option, const std::string& where) {
     if (given) {
@@ -149,7 +182,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   const bool raw = format == "raw", vdb = format == "OpenVDB";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
-  refuse(options.big_endian && !raw, "the byte order", "headerless raw data");
+  refuse(options.big_endian && !raw, "--endian", "headerless raw data");
   refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.spacing && vdb, "--spacing", "files without axes of their own");
@@ -165,9 +198,10 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
 std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
   std::error_code ignored;
   if (fs::is_directory(input, ignored)) refuseDirectory(input);
-  Finding found = identify(input);
+  requireRegularFile(input);
   // Some magics are short and raw voxels are anything: who names dimensions and type has said what the file is.
   const bool described = options.dims && options.type;
+  Finding found = identify(input, described);
   if (found.format == Format::kForeign && !described) {
     throw Error(ErrorCode::kUnsupported, input, "",
                 "a " + found.name + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
@@ -190,7 +224,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   if (!described) {
     throw Error(ErrorCode::kUsage, input, "",
                 "not a format that is known (NRRD, MetaImage, NIfTI, OpenVDB); if it is headerless raw voxels, give "
-                "--dims and --type, for example --dims 256x256x113 --type u16");
+                "--dims and --type, for example --dims 256,256,113 --type u16" +
+                    headerBeside(input));
   }
   return openRaw(input, options);
 }

@@ -20,7 +20,7 @@ std::string described(const Extent3& dims, VoxelType type, std::uint64_t skip_by
 std::unique_ptr<VolumeSource> openRaw(const std::filesystem::path& input, const SourceOptions& options) {
   if (!options.dims || !options.type) {
     throw Error(ErrorCode::kUsage, input, "",
-                "headerless raw data need --dims and --type (for example --dims 256x256x113 --type u16)");
+                "headerless raw data need --dims and --type (for example --dims 256,256,113 --type u16)");
   }
   SourceInfo info;
   info.format = "raw";

@@ -18,6 +18,7 @@
 #include <cstring>
 #include <glm/ext/matrix_transform.hpp>
 #include <istream>
+#include <new>
 #include <streambuf>
 #include <utility>
 
@@ -268,8 +269,12 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
     if (entry->name() == "density") return *entry;
   }
   if (entries.size() == 1) return entries.front();  // its own reason against it follows
-  const std::string what = scalar.empty() ? "has no grid that Kiln reads" : "has several grids; choose one with --grid";
-  throw Error(ErrorCode::kUnsupported, path, "", fmt::format("{}; it has {}", what, listOf(entries)));
+  if (scalar.empty()) {
+    throw Error(ErrorCode::kUnsupported, path, "",
+                fmt::format("has no grid that Kiln reads; it has {}", listOf(entries)));
+  }
+  throw Error(ErrorCode::kUsage, path, "",
+              fmt::format("has several grids; choose one with --grid NAME; it has {}", listOf(entries)));
 }
 
 // OpenVDB multiplies row vectors: its matrix read row by row is glm's memory order.
@@ -371,8 +376,12 @@ std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions
     return openChecked(input, options);
   } catch (const Error&) {
     throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kFormat, input, "OpenVDB",
+                "asks for more memory than there is: the file is damaged, or its grid too large to be held");
   } catch (const std::exception& error) {
-    throw Error(ErrorCode::kFormat, input, "OpenVDB", error.what());
+    throw Error(ErrorCode::kFormat, input, "OpenVDB",
+                std::string(error.what()) + "; the file is damaged, or newer than this OpenVDB reads");
   }
 }
 

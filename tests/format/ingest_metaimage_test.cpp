@@ -60,9 +60,10 @@ TEST(IngestMetaImage, GeometryIsAsItkReadsIt) {
     EXPECT_TRUE(source->info().geometry.world_from_index == expected) << names;
     EXPECT_EQ(source->info().geometry.frame, PatientFrame::kLps);
   }
-  const auto size = open("ElementSize = 1 1 2\nAnatomicalOrientation = ???\n");
+  const auto size = open("ElementSize = 1 1 2\nDistanceUnits = um\nAnatomicalOrientation = ???\n");
   EXPECT_EQ(size->info().geometry.spacing(), glm::dvec3(1, 1, 2));
   EXPECT_EQ(size->info().geometry.frame, PatientFrame::kUnknown);
+  EXPECT_EQ(size->info().geometry.unit, "um");
 }
 
 TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
@@ -85,6 +86,9 @@ TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
   refused(start + u8 + "DimSize = 2 2 2\n" + local, ErrorCode::kFormat, "line 5: DimSize");
   refused(start + u8 + "Offset = 1 2 3\nOrigin = 1 2 4\n" + local, ErrorCode::kFormat, "line 6: Origin: contradicts");
   refused(start + u8 + "ElementSpacing = 1 0 1\n" + local, ErrorCode::kFormat, "do not span");
+  refused(start + u8 + "HeaderSizePerSlice = 8\n" + local, ErrorCode::kUnsupported, "HeaderSizePerSlice");
+  refused(start + u8 + "ElementToIntensityFunctionSlope = 2\n" + local, ErrorCode::kUnsupported, "linear map");
+  refused(start + u8 + "HeaderSize = 5\n" + local, ErrorCode::kFormat, "inside the header");
   refused(start + u8 + "CompressedData = maybe\n" + local, ErrorCode::kFormat, "maybe");
   refused(start + u8 + "CompressedData = True\n" + local, ErrorCode::kFormat, "damaged");
 }

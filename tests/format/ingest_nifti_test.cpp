@@ -107,6 +107,28 @@ TEST_F(Nifti, EveryTypeOrderAndContainerGivesTheValuesBack) {
   }
 }
 
+// The .img has no magic of its own; beside a NIfTI header it is one half of a pair, and alone it is raw.
+TEST_F(Nifti, EitherHalfOfAPairOpensIt) {
+  NiftiHeader h;
+  h.vox_offset = 0, h.magic = "ni1";
+  const Bytes voxels = voxelsOf(kTypes[0], false);
+  test::writeBytes(directory_ / "c.hdr", test::niftiHeader(h));
+  test::writeBytes(directory_ / "c.img", voxels);
+  test::writeBytes(directory_ / "d.hdr.gz", test::gzipped(test::niftiHeader(h)));
+  test::writeBytes(directory_ / "d.img.gz", test::gzipped(voxels));
+  for (const char* name : {"c.hdr", "c.img", "d.hdr.gz", "d.img.gz"}) {
+    const auto source = openSource(directory_ / name);
+    EXPECT_EQ(source->info().format, "NIfTI-1") << name;
+    EXPECT_EQ(readAll(*source)[7], valueAt(7, kTypes[0])) << name;
+  }
+  test::writeBytes(directory_ / "e.img", voxels);
+  EXPECT_THROW(openSource(directory_ / "e.img"), Error);
+  SourceOptions options;
+  options.dims = Extent3{5, 4, 3}, options.type = VoxelType::u8;
+  EXPECT_EQ(openSource(directory_ / "e.img", options)->info().format, "raw");
+  EXPECT_EQ(openSource(directory_ / "c.img", options)->info().format, "raw");
+}
+
 TEST_F(Nifti, PixdimAloneScalesAndKnowsNoPatient) {
   NiftiHeader h;
   h.pixdim = {0, 2, 3, -4};

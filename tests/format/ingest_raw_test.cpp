@@ -1,5 +1,6 @@
 // Headerless raw data and the dispatch by content. The answers are known because the test wrote the bytes.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstring>
 #include <thread>
@@ -136,6 +137,12 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
   refused("g", std::string(128, '\0') + "DICM", "DICOM");
   refused("h.nrrd.gz", gzipped("NRRD0004\n"), "gzip-compressed NRRD");
   refused("i.raw.gz", gzipped("anything"), "gzip-compressed");
+  // Nobody writes to the pipe: to open it would be to wait for ever.
+  ASSERT_EQ(mkfifo((files.directory() / "pipe.raw").c_str(), 0600), 0);
+  expectRefused(files.directory() / "pipe.raw", ErrorCode::kUnsupported, "pipe");
+  const auto nhdr =
+      files.write("p.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\ndata file: pipe.raw\n");
+  expectRefused(nhdr, ErrorCode::kFormat, "pipe");
 }
 
 TEST(IngestOpen, WrongUsesOfOptionsAreUsageErrors) {
@@ -144,6 +151,9 @@ TEST(IngestOpen, WrongUsesOfOptionsAreUsageErrors) {
   const auto raw = files.write("v.raw", "abcdef");
   const auto nrrd = files.write("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx");
   expectRefused(raw, ErrorCode::kUsage, "--dims and --type");
+  expectRefused(raw, ErrorCode::kUsage, "--dims 256,256,113 --type u16");  // as the command line takes it
+  files.write("v.nhdr", "NRRD0004\n");
+  expectRefused(raw, ErrorCode::kUsage, "'v.nhdr'");
   SourceOptions options;
   options.grid_name = "density";
   expectRefused(nrrd, ErrorCode::kUsage, "--grid", options);
@@ -151,10 +161,13 @@ TEST(IngestOpen, WrongUsesOfOptionsAreUsageErrors) {
   options.dims = Extent3{1, 1, 1};
   expectRefused(nrrd, ErrorCode::kUsage, "--dims", options);
   options = {};
+  options.big_endian = false;
+  expectRefused(nrrd, ErrorCode::kUsage, "--endian", options);
+  options = {};
   options.spacing = glm::dvec3(1, -1, 1);
   expectRefused(nrrd, ErrorCode::kUsage, "--spacing", options);
   expectRefused(files.directory() / "nothing.nrrd", ErrorCode::kNotFound, "nothing.nrrd");
-  expectRefused(files.directory(), ErrorCode::kUnsupported, "'v.nrrd'");
+  expectRefused(files.directory(), ErrorCode::kUnsupported, "'v.nhdr'");
 }
 
 }  // namespace

@@ -150,10 +150,9 @@ TEST_F(Vdb, TheGridIsTheOnlyScalarOneOrDensityOrTheNamed) {
   EXPECT_EQ(openVdb(two, options)->info().type, VoxelType::f32);
   options.grid_name = "cold";
   expectRefused(two, ErrorCode::kUsage, "'heat' (Tree_float_5_4_3)", options);
-  expectRefused(write({{VdbKind::kFloat, "heat"}, {VdbKind::kFloat, "fuel"}}), ErrorCode::kUnsupported,
+  expectRefused(write({{VdbKind::kFloat, "heat"}, {VdbKind::kFloat, "fuel"}}), ErrorCode::kUsage,
                 "'fuel' (Tree_float_5_4_3)");
-  expectRefused(write({{VdbKind::kFloat, "density"}, {VdbKind::kInt32, "density"}}), ErrorCode::kUnsupported,
-                "'density[1]'");
+  expectRefused(write({{VdbKind::kFloat, "density"}, {VdbKind::kInt32, "density"}}), ErrorCode::kUsage, "'density[1]'");
   options.grid_name = "density[1]";
   EXPECT_EQ(openVdb(directory_ / "a.vdb", options)->info().type, VoxelType::i32);
 }
