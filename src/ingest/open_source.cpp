@@ -138,16 +138,21 @@ Finding identify(const fs::path& path, bool described) {
 [[noreturn]] void refuseDirectory(const fs::path& path) {
   std::error_code error;
   fs::path example;
+  std::uint64_t files = 0;
   fs::directory_iterator entries(path, error);
   if (error) throw systemError(error.value(), path, "listing the directory");
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
     const fs::path name = entries->path().filename();
     std::error_code ignored;
-    if (entries->is_regular_file(ignored) && (example.empty() || name < example)) example = name;
+    if (!entries->is_regular_file(ignored)) continue;
+    if (files++ == 0 || name < example) example = name;
   }
+  const std::string found = files == 0   ? "no file"
+                            : files == 1 ? inQuotes(example.string())
+                                         : inQuotes(example.string()) + " and " + std::to_string(files - 1) + " more";
   throw Error(ErrorCode::kUnsupported, path, "",
-              "the directory holds no slices that this version reads; give a file" +
-                  (example.empty() ? " (it has none)" : ", such as " + inQuotes(example.string())));
+              "a directory, and this version reads no directories of slices (it holds " + found +
+                  "); give a file, or join the slices into one NRRD, MetaImage or NIfTI file");
 }
 
 // A pipe would be waited for, and a device has no length.
