@@ -147,7 +147,7 @@ class CellSplatter {
 
   void cell(const VoxelBox& box) {
     std::uint8_t order[3][kCellSide];
-    int count[3];
+    int count[3] = {};
     for (int axis = 0; axis < 3; ++axis) {
       count[axis] = static_cast<int>(box.hi[axis] - box.lo[axis]);
       frame_.projector->order().axisOrder(axis, box.lo[axis], count[axis], order[axis]);
