@@ -146,7 +146,7 @@ class CellSplatter {
       : frame_(frame), block_(block), voxels_(block.data<T>()), tile_(tile), counts_(counts) {}
 
   void cell(const VoxelBox& box) {
-    std::uint8_t order[3][kCellSide];
+    std::uint8_t order[3][kCellSize];
     int count[3] = {};
     for (int axis = 0; axis < 3; ++axis) {
       count[axis] = static_cast<int>(box.hi[axis] - box.lo[axis]);
@@ -169,8 +169,6 @@ class CellSplatter {
   }
 
  private:
-  static constexpr int kCellSide = 8;
-
   void sample(const VoxelCoord& v, const T* value, const Material& material) {
     const Projector& projector = *frame_.projector;
     const glm::dvec3 p = projector.viewOf(v);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "store/minmax_octree.h"
 
 namespace kiln {
 namespace {

@@ -15,7 +15,6 @@
 namespace kiln {
 
 inline constexpr int kFormatVersion = 1;
-inline constexpr std::int64_t kCellSize = 8;
 inline constexpr std::int64_t kApron = 6;
 inline constexpr std::int64_t kDefaultBrickSize = 128;
 

@@ -61,13 +61,12 @@ std::size_t MinMaxOctree::bytes() const {
 std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                    const VoxelBox& core, int edge) {
   std::vector<ValueRange> out(static_cast<std::size_t>(edge) * edge * edge);
-  constexpr std::int64_t kCell = 8;
   std::size_t cell = 0;
   for (int z = 0; z < edge; ++z) {
     for (int y = 0; y < edge; ++y) {
       for (int x = 0; x < edge; ++x, ++cell) {
-        const VoxelCoord lo = {core.lo.x + x * kCell, core.lo.y + y * kCell, core.lo.z + z * kCell};
-        const VoxelBox region = intersection({lo, {lo.x + kCell, lo.y + kCell, lo.z + kCell}}, core);
+        const VoxelCoord lo = {core.lo.x + x * kCellSize, core.lo.y + y * kCellSize, core.lo.z + z * kCellSize};
+        const VoxelBox region = intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, core);
         if (!region.empty()) out[cell] = rangeOf(voxels, type, box, region);
       }
     }

@@ -14,6 +14,9 @@
 
 namespace kiln {
 
+/// The edge of a cell. unit: voxels.
+inline constexpr std::int64_t kCellSize = 8;
+
 class MinMaxOctree {
  public:
   MinMaxOctree() = default;
