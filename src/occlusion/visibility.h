@@ -19,7 +19,7 @@ inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
-/// The edge of a tile, in pixels: calls for pixels of different tiles may run at the same time.
+/// The least edge of an image tile, in pixels: calls for pixels of different tiles may run at the same time.
 inline constexpr int kVisibilityTile = 64;
 
 class Visibility {
@@ -34,7 +34,15 @@ class Visibility {
 
 /// Knows nothing: octree only, the baseline of Lee and Ihm.
 std::unique_ptr<Visibility> makeNoVisibility();
-/// The 64-bit mask. unit: pixels.
+/// The 64-bit mask: exact. unit: pixels.
 std::unique_ptr<Visibility> makeMaskVisibility(int width, int height);
+/// The alpha range tree: exact. cost: about 4 bytes a pixel of the image padded to powers of two.
+std::unique_ptr<Visibility> makeRangeTreeVisibility(int width, int height);
+/// The alpha quadtree with Meagher's overlays: exact, and loose. A rectangle inside one tile of `tile_px` pixels is
+/// judged by squares of that tile. requires: tile_px a power of two of at least kVisibilityTile, or 0: no tiles.
+std::unique_ptr<Visibility> makeOverlayVisibility(int width, int height, int tile_px = 0);
+/// The alpha quadtree with approximate projected areas: may call hidden what is not. A rectangle is enlarged by
+/// `epsilon_px` on every side before it is approximated. requires: tile_px as above, epsilon_px >= 0.
+std::unique_ptr<Visibility> makeQuadtreeVisibility(int width, int height, int epsilon_px = 0, int tile_px = 0);
 
 }  // namespace kiln

@@ -1,0 +1,54 @@
+#include "occlusion/alpha_quadtree.h"
+
+#include <atomic>
+#include <bit>
+
+namespace kiln {
+namespace {
+
+// Squares larger than a tile are shared by threads.
+constexpr int kTileLevel = std::countr_zero(static_cast<unsigned>(kVisibilityTile));
+
+}  // namespace
+
+AlphaQuadtree::AlphaQuadtree(int width, int height) {
+  levels_.push_back({width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)});
+  while (levels_.back().columns > 1 || levels_.back().rows > 1) {
+    const int fine_columns = levels_.back().columns;
+    const int fine_rows = levels_.back().rows;
+    Level coarse{(fine_columns + 1) / 2, (fine_rows + 1) / 2, {}};
+    coarse.counts.resize(static_cast<std::size_t>(coarse.columns) * coarse.rows);
+    // Quarters outside of the image do not exist and count as opaque from the start.
+    for (int y = 0; y < coarse.rows; ++y) {
+      for (int x = 0; x < coarse.columns; ++x) {
+        const int across = std::min(fine_columns - 2 * x, 2);
+        const int down = std::min(fine_rows - 2 * y, 2);
+        coarse.counts[static_cast<std::size_t>(y) * coarse.columns + x] =
+            static_cast<std::uint8_t>(kOpaque - across * down);
+      }
+    }
+    levels_.push_back(std::move(coarse));
+  }
+}
+
+void AlphaQuadtree::close(int x, int y) {
+  levels_[0].counts[static_cast<std::size_t>(y) * levels_[0].columns + x] = kOpaque;
+  for (int k = 1; k <= top(); ++k) {
+    x >>= 1;
+    y >>= 1;
+    Level& squares = levels_[static_cast<std::size_t>(k)];
+    std::uint8_t& count = squares.counts[static_cast<std::size_t>(y) * squares.columns + x];
+    const int now = k > kTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count;
+    if (now != kOpaque) return;
+  }
+}
+
+SquareBounds squareBoundsOf(const PixelRect& rect, int tile_px, const PixelRect& image) {
+  if (tile_px == 0) return {image, false};
+  const int x = rect.x0 / tile_px * tile_px;
+  const int y = rect.y0 / tile_px * tile_px;
+  if (rect.x1 > x + tile_px || rect.y1 > y + tile_px) return {image, false};
+  return {{x, y, x + tile_px, y + tile_px}, true};
+}
+
+}  // namespace kiln
