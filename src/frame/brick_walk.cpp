@@ -1,5 +1,7 @@
 #include "frame/brick_walk.h"
 
+#include <bit>
+
 namespace kiln {
 
 struct BrickWalk::Visit {
@@ -8,10 +10,14 @@ struct BrickWalk::Visit {
   const Visibility& visibility;
   const std::function<void(const BrickKey&, const PixelRect&)>& draw;
   BrickWalkCounts& counts;
+  NodeLog* log;
 };
 
 BrickWalk::BrickWalk(const StoreReader& store, int level, const Classifier& classifier)
-    : level_(level), brick_size_(store.manifest().brick_size), dims_(store.level(level).geometry.dims) {
+    : level_(level),
+      brick_size_(store.manifest().brick_size),
+      cell_levels_(std::countr_zero(static_cast<std::uint64_t>(brick_size_ / kCellSize))),
+      dims_(store.level(level).geometry.dims) {
   const Extent3& lattice = store.index().lattice(level);
   Layer bricks{lattice, {}};
   bricks.interesting.reserve(static_cast<std::size_t>(lattice.count()));
@@ -52,10 +58,11 @@ VoxelBox BrickWalk::voxelsOf(int layer, const VoxelCoord& at) const {
 }
 
 void BrickWalk::run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
-                    const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts) const {
+                    const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
+                    NodeLog* log) const {
   const int top = static_cast<int>(layers_.size()) - 1;
   counts.interesting = interestingBelow(top, {0, 0, 0});
-  node({projector, image, visibility, draw, counts}, top, {0, 0, 0});
+  node({projector, image, visibility, draw, counts, log}, top, {0, 0, 0});
 }
 
 void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const {
@@ -64,7 +71,9 @@ void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const 
   const PixelRect rect = intersection(visit.projector.bounds(voxelsOf(layer, at)), visit.image);
   if (rect.empty()) return;
   ++visit.counts.nodes_tested;
-  if (visit.visibility.hidden(rect)) {
+  const bool hidden = visit.visibility.hidden(rect);
+  if (visit.log != nullptr && (hidden || layer > 0)) visit.log->add(voxelsOf(layer, at), cell_levels_ + layer, hidden);
+  if (hidden) {
     ++visit.counts.nodes_hidden;
     visit.counts.hidden += interesting;
     return;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "frame/node_log.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
 #include "store/store_reader.h"
@@ -23,9 +24,11 @@ class BrickWalk {
   BrickWalk(const StoreReader& store, int level, const Classifier& classifier);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
-  /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn.
+  /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn. `log`
+  /// may be null; it is told of the nodes above bricks, since a brick is asked about again by whoever walks its cells.
   void run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
-           const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts) const;
+           const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
+           NodeLog* log) const;
 
  private:
   struct Layer {
@@ -39,6 +42,7 @@ class BrickWalk {
 
   int level_;
   std::int64_t brick_size_;
+  int cell_levels_;  // from a cell up to a brick
   Extent3 dims_;
   std::vector<Layer> layers_;  // 0: the bricks; the last has one node
 };

@@ -3,43 +3,65 @@
 namespace kiln {
 namespace {
 
+// Visibility is asked once more for each eighth of a cell, by the cell's own order. Smaller than the cells of the
+// store, because a test is cheaper than eight rows of voxels behind an opaque surface, and not smaller still, because
+// then the tests cost more than they save (ARCHITECTURE.md has the figures).
+constexpr std::int64_t kSubCellSize = kCellSize / 2;
+
 struct Walk {
   const SplatFrame& frame;
   const BrickBlock& block;
   const TilePixels& tile;
   SplatCounts& counts;
+  NodeLog* log;
 
   // Node (x,y,z) of `level`: 0 is a cell, depth-1 the brick.
   void node(int level, int x, int y, int z) const noexcept {
     if (!frame.classifier->interesting(block.octree.at(level, x, y, z))) return;
-    const std::int64_t edge = std::int64_t{8} << level;
+    const std::int64_t edge = kCellSize << level;
     const VoxelCoord lo = {block.core.lo.x + x * edge, block.core.lo.y + y * edge, block.core.lo.z + z * edge};
-    const VoxelBox box = intersection({lo, {lo.x + edge, lo.y + edge, lo.z + edge}}, block.core);
-    const PixelRect rect = intersection(frame.projector->bounds(box), tile.rect);
-    if (rect.empty()) return;
-    ++counts.nodes_tested;
-    if (frame.visibility->hidden(rect)) {
-      ++counts.nodes_hidden;
-      return;
-    }
-    if (level == 0) {
-      splatCell(frame, block, box, tile, counts);
-      return;
-    }
-    const std::int64_t half = edge / 2;
-    const unsigned nearest = frame.projector->order().nearestChild({lo.x + half, lo.y + half, lo.z + half});
+    if (skipped(cube(lo, edge), level)) return;
+    const unsigned nearest = nearestChild(lo, edge / 2);
     for (unsigned i = 0; i < 8; ++i) {
       const unsigned child = nearest ^ i;
-      node(level - 1, 2 * x + static_cast<int>(child & 1), 2 * y + static_cast<int>(child >> 1 & 1),
-           2 * z + static_cast<int>(child >> 2));
+      const int right = static_cast<int>(child & 1), up = static_cast<int>(child >> 1 & 1);
+      const int far = static_cast<int>(child >> 2);
+      if (level > 0)
+        node(level - 1, 2 * x + right, 2 * y + up, 2 * z + far);
+      else
+        subCell({lo.x + right * kSubCellSize, lo.y + up * kSubCellSize, lo.z + far * kSubCellSize});
     }
+  }
+
+  void subCell(const VoxelCoord& lo) const noexcept {
+    const VoxelBox box = cube(lo, kSubCellSize);
+    if (!box.empty() && !skipped(box, -1)) splatCell(frame, block, box, tile, counts);
+  }
+
+  // Whether nothing of `box` can be seen in this tile.
+  bool skipped(const VoxelBox& box, int level) const noexcept {
+    const PixelRect rect = intersection(frame.projector->bounds(box), tile.rect);
+    if (rect.empty()) return true;
+    const bool hidden = frame.visibility->hidden(rect);
+    ++counts.nodes_tested;
+    counts.nodes_hidden += hidden ? 1 : 0;
+    if (log != nullptr) log->add(box, level, hidden);
+    return hidden;
+  }
+
+  VoxelBox cube(const VoxelCoord& lo, std::int64_t edge) const noexcept {
+    return intersection({lo, {lo.x + edge, lo.y + edge, lo.z + edge}}, block.core);
+  }
+  unsigned nearestChild(const VoxelCoord& lo, std::int64_t half) const noexcept {
+    return frame.projector->order().nearestChild({lo.x + half, lo.y + half, lo.z + half});
   }
 };
 
 }  // namespace
 
-void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts) noexcept {
-  Walk{frame, block, tile, counts}.node(block.octree.depth() - 1, 0, 0, 0);
+void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts,
+              NodeLog* log) noexcept {
+  Walk{frame, block, tile, counts, log}.node(block.octree.depth() - 1, 0, 0, 0);
 }
 
 }  // namespace kiln

@@ -2,11 +2,14 @@
 // splatted into the tile.
 #pragma once
 
+#include "frame/node_log.h"
 #include "splat/splat_cell.h"
 
 namespace kiln {
 
-/// thread: tiles of one brick run at the same time; each touches its own pixels only.
-void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts) noexcept;
+/// thread: tiles of one brick run at the same time; each touches its own pixels only. `log` may be null; not null, it
+/// is told of every node asked about, and one tile runs at a time.
+void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts,
+              NodeLog* log) noexcept;
 
 }  // namespace kiln

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <chrono>
 #include <vector>
 
@@ -12,11 +13,24 @@
 namespace kiln {
 namespace {
 
-std::unique_ptr<Visibility> makeVisibility(VisibilityMethod method, const ImageSize& size) {
-  return method == VisibilityMethod::kMask ? makeMaskVisibility(size.width, size.height) : makeNoVisibility();
+std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {
+  switch (options.method) {
+    case VisibilityMethod::kMask:
+      return makeMaskVisibility(size.width, size.height);
+    case VisibilityMethod::kRangeTree:
+      return makeRangeTreeVisibility(size.width, size.height);
+    case VisibilityMethod::kQuadtree:
+      return makeQuadtreeVisibility(size.width, size.height, options.epsilon_px, tile_px);
+    case VisibilityMethod::kOverlay:
+      return makeOverlayVisibility(size.width, size.height, tile_px);
+    case VisibilityMethod::kNone:
+      break;
+  }
+  return makeNoVisibility();
 }
 
 std::vector<TilePixels> tilesOf(Image& image, const PixelRect& rect, int tile_px) {
+  if (tile_px == 0) return {{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width}};
   std::vector<TilePixels> out;
   for (int y = rect.y0 / tile_px * tile_px; y < rect.y1; y += tile_px) {
     for (int x = rect.x0 / tile_px * tile_px; x < rect.x1; x += tile_px) {
@@ -29,10 +43,10 @@ std::vector<TilePixels> tilesOf(Image& image, const PixelRect& rect, int tile_px
 }
 
 SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, Image& image, const PixelRect& rect,
-                      int tile_px) {
-  const std::vector<TilePixels> tiles = tilesOf(image, rect, tile_px);
+                      const FrameRequest& request) {
+  const std::vector<TilePixels> tiles = tilesOf(image, rect, request.tile_px);
   std::vector<SplatCounts> counts(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t i) { walkTile(frame, block, tiles[i], counts[i]); });
+  parallelFor(tiles.size(), [&](std::size_t i) { walkTile(frame, block, tiles[i], counts[i], request.node_log); });
   SplatCounts total;
   for (const SplatCounts& tile : counts) total.add(tile);
   return total;
@@ -52,9 +66,11 @@ void requireRequest(const StoreReader& store, const FrameRequest& request) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
   }
-  if (request.tile_px <= 0 || request.tile_px % kVisibilityTile != 0) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("a tile of {} pixels is not a multiple of {}", request.tile_px, kVisibilityTile));
+  const int tile_px = request.tile_px;
+  if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
+    throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "
+                                               "whole frame",
+                                               tile_px, kVisibilityTile));
   }
 }
 
@@ -71,9 +87,9 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const CacheCounts before = cache.counts();
 
   const Classifier classifier(request.transfer_function, unit, manifest.type, manifest.range);
-  const Projector projector(volume, request.view);
+  const Projector projector(volume, request.view, request.visibility.area);
   const BrickWalk bricks(store, request.level, classifier);
-  const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size);
+  const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size, request.tile_px);
   Image image(request.view.size.width, request.view.size.height);
   const SplatFrame frame{
       &projector,
@@ -82,15 +98,15 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
       manifest.range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo)),
       static_cast<float>(request.opacity_threshold),
       visibility.get(),
-      request.visibility == VisibilityMethod::kMask};
+      request.visibility.method == VisibilityMethod::kMask};
   SplatCounts counts;
   BrickWalkCounts walked;
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
-    counts.add(drawBrick(frame, *block, image, rect, request.tile_px));
+    counts.add(drawBrick(frame, *block, image, rect, request));
   };
-  bricks.run(projector, {0, 0, image.width, image.height}, *visibility, draw, walked);
+  bricks.run(projector, {0, 0, image.width, image.height}, *visibility, draw, walked, request.node_log);
   layOverBackground(image, request.background);
 
   const CacheCounts& after = cache.counts();

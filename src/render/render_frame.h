@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
+#include "frame/node_log.h"
 #include "output/image.h"
 #include "render/statistics.h"
 #include "scene/render_job.h"
@@ -18,12 +19,15 @@ struct FrameRequest {
   std::array<double, 4> background{0, 0, 0, 0};
   double opacity_threshold = 0.998;
   int level = 0;
-  VisibilityMethod visibility = VisibilityMethod::kMask;
-  int tile_px = 64;
+  VisibilityOptions visibility;
+  int tile_px = 64;             // as SpeedOptions has it
+  NodeLog* node_log = nullptr;  // requires: tile_px == 0
 };
 
 /// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on
-/// an exact visibility method. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
+/// an exact visibility method. With one tile for the frame it is Lee and Ihm's algorithm to the letter: one sequential
+/// walk, every node tested with all of its projected area. throws: what BrickCache::get throws, Error kCancelled,
+/// kUsage (level).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

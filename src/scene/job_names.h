@@ -8,6 +8,8 @@ namespace kiln {
 
 inline constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
-inline constexpr std::array<std::string_view, 2> kVisibilityNames = {"none", "mask"};
+inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
+                                                                     "overlay"};
+inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 }  // namespace kiln

@@ -51,6 +51,13 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
                     {"specular", shading.specular},
                     {"power", shading.power}};
   out["visibility"] = {{"threshold", picture.opacity_threshold}};
+  // The one method that changes the picture.
+  const VisibilityOptions& visibility = job.speed.visibility;
+  if (visibility.method == VisibilityMethod::kQuadtree) {
+    out["visibility"]["method"] = "quadtree";
+    out["visibility"]["area"] = kProjectedAreaNames[static_cast<std::size_t>(visibility.area)];
+    out["visibility"]["epsilon"] = visibility.epsilon_px;
+  }
   out["lattice"] = "voxel";
   out["level"] = picture.level;
   // A file name need not be UTF-8; JSON must be.

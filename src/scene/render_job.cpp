@@ -76,12 +76,14 @@ Shading shadingFrom(const JobObject& object) {
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {
-  object.requireKnown({"method", "threshold"});
-  static constexpr std::array<std::string_view, 5> kMethods = {"none", "mask", "range-tree", "quadtree", "overlay"};
-  if (const auto place = object.choice("method", kMethods)) {
-    if (*place >= kVisibilityNames.size()) unsupported(object, "method", "this version has the methods none and mask");
-    job.speed.visibility = static_cast<VisibilityMethod>(*place);
-  }
+  object.requireKnown({"method", "threshold", "area", "epsilon"});
+  VisibilityOptions& visibility = job.speed.visibility;
+  if (const auto place = object.choice("method", kVisibilityNames))
+    visibility.method = static_cast<VisibilityMethod>(*place);
+  if (const auto place = object.choice("area", kProjectedAreaNames))
+    visibility.area = static_cast<ProjectedArea>(*place);
+  visibility.epsilon_px =
+      static_cast<int>(object.integer("epsilon", 0, kLargestEpsilon).value_or(visibility.epsilon_px));
   const auto legal_threshold = [](double v) { return v > 0 && v <= 1; };
   job.picture.opacity_threshold = object.number("threshold", "a number above 0 and up to 1", legal_threshold)
                                       .value_or(job.picture.opacity_threshold);
@@ -132,6 +134,7 @@ void readSpeed(const JobObject& root, SpeedOptions& speed) {
     speed.memory_bytes = static_cast<std::uint64_t>(*bytes);
   }
   speed.threads = static_cast<unsigned>(root.integer("threads", 0, 4096).value_or(speed.threads));
+  speed.tile_px = static_cast<int>(root.integer("tile", 0, 65536).value_or(speed.tile_px));
 }
 
 void readOutput(const JobObject& root, OutputOptions& output) {
@@ -154,7 +157,7 @@ void readOutput(const JobObject& root, OutputOptions& output) {
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "shading", "visibility",
-                     "lattice", "level", "memory", "threads", "exr", "png"});
+                     "lattice", "level", "memory", "threads", "tile", "exr", "png"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");

@@ -1,5 +1,6 @@
 // A render job: what the picture is, and, apart, how fast it appears. Nothing in the second group changes a bit of the
-// picture. The JSON form and its keys are those of the command line.
+// picture; the one exception is the quadtree, an approximation. The JSON form and its keys are those of the command
+// line.
 #pragma once
 
 #include <array>
@@ -20,7 +21,20 @@ struct Shading {
   double ambient = 0.2, diffuse = 0.8, specular = 0.2, power = 16;
 };
 
-enum class VisibilityMethod { kNone, kMask };
+enum class VisibilityMethod { kNone, kMask, kRangeTree, kQuadtree, kOverlay };
+/// The rectangle that stands for a node of the octree: around its projected box and the footprint, or around the
+/// projection of its circumscribed sphere (Lee and Ihm §2.2.3).
+enum class ProjectedArea { kBox, kSphere };
+
+inline constexpr int kLargestEpsilon = 65536;
+
+/// How hidden nodes are found.
+struct VisibilityOptions {
+  VisibilityMethod method = VisibilityMethod::kMask;
+  ProjectedArea area = ProjectedArea::kBox;
+  int epsilon_px = 0;  // kQuadtree: projected areas are enlarged by this on every side, at most kLargestEpsilon
+  bool operator==(const VisibilityOptions&) const = default;
+};
 enum class Lattice { kVoxel };
 
 /// A camera said in part: either where the eye is, or a framing, each key optional. With an eye, the target is the
@@ -54,10 +68,10 @@ struct PictureOptions {
 
 /// How fast it appears.
 struct SpeedOptions {
-  VisibilityMethod visibility = VisibilityMethod::kMask;
+  VisibilityOptions visibility;
   std::uint64_t memory_bytes = 2ull << 30;
   unsigned threads = 0;  // 0: all
-  int tile_px = 64;      // a multiple of 64
+  int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile, drawn by one thread
 };
 
 /// How the picture is written.

@@ -51,10 +51,22 @@ PixelRect rectOf(double x0, double y0, double x1, double y1) {
   return {pixel(x0), pixel(y0), pixel(x1) + 1, pixel(y1) + 1};
 }
 
+// What a ball's projection spans along one axis of the image, as slopes: the two tangents through the eye to a circle
+// of `radius` around (x, z). requires: z > radius.
+struct Slopes {
+  double lo, hi;
+};
+Slopes tangents(double x, double z, double radius) {
+  const double root = radius * std::sqrt(x * x + z * z - radius * radius);
+  const double scale = 1 / (z * z - radius * radius);
+  return {(x * z - root) * scale, (x * z + root) * scale};
+}
+
 }  // namespace
 
-Projector::Projector(const VolumeGeometry& volume, const View& view)
-    : perspective_(view.projection == Projection::kPerspective),
+Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area)
+    : area_(area),
+      perspective_(view.projection == Projection::kPerspective),
       focal_px_(view.focal_px),
       centre_px_(view.centre_px),
       voxel_volume_(volume.voxelVolume()),
@@ -94,6 +106,49 @@ double Projector::lengthAt(const glm::dvec3& p) const {
 }
 
 PixelRect Projector::bounds(const VoxelBox& box) const {
+  return area_ == ProjectedArea::kSphere ? boundsOfSphere(box) : boundsOfBox(box);
+}
+
+double Projector::longestDiagonal(const glm::dvec3& edges) const {
+  const glm::dvec3 x = edges.x * axis_x_;
+  const glm::dvec3 y = edges.y * axis_y_;
+  const glm::dvec3 z = edges.z * axis_z_;
+  return std::max({glm::length(x + y + z), glm::length(x + y - z), glm::length(x - y + z), glm::length(x - y - z)});
+}
+
+// Lee and Ihm §2.2.3: the box around the projection of the sphere through the corners of the node's cube. That sphere
+// need not hold the footprints of voxels at the corners, so a second one is taken around the voxels' centres, its
+// rectangle is widened by a footprint, and the larger of the two counts: the answer is conservative.
+PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
+  const glm::dvec3 edges(box.extent().x, box.extent().y, box.extent().z);
+  const glm::dvec3 centre = 0.5 * (viewOf(box.lo) + viewOf({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1}));
+  const double cube = 0.5 * longestDiagonal(edges);
+  const double centres = 0.5 * longestDiagonal(edges - 1.0);
+  if (!perspective_) {
+    const double kernel = kFootprintRadius * (std::sqrt(largest_variance_) * focal_px_ + kPixelSigma) + kRounding;
+    const double radius = std::max(cube * focal_px_, centres * focal_px_ + kernel);
+    const glm::dvec2 at = pixelOf(centre);
+    return rectOf(at.x - radius, at.y - radius, at.x + radius, at.y + radius);
+  }
+  if (centre.z + centres < near_depth_) return {};
+  if (centre.z - cube < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
+  const double scale = focal_px_ / (centre.z - centres);
+  const auto span = [&](double x, double origin) {
+    const Slopes outer = tangents(x, centre.z, cube);
+    const Slopes inner = tangents(x, centre.z, centres);
+    const double steepest = std::max(std::abs(inner.lo), std::abs(inner.hi));
+    const double kernel = kFootprintRadius * std::sqrt(largest_variance_ * scale * scale * (1 + steepest * steepest) +
+                                                       kPixelSigma * kPixelSigma) +
+                          kRounding;
+    return Slopes{origin + std::min(focal_px_ * outer.lo, focal_px_ * inner.lo - kernel),
+                  origin + std::max(focal_px_ * outer.hi, focal_px_ * inner.hi + kernel)};
+  };
+  const Slopes x = span(centre.x, centre_px_.x);
+  const Slopes y = span(centre.y, centre_px_.y);
+  return rectOf(x.lo, y.lo, x.hi, y.hi);
+}
+
+PixelRect Projector::boundsOfBox(const VoxelBox& box) const {
   const double inf = std::numeric_limits<double>::infinity();
   double x0 = inf, y0 = inf, x1 = -inf, y1 = -inf, nearest = inf, farthest = -inf;
   for (int corner = 0; corner < 8; ++corner) {

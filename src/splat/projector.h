@@ -10,6 +10,7 @@
 #include "grid/visiting_order.h"
 #include "occlusion/visibility.h"
 #include "scene/camera.h"
+#include "scene/render_job.h"
 
 namespace kiln {
 
@@ -31,7 +32,7 @@ struct Ellipse {
 
 class Projector {
  public:
-  Projector(const VolumeGeometry& volume, const View& view);
+  Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area = ProjectedArea::kBox);
 
   bool perspective() const { return perspective_; }
   const VisitingOrder& order() const { return order_; }
@@ -63,6 +64,11 @@ class Projector {
   PixelRect bounds(const VoxelBox& box) const;
 
  private:
+  PixelRect boundsOfBox(const VoxelBox& box) const;
+  PixelRect boundsOfSphere(const VoxelBox& box) const;
+  double longestDiagonal(const glm::dvec3& edges) const;
+
+  ProjectedArea area_;
   bool perspective_;
   glm::dvec3 origin_, axis_x_, axis_y_, axis_z_;
   double focal_px_;

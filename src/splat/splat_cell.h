@@ -45,7 +45,7 @@ struct SplatCounts {
   }
 };
 
-/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most 8 voxels along an axis.
+/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kCellSize voxels along an axis.
 /// The result for a pixel does not depend on the tile's rectangle.
 void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, const TilePixels& tile,
                SplatCounts& counts) noexcept;

@@ -49,7 +49,7 @@ class StoreDamage : public ::testing::Test {
     request_.view = resolve(cameraFrom(volume_.geometry, {1, -2, 0.7}, Projection::kPerspective), {64, 64});
     Random random(7);
     request_.transfer_function = randomTransferFunction(random, volume_.range(), volume_.geometry.meanSpacing());
-    request_.visibility = VisibilityMethod::kNone;
+    request_.visibility.method = VisibilityMethod::kNone;
     picture_ = draw(store_, request_);
     for (const auto& entry : fs::recursive_directory_iterator(store_)) {
       if (entry.is_regular_file()) files_.push_back(entry.path());

@@ -12,7 +12,9 @@
 namespace kiln::test {
 namespace {
 
-TEST(NodeBounds, HoldEveryFootprint) {
+class NodeBounds : public ::testing::TestWithParam<ProjectedArea> {};
+
+TEST_P(NodeBounds, HoldEveryFootprint) {
   int drawn = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Random random(seed);
@@ -20,7 +22,7 @@ TEST(NodeBounds, HoldEveryFootprint) {
     volume.dims = {64, 64, 64};
     volume.world_from_index = seed % 3 == 0 ? glm::dmat4(1.0) : seed % 3 == 1 ? anisotropicAffine() : obliqueAffine();
     const View view = resolve(randomCamera(random, volume), {200, 150});
-    const Projector projector(volume, view);
+    const Projector projector(volume, view, GetParam());
     const int edge = 1 << random.between(0, 4);
     const VoxelCoord lo = {random.between(0, 64 - edge), random.between(0, 64 - edge), random.between(0, 64 - edge)};
     const VoxelBox box{lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
@@ -47,6 +49,8 @@ TEST(NodeBounds, HoldEveryFootprint) {
   }
   EXPECT_GT(drawn, 10000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Areas, NodeBounds, ::testing::Values(ProjectedArea::kBox, ProjectedArea::kSphere));
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {
   // The integral of exp(-q/2) over its ellipse, cut off at q = 9, is what Ellipse::area says: summed here on a grid of

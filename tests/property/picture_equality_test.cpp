@@ -68,7 +68,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       const RandomScene scene = randomScene(seed, volume_, kSize);
       const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
       FrameRequest request = requestOf(scene, threshold);
-      request.visibility = VisibilityMethod::kNone;
+      request.visibility.method = VisibilityMethod::kNone;
       const Image truth = draw(stores_[3], request);
       for (std::size_t at = 3; at < truth.rgba.size(); at += 4) {
         if (truth.rgba[at] > 0) {
@@ -76,11 +76,11 @@ class PictureEquality : public ::testing::TestWithParam<int> {
           break;
         }
       }
-      request.visibility = VisibilityMethod::kMask;
+      checkExactMethods(request, truth, seed);
       for (const auto& store : stores_)
         EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
       const ThreadLimit one(1);
-      request.tile_px = 64 * static_cast<int>(1 + seed % 3);
+      request.tile_px = 64 << seed % 3;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request)))
           << "one thread, tiles of " << request.tile_px << ", seed " << seed;
       const StoreReader reader(stores_[1]);
@@ -97,6 +97,20 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting) << "a brick was read twice, seed " << seed;
     }
     EXPECT_GT(pictures_with_something, scenes / 2);
+  }
+
+  // Each exact method, with either projected area, in tiles by all threads and as one tile for the frame.
+  void checkExactMethods(FrameRequest request, const Image& truth, std::uint64_t seed) {
+    for (const VisibilityMethod method :
+         {VisibilityMethod::kMask, VisibilityMethod::kRangeTree, VisibilityMethod::kOverlay}) {
+      for (const ProjectedArea area : {ProjectedArea::kBox, ProjectedArea::kSphere}) {
+        request.visibility = {method, area};
+        request.tile_px = (static_cast<int>(method) + static_cast<int>(area) + seed) % 2 == 0 ? 64 : 0;
+        EXPECT_TRUE(equalBits(truth, draw(stores_[2], request)))
+            << "method " << static_cast<int>(method) << " area " << static_cast<int>(area) << " tiles of "
+            << request.tile_px << ", seed " << seed;
+      }
+    }
   }
 
   DenseVolume volume_;

@@ -46,7 +46,7 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_TRUE(job.picture.shading.phong);
   EXPECT_EQ(job.picture.shading.diffuse, 0.7);
   EXPECT_EQ(job.picture.shading.power, 8);
-  EXPECT_EQ(job.speed.visibility, VisibilityMethod::kNone);
+  EXPECT_EQ(job.speed.visibility.method, VisibilityMethod::kNone);
   EXPECT_EQ(job.picture.opacity_threshold, 0.95);
   EXPECT_EQ(job.speed.memory_bytes, 512u << 20);
   EXPECT_EQ(job.speed.threads, 3u);
@@ -61,7 +61,7 @@ TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
   EXPECT_EQ(job.picture.size.width, 1024);
   EXPECT_EQ(std::get<std::string>(job.picture.transfer_function), "auto");
   EXPECT_EQ(job.picture.opacity_threshold, 0.998);
-  EXPECT_EQ(job.speed.visibility, VisibilityMethod::kMask);
+  EXPECT_EQ(job.speed.visibility, VisibilityOptions());
   EXPECT_EQ(job.speed.memory_bytes, std::uint64_t{2} << 30);
 }
 
@@ -143,7 +143,9 @@ const Wrong kWrong[] = {
     {R"("shading": {"ambient": -1})", ErrorCode::kUsage, "shading.ambient"},
     {R"("shading": {"power": "16"})", ErrorCode::kUsage, "shading.power"},
     {R"("visibility": {"method": "magic"})", ErrorCode::kUsage, "visibility.method"},
-    {R"("visibility": {"method": "quadtree"})", ErrorCode::kUnsupported, "visibility.method"},
+    {R"("visibility": {"area": "hexagon"})", ErrorCode::kUsage, "visibility.area"},
+    {R"("visibility": {"epsilon": -1})", ErrorCode::kUsage, "visibility.epsilon"},
+    {R"("tile": -64)", ErrorCode::kUsage, "tile"},
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
     {R"("lattice": "pixel")", ErrorCode::kUnsupported, "lattice: this version splats the voxel lattice only"},
     {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},

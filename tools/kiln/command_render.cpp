@@ -18,11 +18,11 @@ namespace {
 
 struct Arguments {
   std::string input, output, stats;
-  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, lattice, level, memory, exr_type,
-      background;
+  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, area, lattice, level, memory,
+      exr_type, background;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
-  std::optional<int> png_bits;
+  std::optional<int> png_bits, epsilon, tile;
   int repeat = 1;
   SourceArguments source;
 };
@@ -89,7 +89,11 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
 }
 
 void applySpeed(const Arguments& a, SpeedOptions& speed) {
-  if (a.visibility) speed.visibility = named<VisibilityMethod>(kVisibilityNames, *a.visibility, "--visibility");
+  if (a.visibility) speed.visibility.method = named<VisibilityMethod>(kVisibilityNames, *a.visibility, "--visibility");
+  if (a.area) speed.visibility.area = named<ProjectedArea>(kProjectedAreaNames, *a.area, "--projected-area");
+  if (a.epsilon)
+    speed.visibility.epsilon_px = static_cast<int>(between(*a.epsilon, -1, kLargestEpsilon, "--quadtree-epsilon"));
+  if (a.tile) speed.tile_px = *a.tile;
   if (a.memory) speed.memory_bytes = parseBytes(*a.memory);
   if (a.threads) speed.threads = *a.threads;
 }
@@ -173,7 +177,15 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")
       ->type_name("R,G,B");
   command->add_option("--visibility", a->visibility,
-                      "mask or none: what is hidden is skipped, or all is drawn; the picture is the same");
+                      fmt::format("how hidden parts are found, one of {}: the picture is the same but for quadtree",
+                                  fmt::join(kVisibilityNames, ", ")));
+  command->add_option("--projected-area", a->area,
+                      "what stands for a node of the octree when it is tested: box, the tightest, or sphere, as Lee "
+                      "and Ihm have it");
+  command->add_option("--quadtree-epsilon", a->epsilon, "enlarge projected areas by this, for --visibility quadtree")
+      ->type_name("PIXELS");
+  command->add_option("--tile", a->tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
+      ->type_name("PIXELS");
   command->add_option("--opacity-threshold", a->threshold,
                       "alpha at which a pixel takes no more light; 0.998 if not given");
   command->add_option("--lattice", a->lattice, "voxel");
