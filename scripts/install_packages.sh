@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|test|demo ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|test|bench|demo ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -9,6 +9,7 @@ build=(g++ cmake ninja-build pkg-config
        libopenexr-dev libimath-dev libpng-dev libxxhash-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 test=(libgtest-dev)
+bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 
 [ $# -gt 0 ] || set -- build
@@ -17,8 +18,9 @@ for group in "$@"; do
   case $group in
     build) wanted+=("${build[@]}") ;;
     test) wanted+=("${test[@]}") ;;
+    bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build test demo" >&2; exit 2 ;;
+    *) echo "install_packages.sh: '$group' is not one of build test bench demo" >&2; exit 2 ;;
   esac
 done
 

@@ -1,0 +1,101 @@
+// The price of image-space coherence: time of one question and of one closed pixel, for each method, against the edge n
+// of the image and the edge l of the rectangle asked about. The image is filled as a frame fills it: discs of pixels
+// close one after the other, and questions fall everywhere, a good half of them on what is already opaque. Source of
+// the complexities to compare with: Lee and Ihm, Table 4.
+#include <benchmark/benchmark.h>
+
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "occlusion/visibility.h"
+
+namespace kiln {
+namespace {
+
+enum Method { kNone, kMask, kRangeTree, kQuadtree, kOverlay };
+
+std::unique_ptr<Visibility> make(int method, int n) {
+  switch (method) {
+    case kMask:
+      return makeMaskVisibility(n, n);
+    case kRangeTree:
+      return makeRangeTreeVisibility(n, n);
+    case kQuadtree:
+      return makeQuadtreeVisibility(n, n);
+    case kOverlay:
+      return makeOverlayVisibility(n, n);
+    default:
+      return makeNoVisibility();
+  }
+}
+
+// Pixels in the order in which they close: footprint by footprint along 24 discs that cover about two thirds.
+std::vector<std::pair<int, int>> closingOrder(int n) {
+  std::mt19937 random(7);
+  std::vector<bool> closed(static_cast<std::size_t>(n) * n);
+  std::vector<std::pair<int, int>> order;
+  const auto upTo = [&](int m) { return static_cast<int>(random() % static_cast<unsigned>(m)); };
+  for (int disc = 0; disc < 24; ++disc) {
+    const int cx = upTo(n), cy = upTo(n), radius = n / 16 + upTo(n / 6);
+    for (int by = cy - radius; by < cy + radius; by += 4) {
+      for (int bx = cx - radius; bx < cx + radius; bx += 4) {
+        for (int i = 0; i < 16; ++i) {
+          const int x = bx + i % 4, y = by + i / 4;
+          const int dx = x - cx, dy = y - cy;
+          if (x < 0 || y < 0 || x >= n || y >= n || dx * dx + dy * dy >= radius * radius) continue;
+          if (closed[static_cast<std::size_t>(y) * n + x]) continue;
+          closed[static_cast<std::size_t>(y) * n + x] = true;
+          order.emplace_back(x, y);
+        }
+      }
+    }
+  }
+  return order;
+}
+
+// Arguments: method, n, l.
+void test(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(1)), l = static_cast<int>(state.range(2));
+  const auto visibility = make(static_cast<int>(state.range(0)), n);
+  for (const auto& [x, y] : closingOrder(n)) visibility->close(x, y);
+  std::mt19937 random(11);
+  std::vector<PixelRect> questions;
+  for (int i = 0; i < 1 << 14; ++i) {
+    const int x = static_cast<int>(random() % static_cast<unsigned>(n - l + 1));
+    const int y = static_cast<int>(random() % static_cast<unsigned>(n - l + 1));
+    questions.push_back({x, y, x + l, y + l});
+  }
+  std::size_t next = 0;
+  std::int64_t hidden = 0;
+  for (auto _ : state) hidden += visibility->hidden(questions[next++ & (questions.size() - 1)]) ? 1 : 0;
+  state.counters["hidden"] = static_cast<double>(hidden) / static_cast<double>(state.iterations());
+}
+
+// Arguments: method, n. The time reported is of one pixel.
+void update(benchmark::State& state) {
+  const int n = static_cast<int>(state.range(1));
+  const auto order = closingOrder(n);
+  std::unique_ptr<Visibility> visibility;
+  std::size_t next = order.size();
+  for (auto _ : state) {
+    if (next == order.size()) {
+      state.PauseTiming();
+      visibility = make(static_cast<int>(state.range(0)), n);
+      next = 0;
+      state.ResumeTiming();
+    }
+    visibility->close(order[next].first, order[next].second);
+    ++next;
+  }
+}
+
+const std::vector<std::int64_t> kMethods = {kNone, kMask, kRangeTree, kQuadtree, kOverlay};
+const std::vector<std::int64_t> kSizes = {256, 512, 1024, 2048, 4096};
+BENCHMARK(test)->ArgNames({"method", "n", "l"})->ArgsProduct({kMethods, kSizes, {4, 16, 64, 256}});
+BENCHMARK(update)->ArgNames({"method", "n"})->ArgsProduct({kMethods, kSizes});
+
+}  // namespace
+}  // namespace kiln
+
+BENCHMARK_MAIN();
