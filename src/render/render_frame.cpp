@@ -29,6 +29,11 @@ std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, con
   return makeNoVisibility();
 }
 
+bool testsSamples(const VisibilityOptions& options) {
+  return options.test_samples && options.method != VisibilityMethod::kNone &&
+         options.method != VisibilityMethod::kQuadtree;
+}
+
 std::vector<TilePixels> tilesOf(Image& image, const PixelRect& rect, int tile_px) {
   if (tile_px == 0) return {{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width}};
   std::vector<TilePixels> out;
@@ -98,7 +103,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
       manifest.range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo)),
       static_cast<float>(request.opacity_threshold),
       visibility.get(),
-      request.visibility.method == VisibilityMethod::kMask};
+      testsSamples(request.visibility)};
   SplatCounts counts;
   BrickWalkCounts walked;
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {

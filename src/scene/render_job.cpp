@@ -76,7 +76,7 @@ Shading shadingFrom(const JobObject& object) {
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {
-  object.requireKnown({"method", "threshold", "area", "epsilon"});
+  object.requireKnown({"method", "threshold", "area", "epsilon", "samples"});
   VisibilityOptions& visibility = job.speed.visibility;
   if (const auto place = object.choice("method", kVisibilityNames))
     visibility.method = static_cast<VisibilityMethod>(*place);
@@ -84,6 +84,8 @@ void readVisibility(const JobObject& object, RenderJob& job) {
     visibility.area = static_cast<ProjectedArea>(*place);
   visibility.epsilon_px =
       static_cast<int>(object.integer("epsilon", 0, kLargestEpsilon).value_or(visibility.epsilon_px));
+  static constexpr std::array<std::string_view, 2> kSamples = {"untested", "tested"};
+  visibility.test_samples = object.choice("samples", kSamples).value_or(visibility.test_samples ? 1 : 0) == 1;
   const auto legal_threshold = [](double v) { return v > 0 && v <= 1; };
   job.picture.opacity_threshold = object.number("threshold", "a number above 0 and up to 1", legal_threshold)
                                       .value_or(job.picture.opacity_threshold);

@@ -33,6 +33,9 @@ struct VisibilityOptions {
   VisibilityMethod method = VisibilityMethod::kMask;
   ProjectedArea area = ProjectedArea::kBox;
   int epsilon_px = 0;  // kQuadtree: projected areas are enlarged by this on every side, at most kLargestEpsilon
+  /// Asked also for each sample's own footprint, before it is shaded. Lee and Ihm ask for nodes only. The quadtree,
+  /// which may err, is never asked.
+  bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };
 enum class Lattice { kVoxel };

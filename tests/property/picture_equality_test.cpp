@@ -105,6 +105,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
          {VisibilityMethod::kMask, VisibilityMethod::kRangeTree, VisibilityMethod::kOverlay}) {
       for (const ProjectedArea area : {ProjectedArea::kBox, ProjectedArea::kSphere}) {
         request.visibility = {method, area};
+        request.visibility.test_samples = seed % 2 == 0;
         request.tile_px = (static_cast<int>(method) + static_cast<int>(area) + seed) % 2 == 0 ? 64 : 0;
         EXPECT_TRUE(equalBits(truth, draw(stores_[2], request)))
             << "method " << static_cast<int>(method) << " area " << static_cast<int>(area) << " tiles of "

@@ -44,6 +44,7 @@ class RealExactness : public ::testing::Test {
       for (const VisibilityMethod method :
            {VisibilityMethod::kMask, VisibilityMethod::kRangeTree, VisibilityMethod::kOverlay}) {
         request.visibility = {method, random.chance(0.5) ? ProjectedArea::kBox : ProjectedArea::kSphere};
+        request.visibility.test_samples = random.chance(0.5);
         request.tile_px = random.chance(0.5) ? 64 : 0;
         FrameStatistics some;
         EXPECT_EQ(truth.rgba, draw(store_, request, 1ull << 30, &some).rgba)

@@ -144,6 +144,7 @@ const Wrong kWrong[] = {
     {R"("shading": {"power": "16"})", ErrorCode::kUsage, "shading.power"},
     {R"("visibility": {"method": "magic"})", ErrorCode::kUsage, "visibility.method"},
     {R"("visibility": {"area": "hexagon"})", ErrorCode::kUsage, "visibility.area"},
+    {R"("visibility": {"samples": true})", ErrorCode::kUsage, "visibility.samples"},
     {R"("visibility": {"epsilon": -1})", ErrorCode::kUsage, "visibility.epsilon"},
     {R"("tile": -64)", ErrorCode::kUsage, "tile"},
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},

@@ -23,6 +23,7 @@ struct Arguments {
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
+  bool nodes_only = false;
   int repeat = 1;
   SourceArguments source;
 };
@@ -93,6 +94,7 @@ void applySpeed(const Arguments& a, SpeedOptions& speed) {
   if (a.area) speed.visibility.area = named<ProjectedArea>(kProjectedAreaNames, *a.area, "--projected-area");
   if (a.epsilon)
     speed.visibility.epsilon_px = static_cast<int>(between(*a.epsilon, -1, kLargestEpsilon, "--quadtree-epsilon"));
+  if (a.nodes_only) speed.visibility.test_samples = false;
   if (a.tile) speed.tile_px = *a.tile;
   if (a.memory) speed.memory_bytes = parseBytes(*a.memory);
   if (a.threads) speed.threads = *a.threads;
@@ -184,6 +186,8 @@ void addRender(CLI::App& app, Context& context) {
                       "and Ihm have it");
   command->add_option("--quadtree-epsilon", a->epsilon, "enlarge projected areas by this, for --visibility quadtree")
       ->type_name("PIXELS");
+  command->add_flag("--test-nodes-only", a->nodes_only,
+                    "ask for nodes of the octree but not for each voxel, as Lee and Ihm have it");
   command->add_option("--tile", a->tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
       ->type_name("PIXELS");
   command->add_option("--opacity-threshold", a->threshold,
