@@ -6,8 +6,10 @@
 
 #include "splat/classifier.h"
 #include "splat/projector.h"
+#include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
+#include "support/test_store.h"
 
 namespace kiln::test {
 namespace {
@@ -51,6 +53,36 @@ TEST_P(NodeBounds, HoldEveryFootprint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Areas, NodeBounds, ::testing::Values(ProjectedArea::kBox, ProjectedArea::kSphere));
+
+// A wall of voxels fills the picture. Its last layer of bricks is in the octree's far half, so its turn comes when all
+// before it is drawn: of these bricks not even the files need be there.
+TEST(HiddenBricks, AreNotRead) {
+  constexpr std::int64_t kBrick = 16;
+  const auto store = makeStore(noise({{80, 80, 80}, VoxelType::u8}, 3, {150, 250}), "wall", kBrick);
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.eye = {-100, 40, 40};
+  camera.target = {40, 40, 40};
+  camera.up = {0, 0, 1};
+  camera.height = 50;
+  FrameRequest request;
+  request.view = resolve(camera, {200, 200});
+  request.transfer_function.points = {{100, {1, 1, 1}, 0}, {140, {1, 0.8, 0.6}, 1}};
+  request.visibility.method = VisibilityMethod::kNone;
+  const Image truth = draw(store, request);
+  for (const auto& file : std::filesystem::recursive_directory_iterator(store / "bricks")) {
+    if (file.is_regular_file() && file.path().filename().string()[0] == '4') std::filesystem::remove(file);
+  }
+  EXPECT_ANY_THROW(draw(store, request));
+  for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree,
+                                        VisibilityMethod::kQuadtree, VisibilityMethod::kOverlay}) {
+    request.visibility.method = method;
+    FrameStatistics statistics;
+    EXPECT_EQ(truth.rgba, draw(store, request, 1ull << 30, &statistics).rgba) << static_cast<int>(method);
+    EXPECT_GE(statistics.bricks_hidden, 16u);
+    EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting - statistics.bricks_hidden);
+  }
+}
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {
   // The integral of exp(-q/2) over its ellipse, cut off at q = 9, is what Ellipse::area says: summed here on a grid of
