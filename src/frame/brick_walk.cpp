@@ -85,12 +85,9 @@ void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const 
     return;
   }
   const std::int64_t half = brick_size_ << (layer - 1);
-  const unsigned nearest =
-      visit.projector.order().nearestChild({(2 * at.x + 1) * half, (2 * at.y + 1) * half, (2 * at.z + 1) * half});
-  for (unsigned i = 0; i < 8; ++i) {
-    const unsigned child = nearest ^ i;
+  const VoxelCoord mid = {(2 * at.x + 1) * half, (2 * at.y + 1) * half, (2 * at.z + 1) * half};
+  for (const std::uint8_t child : visit.projector.order().children(mid))
     node(visit, layer - 1, {2 * at.x + (child & 1), 2 * at.y + (child >> 1 & 1), 2 * at.z + (child >> 2)});
-  }
 }
 
 }  // namespace kiln

@@ -21,11 +21,9 @@ struct Walk {
     const std::int64_t edge = kCellSize << level;
     const VoxelCoord lo = {block.core.lo.x + x * edge, block.core.lo.y + y * edge, block.core.lo.z + z * edge};
     if (skipped(cube(lo, edge), level)) return;
-    const unsigned nearest = nearestChild(lo, edge / 2);
-    for (unsigned i = 0; i < 8; ++i) {
-      const unsigned child = nearest ^ i;
-      const int right = static_cast<int>(child & 1), up = static_cast<int>(child >> 1 & 1);
-      const int far = static_cast<int>(child >> 2);
+    const std::int64_t half = edge / 2;
+    for (const std::uint8_t child : frame.projector->order().children({lo.x + half, lo.y + half, lo.z + half})) {
+      const int right = child & 1, up = child >> 1 & 1, far = child >> 2;
       if (level > 0)
         node(level - 1, 2 * x + right, 2 * y + up, 2 * z + far);
       else
@@ -51,9 +49,6 @@ struct Walk {
 
   VoxelBox cube(const VoxelCoord& lo, std::int64_t edge) const noexcept {
     return intersection({lo, {lo.x + edge, lo.y + edge, lo.z + edge}}, block.core);
-  }
-  unsigned nearestChild(const VoxelCoord& lo, std::int64_t half) const noexcept {
-    return frame.projector->order().nearestChild({lo.x + half, lo.y + half, lo.z + half});
   }
 };
 

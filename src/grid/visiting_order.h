@@ -1,11 +1,14 @@
 // Front-to-back order on the lattice. A child of an octree node is nearer than its sibling if it lies on the eye's side
 // of the mid-plane between them; for a parallel view, on the side the rays come from. Lee and Ihm §2.4 order by the
 // distance of centres, which is only nearly right in perspective; the mid-plane rule is exact for any affine, because a
-// mid-plane of index space stays a plane in the world. The order depends on the lattice alone, never on brick size.
+// mid-plane of index space stays a plane in the world. That leaves free which of two children that are neighbours
+// across the line of sight comes first: the axis along which one looks is taken last, so that a node's near face is
+// drawn before anything behind it and more is hidden. The order depends on the lattice alone, never on brick size.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 #include "grid/coords.h"
@@ -14,21 +17,35 @@ namespace kiln {
 
 class VisitingOrder {
  public:
-  /// Rays run along `direction` (index space) everywhere.
-  static VisitingOrder parallel(const glm::dvec3& direction_index) { return VisitingOrder(direction_index, true); }
+  /// Rays run along `direction` (index space) everywhere. unit: `spacing` is the voxel's edges in the world.
+  static VisitingOrder parallel(const glm::dvec3& direction_index, const glm::dvec3& spacing = glm::dvec3(1)) {
+    return VisitingOrder(direction_index, spacing, true);
+  }
   /// Rays start at `eye` (index space).
-  static VisitingOrder fromEye(const glm::dvec3& eye_index) { return VisitingOrder(eye_index, false); }
+  static VisitingOrder fromEye(const glm::dvec3& eye_index, const glm::dvec3& spacing = glm::dvec3(1)) {
+    return VisitingOrder(eye_index, spacing, false);
+  }
 
-  /// The nearest of the eight children around `mid` (the first voxel of the upper half along each axis); bit a is set
-  /// where it lies in the upper half of axis a. Children nearest ^ 0, nearest ^ 1, … nearest ^ 7 are front to back.
-  unsigned nearestChild(const VoxelCoord& mid) const {
-    unsigned child = 0;
+  /// The eight children around `mid` (the first voxel of the upper half along each axis), front to back; bit a of a
+  /// child is set where it lies in the upper half of axis a.
+  std::array<std::uint8_t, 8> children(const VoxelCoord& mid) const {
+    unsigned nearest = 0;
+    glm::dvec3 along = vector_;
     for (int axis = 0; axis < 3; ++axis) {
       // The mid-plane between voxels mid-1 and mid is at mid - 1/2.
-      const bool upper = parallel_ ? vector_[axis] < 0 : vector_[axis] >= static_cast<double>(mid[axis]) - 0.5;
-      if (upper) child |= 1u << axis;
+      if (!parallel_) along[axis] = static_cast<double>(mid[axis]) - 0.5 - vector_[axis];
+      if (parallel_ ? along[axis] < 0 : along[axis] <= 0) nearest |= 1u << axis;
     }
-    return child;
+    along = glm::abs(along * spacing_);
+    const int last = along.z >= along.x && along.z >= along.y ? 2 : along.y >= along.x ? 1 : 0;
+    const unsigned first_bit = last == 0 ? 2 : 1, second_bit = last == 2 ? 2 : 4, last_bit = 1u << last;
+    std::array<std::uint8_t, 8> out;
+    for (unsigned i = 0; i < 8; ++i) {
+      const unsigned flipped =
+          ((i & 1) != 0 ? first_bit : 0) | ((i & 2) != 0 ? second_bit : 0) | ((i & 4) != 0 ? last_bit : 0);
+      out[i] = static_cast<std::uint8_t>(nearest ^ flipped);
+    }
+    return out;
   }
 
   /// Writes the voxels first … first+count-1 of one axis in front-to-back order, as offsets from `first`.
@@ -46,8 +63,9 @@ class VisitingOrder {
   }
 
  private:
-  VisitingOrder(const glm::dvec3& vector, bool parallel) : vector_(vector), parallel_(parallel) {}
-  glm::dvec3 vector_;
+  VisitingOrder(const glm::dvec3& vector, const glm::dvec3& spacing, bool parallel)
+      : vector_(vector), spacing_(spacing), parallel_(parallel) {}
+  glm::dvec3 vector_, spacing_;
   bool parallel_;
 };
 

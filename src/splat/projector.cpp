@@ -38,12 +38,13 @@ double eigenvalueBound(const glm::dmat3& m) {
   return bound;
 }
 
-VisitingOrder orderOf(const glm::dmat4& world_from_index, const View& view) {
-  const glm::dmat4 index_from_world = glm::inverse(world_from_index);
+VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
+  const glm::dmat4 index_from_world = glm::inverse(volume.world_from_index);
+  const glm::dvec3 spacing = volume.spacing();
   if (view.projection == Projection::kPerspective) {
-    return VisitingOrder::fromEye(glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1.0)));
+    return VisitingOrder::fromEye(glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1.0)), spacing);
   }
-  return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)));
+  return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)), spacing);
 }
 
 PixelRect rectOf(double x0, double y0, double x1, double y1) {
@@ -70,7 +71,7 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
       focal_px_(view.focal_px),
       centre_px_(view.centre_px),
       voxel_volume_(volume.voxelVolume()),
-      order_(orderOf(volume.world_from_index, view)) {
+      order_(orderOf(volume, view)) {
   const glm::dmat4 view_from_index = view.view_from_world * volume.world_from_index;
   axis_x_ = glm::dvec3(view_from_index[0]);
   axis_y_ = glm::dvec3(view_from_index[1]);

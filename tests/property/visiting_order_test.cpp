@@ -33,9 +33,7 @@ void visit(const VisitingOrder& order, const VoxelCoord& lo, int edge, Position&
     return;
   }
   const int half = edge / 2;
-  const unsigned nearest = order.nearestChild({lo.x + half, lo.y + half, lo.z + half});
-  for (unsigned i = 0; i < 8; ++i) {
-    const unsigned child = nearest ^ i;
+  for (const unsigned child : order.children({lo.x + half, lo.y + half, lo.z + half})) {
     visit(order, {lo.x + half * (child & 1), lo.y + half * (child >> 1 & 1), lo.z + half * (child >> 2)}, half,
           positions);
   }
