@@ -17,10 +17,7 @@ std::uint64_t largestReadBytes(const StoreReader& store) {
   for (int level = 0; level < index.levels(); ++level) {
     const Extent3& n = index.lattice(level);
     for (std::int64_t i = 0; i < n.count(); ++i) {
-      const BrickKey key{level,
-                         {static_cast<std::int32_t>(i % n.x), static_cast<std::int32_t>(i / n.x % n.y),
-                          static_cast<std::int32_t>(i / n.x / n.y)}};
-      largest = std::max<std::uint64_t>(largest, store.readBytes(key));
+      largest = std::max<std::uint64_t>(largest, store.readBytes({level, brickAt(n, i)}));
     }
   }
   return largest;

@@ -75,19 +75,18 @@ class Conversion {
   }
 
   void run(const Extent3& lattice) {
+    const std::int64_t in_layer = lattice.x * lattice.y;
     for (std::int64_t z = 0; z < lattice.z; ++z) {
+      const std::int64_t first = z * in_layer, end = first + in_layer;
       if (window_) {
-        const VoxelBox layer = writer_.frame({0, {0, 0, static_cast<std::int32_t>(z)}}).stored();
+        const VoxelBox layer = writer_.frame({0, brickAt(lattice, first)}).stored();
         window_->advance(layer.lo.z, layer.hi.z);
       }
-      std::atomic<std::int64_t> next = 0;
+      std::atomic<std::int64_t> next = first;
       parallelFor(counters_.size(), [&](std::size_t lane) {
-        for (std::int64_t i = next++; i < lattice.x * lattice.y; i = next++) {
+        for (std::int64_t i = next++; i < end; i = next++) {
           progress_.throwIfCancelled("converting");
-          brick({0,
-                 {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x),
-                  static_cast<std::int32_t>(z)}},
-                counters_[lane]);
+          brick({0, brickAt(lattice, i)}, counters_[lane]);
         }
       });
     }

@@ -168,22 +168,17 @@ template <class T>
 openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, Progress& progress) {
   GridFiller<T> filler(store.manifest(), place);
   const Extent3 lattice = store.level(level).bricks;
-  const std::uint64_t total = static_cast<std::uint64_t>(lattice.count());
-  std::uint64_t done = 0;
-  for (std::int32_t z = 0; z < lattice.z; ++z) {
-    for (std::int32_t y = 0; y < lattice.y; ++y) {
-      for (std::int32_t x = 0; x < lattice.x; ++x) {
-        progress.throwIfCancelled("exporting");
-        const BrickKey key{level, {x, y, z}};
-        const BrickEntry& entry = store.index().at(key);
-        if (entry.constant) {
-          filler.fill(store.frame(key).core(), entry.core.lo);
-        } else {
-          filler.take(store.read(key));
-        }
-        progress.advance("exporting", "bricks", ++done, total);
-      }
+  const auto bricks = static_cast<std::uint64_t>(lattice.count());
+  for (std::uint64_t i = 0; i < bricks; ++i) {
+    progress.throwIfCancelled("exporting");
+    const BrickKey key{level, brickAt(lattice, static_cast<std::int64_t>(i))};
+    const BrickEntry& entry = store.index().at(key);
+    if (entry.constant) {
+      filler.fill(store.frame(key).core(), entry.core.lo);
+    } else {
+      filler.take(store.read(key));
     }
+    progress.advance("exporting", "bricks", i + 1, bricks);
   }
   return filler.finish();
 }

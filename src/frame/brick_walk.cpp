@@ -22,10 +22,8 @@ BrickWalk::BrickWalk(const StoreReader& store, int level, const Classifier& clas
   Layer bricks{lattice, {}};
   bricks.interesting.reserve(static_cast<std::size_t>(lattice.count()));
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{level,
-                       {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-                        static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
-    bricks.interesting.push_back(classifier.interesting(store.index().at(key).core) ? 1 : 0);
+    const BrickEntry& entry = store.index().at({level, brickAt(lattice, i)});
+    bricks.interesting.push_back(classifier.interesting(entry.core) ? 1 : 0);
   }
   layers_.push_back(std::move(bricks));
   while (layers_.back().nodes.count() > 1) {

@@ -71,6 +71,12 @@ inline Extent3 brickLattice(const Extent3& dims, std::int64_t brick_size) {
   return {up(dims.x), up(dims.y), up(dims.z)};
 }
 
+/// The `i`-th brick of a lattice, x fastest: the order of a store's index. requires: 0 <= i < lattice.count().
+inline BrickCoord brickAt(const Extent3& lattice, std::int64_t i) {
+  return {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
+          static_cast<std::int32_t>(i / lattice.x / lattice.y)};
+}
+
 /// The core voxels of a brick, cut off at the end of the volume.
 inline VoxelBox coreBox(const BrickCoord& brick, std::int64_t brick_size, const Extent3& dims) {
   const VoxelCoord lo = {brick.x * brick_size, brick.y * brick_size, brick.z * brick_size};

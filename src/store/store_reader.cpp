@@ -76,10 +76,7 @@ std::uint64_t StoreReader::verify() const {
   for (int l = 0; l < index_.levels(); ++l) {
     const Extent3& lattice = index_.lattice(l);
     for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      const BrickKey key{
-          l,
-          {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-           static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+      const BrickKey key{l, brickAt(lattice, i)};
       if (index_.at(key).constant) continue;
       const BrickBlock block = read(key);
       const int edge = block.octree.edge(0);

@@ -33,9 +33,8 @@ bool holds(const fs::path& path, const DenseVolume& volume) {
     store.verify();
     if (store.manifest().geometry().dims != volume.geometry.dims) return false;
     const Extent3& n = store.index().lattice(0);
-    for (std::int32_t i = 0; i < n.count(); ++i) {
-      const BrickBlock block =
-          store.read({0, {std::int32_t(i % n.x), std::int32_t(i / n.x % n.y), std::int32_t(i / n.x / n.y)}});
+    for (std::int64_t i = 0; i < n.count(); ++i) {
+      const BrickBlock block = store.read({0, brickAt(n, i)});
       for (std::int64_t z = block.core.lo.z; z < block.core.hi.z; ++z) {
         for (std::int64_t y = block.core.lo.y; y < block.core.hi.y; ++y) {
           for (std::int64_t x = block.core.lo.x; x < block.core.hi.x; ++x) {

@@ -38,9 +38,7 @@ void makeStore(const fs::path& directory, const SourceInfo& info, const BoxReade
   StoreWriter writer(directory, draft, FileSystem::real());
   const Extent3 lattice = brickLattice(info.geometry.dims, kBrick);
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{0,
-                       {static_cast<std::int32_t>(i % lattice.x), static_cast<std::int32_t>(i / lattice.x % lattice.y),
-                        static_cast<std::int32_t>(i / lattice.x / lattice.y)}};
+    const BrickKey key{0, brickAt(lattice, i)};
     const VoxelBox box = writer.frame(key).stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
     read(box, voxels);

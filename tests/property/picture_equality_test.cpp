@@ -87,10 +87,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       std::uint64_t smallest = 0;
       for (std::int64_t b = 0; b < reader.index().lattice(0).count(); ++b) {
         const Extent3& n = reader.index().lattice(0);
-        smallest = std::max<std::uint64_t>(
-            smallest, reader.readBytes({0,
-                                        {static_cast<std::int32_t>(b % n.x), static_cast<std::int32_t>(b / n.x % n.y),
-                                         static_cast<std::int32_t>(b / n.x / n.y)}}));
+        smallest = std::max<std::uint64_t>(smallest, reader.readBytes({0, brickAt(n, b)}));
       }
       FrameStatistics statistics;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request, smallest, &statistics))) << "least memory, seed " << seed;
