@@ -4,55 +4,22 @@
 #include "convert/export_vdb.h"
 
 #include <openvdb/io/File.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
-#include <array>
-#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "grid/openvdb_glue.h"
+
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-void initializeOpenVdb() {
-  static const bool done = (openvdb::initialize(), true);
-  (void)done;
-}
-
-// The grid type that holds a voxel type exactly, and that other programs read.
-template <class T>
-struct GridFor {
-  using type = openvdb::FloatGrid;
-};
-template <>
-struct GridFor<std::int32_t> {
-  using type = openvdb::Int32Grid;
-};
-template <>
-struct GridFor<std::uint32_t> {
-  using type = openvdb::Int64Grid;
-};
-template <>
-struct GridFor<double> {
-  using type = openvdb::DoubleGrid;
-};
-
 template <class Value>
 bool sameBits(Value a, Value b) {
   return std::memcmp(&a, &b, sizeof(Value)) == 0;
-}
-
-openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_grid) {
-  // OpenVDB multiplies row vectors: its matrix is the transpose, which is glm's memory order read row by row.
-  openvdb::Mat4d matrix;
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 4; ++row) matrix(column, row) = world_from_grid[column][row];
-  }
-  return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
 // Where the voxels of a level go.
@@ -61,9 +28,7 @@ struct Placement {
   VoxelCoord origin;
   glm::dmat4 world_from_grid{1.0};
 
-  openvdb::Coord of(const VoxelCoord& v) const {
-    return {static_cast<int>(v.x + origin.x), static_cast<int>(v.y + origin.y), static_cast<int>(v.z + origin.z)};
-  }
+  openvdb::Coord of(const VoxelCoord& v) const { return coordOf({v.x + origin.x, v.y + origin.y, v.z + origin.z}); }
 };
 
 Placement placementOf(const StoreReader& store, int level, const fs::path& out) {
@@ -90,7 +55,7 @@ Placement placementOf(const StoreReader& store, int level, const fs::path& out) 
 template <class T>
 class GridFiller {
  public:
-  using Grid = typename GridFor<T>::type;
+  using Grid = GridFor<T>;
   using Value = typename Grid::ValueType;
 
   GridFiller(const Manifest& manifest, const Placement& place)
@@ -146,11 +111,6 @@ class GridFiller {
       if (level_set_) return !(std::abs(value) >= background_);
     }
     return !isBackground(value);
-  }
-  static bool survivesHalf(float value) {
-    if (std::isnan(value)) return false;
-    const float back = static_cast<float>(openvdb::math::half(value));
-    return sameBits(value, back);
   }
   void note(Value value) {
     if constexpr (std::is_floating_point_v<Value>) signed_zero_ |= value == 0 && std::signbit(value);

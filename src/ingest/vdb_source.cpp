@@ -9,7 +9,6 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 
 #include <algorithm>
@@ -24,17 +23,13 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "grid/openvdb_glue.h"
 #include "ingest/formats.h"
 #include "ingest/linear_source.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-void initializeOpenVdb() {
-  static const bool done = (openvdb::initialize(), true);
-  (void)done;
-}
 
 // A file for std::istream: a read beyond its end throws.
 class FileReader : public std::streambuf {
@@ -277,16 +272,6 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
               fmt::format("has several grids; choose one with --grid NAME; it has {}", listOf(entries)));
 }
 
-// OpenVDB multiplies row vectors: its matrix read row by row is glm's memory order.
-glm::dmat4 affineOf(const openvdb::math::Transform& transform) {
-  const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
-  glm::dmat4 out;
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 4; ++row) out[column][row] = matrix(column, row);
-  }
-  return out;
-}
-
 VoxelBox activeBox(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (grid.empty() || box.empty()) {
@@ -331,13 +316,10 @@ class VdbSource : public VolumeSource {
 
   void read(const VoxelBox& box, std::span<std::byte> out) override {
     const VoxelCoord& at = info_.vdb->index_origin;
-    const auto coord = [&](const VoxelCoord& v, std::int64_t less) {
-      return openvdb::Coord(static_cast<int>(v.x + at.x - less), static_cast<int>(v.y + at.y - less),
-                            static_cast<int>(v.z + at.z - less));
-    };
     if (box.empty()) return;
-    openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(openvdb::CoordBBox(coord(box.lo, 0), coord(box.hi, 1)),
-                                                              reinterpret_cast<T*>(out.data()));
+    const openvdb::CoordBBox voxels(coordOf({box.lo.x + at.x, box.lo.y + at.y, box.lo.z + at.z}),
+                                    coordOf({box.hi.x + at.x - 1, box.hi.y + at.y - 1, box.hi.z + at.z - 1}));
+    openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(voxels, reinterpret_cast<T*>(out.data()));
     openvdb::tools::copyToDense(*grid_, dense);
   }
 

@@ -5,10 +5,7 @@
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
-#include <bit>
-#include <cmath>
 #include <cstring>
 #include <istream>
 #include <ostream>
@@ -16,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "grid/openvdb_glue.h"
 #include "store/manifest.h"
 
 namespace kiln {
@@ -24,29 +22,6 @@ namespace {
 constexpr std::int64_t kLeaf = 8;
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
-
-void initializeOpenVdb() {
-  static const bool done = (openvdb::initialize(), true);
-  (void)done;
-}
-
-// The grid type that holds a voxel type exactly.
-template <class T>
-struct GridFor {
-  using type = openvdb::FloatGrid;
-};
-template <>
-struct GridFor<std::int32_t> {
-  using type = openvdb::Int32Grid;
-};
-template <>
-struct GridFor<std::uint32_t> {
-  using type = openvdb::Int64Grid;
-};
-template <>
-struct GridFor<double> {
-  using type = openvdb::DoubleGrid;
-};
 
 // io::Stream writes no grid offsets, io::File only to a named file: this writes what io::File does, to memory.
 class SeekableArchive : public openvdb::io::Archive {
@@ -113,19 +88,6 @@ class MemoryReader : public std::streambuf {
   }
 };
 
-openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_index) {
-  // OpenVDB multiplies row vectors: its matrix is the transpose, which is glm's memory order read row by row.
-  openvdb::Mat4d matrix;
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 4; ++row) matrix(column, row) = world_from_index[column][row];
-  }
-  return openvdb::math::Transform::createLinearTransform(matrix);
-}
-
-openvdb::Coord coordOf(const VoxelCoord& v) {
-  return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
-}
-
 std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
 
 bool inside(const VoxelBox& inner, const VoxelBox& outer) { return intersection(inner, outer) == inner; }
@@ -145,7 +107,7 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
 template <class T>
 class Encoder {
  public:
-  using Grid = typename GridFor<T>::type;
+  using Grid = GridFor<T>;
   using Value = typename Grid::ValueType;
 
   Encoder(const BrickFrame& frame, std::span<const std::byte> voxels)
@@ -207,10 +169,7 @@ class Encoder {
       return true;
     } else if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
       for (std::int64_t i = 0; i < size_.count(); ++i) {
-        const float value = static_cast<float>(voxels_[i]);
-        const float back = static_cast<float>(openvdb::math::half(value));
-        if (std::isnan(value) || std::bit_cast<std::uint32_t>(value) != std::bit_cast<std::uint32_t>(back))
-          return false;
+        if (!survivesHalf(static_cast<float>(voxels_[i]))) return false;
       }
       return true;
     } else {
@@ -255,7 +214,7 @@ void stampUuid(std::vector<std::byte>& file) {
 template <class T>
 class Decoder {
  public:
-  using Grid = typename GridFor<T>::type;
+  using Grid = GridFor<T>;
 
   Decoder(const BrickFrame& frame, const std::filesystem::path& path, BrickBlock& block)
       : core_(frame.core()), stored_(frame.stored()), path_(path), block_(block) {}
