@@ -37,6 +37,14 @@ std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std
   return out;
 }
 
+// "LIST", or a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
+bool namesSeveral(const std::string& name) {
+  const std::vector<std::string> parts = words(name);
+  if (parts[0] == "LIST") return true;
+  return parts.size() >= 4 && name.find('%') != std::string::npos && integerOf(parts[1]) && integerOf(parts[2]) &&
+         integerOf(parts[3]);
+}
+
 }  // namespace
 
 bool HeaderLines::refill() {
@@ -114,8 +122,12 @@ glm::dvec3 HeaderFields::vector(const HeaderField& field) const {
   return {v[0], v[1], v[2]};
 }
 
-std::filesystem::path HeaderFields::dataFile(const HeaderField& field, const std::string& name) const {
-  if (name.empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
+std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
+  const std::string& name = field.value;
+  if (words(name).empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
+  if (namesSeveral(name)) {
+    unsupported(field, "data spread over several files (" + inQuotes(name) + ") are not read; join them");
+  }
   const std::filesystem::path file = path_.parent_path() / name;
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
@@ -158,12 +170,6 @@ std::vector<std::string> words(std::string_view text) {
 
 std::optional<double> doubleOf(std::string_view text) { return numberOf<double>(text); }
 std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<std::int64_t>(text); }
-
-bool namesSeries(std::string_view name) {
-  const std::vector<std::string> parts = words(name);
-  return parts.size() >= 4 && name.find('%') != std::string_view::npos && integerOf(parts[1]) && integerOf(parts[2]) &&
-         integerOf(parts[3]);
-}
 
 std::string inQuotes(std::string_view text) {
   std::string out = "'";

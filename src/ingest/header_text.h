@@ -62,8 +62,9 @@ class HeaderFields {
   std::vector<std::int64_t> integers(const HeaderField& field, std::size_t count) const;
   Extent3 extent(const HeaderField& field) const;
   glm::dvec3 vector(const HeaderField& field) const;
-  /// The file that `name` means beside this header. throws: Error kNotFound naming both, kFormat for an empty name.
-  std::filesystem::path dataFile(const HeaderField& field, const std::string& name) const;
+  /// The one file, beside this header, that the field names. throws: Error kNotFound naming both, kFormat for an empty
+  /// name, kUnsupported for a list or a series.
+  std::filesystem::path dataFile(const HeaderField& field) const;
 
  private:
   std::filesystem::path path_;
@@ -76,8 +77,6 @@ std::vector<std::string> words(std::string_view text);
 /// The whole of `text` as a number, or empty; "nan" and "inf" are numbers here.
 std::optional<double> doubleOf(std::string_view text);
 std::optional<std::int64_t> integerOf(std::string_view text);
-/// Whether the name of a data file is a pattern for a series ("slice%03d.raw 1 10 1").
-bool namesSeries(std::string_view name);
 
 /// `text` for an error message: printable and short.
 std::string inQuotes(std::string_view text);

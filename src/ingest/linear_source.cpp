@@ -258,4 +258,11 @@ std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data
   return std::make_unique<RawSource>(std::move(info), data, std::move(file));
 }
 
+std::unique_ptr<VolumeSource> openDescribed(const std::filesystem::path& header, SourceInfo info,
+                                            const LinearData& data) {
+  info.files = {header};
+  if (data.file != header) info.files.push_back(data.file);
+  return openLinear(std::move(info), data);
+}
+
 }  // namespace kiln

@@ -26,6 +26,10 @@ struct LinearData {
 /// never.
 std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data);
 
+/// openLinear for what the header at `header` describes: the files are that one and, where it is another, the data's.
+std::unique_ptr<VolumeSource> openDescribed(const std::filesystem::path& header, SourceInfo info,
+                                            const LinearData& data);
+
 /// The bytes that `dims` voxels of `type` take. throws: Error kFormat naming `path` where a dimension is not positive,
 /// is above 2³¹-1 (OpenVDB's coordinates) or the product overflows 63 bits.
 std::uint64_t checkedBytes(const Extent3& dims, VoxelType type, const std::filesystem::path& path);

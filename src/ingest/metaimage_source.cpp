@@ -139,13 +139,9 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
 LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
   const HeaderFields& fields = header.fields;
   const HeaderField& name = fields.require("ElementDataFile");
-  if (words(name.value).empty()) fields.fail(name, "names no data file");
-  if (words(name.value)[0] == "LIST" || namesSeries(name.value)) {
-    fields.unsupported(name, "data spread over several files (" + inQuotes(name.value) + ") are not read; join them");
-  }
   const bool local = lowered(name.value) == "local";
   LinearData data;
-  data.file = local ? fields.path() : fields.dataFile(name, name.value);
+  data.file = local ? fields.path() : fields.dataFile(name);
   data.stored_type = type;
   data.big_endian = flag(fields, "BinaryDataByteOrderMSB", false);
   data.offset_bytes = local ? header.end_offset : 0;
@@ -188,9 +184,7 @@ std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, 
   info.type = elementType(header.fields);
   info.geometry = geometryOf(header.fields, options);
   const LinearData data = dataOf(header, info.geometry.dims, info.type);
-  info.files = {input};
-  if (data.file != input) info.files.push_back(data.file);
-  return openLinear(std::move(info), data);
+  return openDescribed(input, std::move(info), data);
 }
 
 }  // namespace kiln

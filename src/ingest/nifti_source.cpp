@@ -339,8 +339,6 @@ std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptio
 
   SourceInfo info;
   info.format = "NIfTI-1";
-  info.files = {files.header};
-  if (files.voxels != files.header) info.files.push_back(files.voxels);
   info.geometry = geometryOf(header, files.header, options);
 
   LinearData data;
@@ -349,7 +347,7 @@ std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptio
   data.big_endian = header.bigEndian();
   takeScale(header, files.header, data, info.type);
   takeOffset(header, files, data);
-  return openLinear(std::move(info), data);
+  return openDescribed(files.header, std::move(info), data);
 }
 
 }  // namespace kiln

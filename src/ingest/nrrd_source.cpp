@@ -297,12 +297,7 @@ std::filesystem::path dataFileOf(const Header& header) {
     throw Error(ErrorCode::kFormat, header.fields.path(), "end of the file",
                 "the header ends without the empty line before the data, and names no data file");
   }
-  if (words(field->value).empty()) header.fields.fail(*field, "names no data file");
-  if (words(field->value)[0] == "LIST" || namesSeries(field->value)) {
-    header.fields.unsupported(
-        *field, "data spread over several files (" + inQuotes(field->value) + ") are not read; join them");
-  }
-  return header.fields.dataFile(*field, field->value);
+  return header.fields.dataFile(*field);
 }
 
 // The byte after `lines` ends of line.
@@ -360,9 +355,7 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   info.type = typeOf(header.fields);
   info.geometry = geometryOf(header.fields, options);
   const LinearData data = dataOf(header, info.geometry.dims, info.type);
-  info.files = {input};
-  if (data.file != input) info.files.push_back(data.file);
-  return openLinear(std::move(info), data);
+  return openDescribed(input, std::move(info), data);
 }
 
 }  // namespace kiln
