@@ -1,10 +1,6 @@
 // An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they
-// are. The grid is held in memory in its sparse form; only the one that is read. An OpenVDB file has no checksum and
-// OpenVDB trusts its bytes, so this reads through its own stream, which throws at the end of the file instead of
-// handing out nothing for ever, and walks all metadata first, whose lengths OpenVDB allocates before it looks at them.
-// What this cannot check are the compressed blocks inside a tree: a file altered there on purpose can still crash
-// OpenVDB, and one altered by accident can be read with wrong values. OpenVDB also loses the node that it was reading
-// when it throws.
+// are. The grid is held in memory in its sparse form; only the one that is read. OpenVDB trusts the bytes of a file;
+// vdb_bytes.h says what is checked before it sees them. OpenVDB also loses the node that it was reading when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -12,13 +8,9 @@
 #include <openvdb/tools/Dense.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstring>
 #include <glm/ext/matrix_transform.hpp>
 #include <istream>
 #include <new>
-#include <streambuf>
 #include <utility>
 
 #include "base/error.h"
@@ -26,136 +18,11 @@
 #include "grid/openvdb_glue.h"
 #include "ingest/formats.h"
 #include "ingest/linear_source.h"
+#include "ingest/vdb_bytes.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-// A file for std::istream: a read beyond its end throws.
-class FileReader : public std::streambuf {
- public:
-  explicit FileReader(const File& file) : file_(file), buffer_(1 << 16) {}
-
- protected:
-  int_type underflow() override {
-    next_ += static_cast<std::uint64_t>(egptr() - eback());
-    const std::size_t got = file_.readSomeAt(next_, std::as_writable_bytes(std::span(buffer_)));
-    setg(buffer_.data(), buffer_.data(), buffer_.data() + got);
-    return got == 0 ? traits_type::eof() : traits_type::to_int_type(buffer_[0]);
-  }
-  std::streamsize xsgetn(char* to, std::streamsize count) override {
-    const std::uint64_t at = position();
-    if (count < 0 || static_cast<std::uint64_t>(count) > file_.size() - std::min(at, file_.size())) {
-      throw Error(ErrorCode::kFormat, file_.path(), fmt::format("byte {}", at),
-                  fmt::format("the file ends after {} bytes, but {} more are expected here", file_.size(), count));
-    }
-    return std::streambuf::xsgetn(to, count);
-  }
-  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    const std::uint64_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? position() : file_.size();
-    const off_type to = static_cast<off_type>(base) + offset;
-    if (to < 0 || static_cast<std::uint64_t>(to) > file_.size()) return pos_type(off_type(-1));
-    next_ = static_cast<std::uint64_t>(to);
-    setg(nullptr, nullptr, nullptr);
-    return pos_type(to);
-  }
-  pos_type seekpos(pos_type to, std::ios_base::openmode mode) override {
-    return seekoff(static_cast<off_type>(to), std::ios_base::beg, mode);
-  }
-
- private:
-  std::uint64_t position() const { return next_ + static_cast<std::uint64_t>(gptr() - eback()); }
-  const File& file_;
-  std::vector<char> buffer_;
-  std::uint64_t next_ = 0;  // the place in the file of eback()
-};
-
-// Walks what OpenVDB allocates by length: the file's metadata, the grids' names, the grids' metadata. Source: OpenVDB
-// 10, MetaMap::readMeta, GridDescriptor::read, Archive::readGrid; file versions from 222 on (OpenVDB 3) have this form.
-class LengthWalk {
- public:
-  explicit LengthWalk(const File& file) : file_(file) {}
-
-  void check() {
-    constexpr std::uint64_t kHeaderBytes = 57;
-    if (number<std::uint32_t>(8) < 222) return;
-    const bool seekable = number<std::uint8_t>(20) != 0;
-    at_ = kHeaderBytes;
-    metadata();
-    const std::int32_t grids = take<std::int32_t>();
-    for (std::int32_t i = 0; seekable && i < grids; ++i) grid();
-  }
-
- private:
-  template <class T>
-  T number(std::uint64_t at) const {
-    std::array<std::byte, sizeof(T)> raw;
-    file_.readAt(at, raw);
-    return std::bit_cast<T>(raw);
-  }
-  template <class T>
-  T take() {
-    const T value = number<T>(at_);
-    at_ += sizeof(T);
-    return value;
-  }
-  void string() {
-    const std::uint32_t length = take<std::uint32_t>();
-    if (length > file_.size() - at_) fail(at_ - 4, fmt::format("a length of {} is more than the file holds", length));
-    at_ += length;
-  }
-  // Entries of name, type and value, each with its length before it.
-  void metadata() {
-    const std::uint32_t count = take<std::uint32_t>();
-    for (std::uint32_t i = 0; i < count; ++i) {
-      string();
-      const std::uint64_t type_at = at_ + 4;
-      string();
-      std::string type(at_ - type_at, '\0');
-      file_.readAt(type_at, std::as_writable_bytes(std::span(type)));
-      string();
-      if (type == "__delayedload") delayedLoad(type_at + type.size() + 4);
-    }
-  }
-  // A hint for loading later, with lengths of its own inside (DelayedLoadMetadata::readValue).
-  void delayedLoad(std::uint64_t begin) {
-    constexpr std::uint64_t kLeafBytes = 64;  // the least a leaf takes: its mask
-    const std::uint64_t end = std::exchange(at_, begin);
-    if (begin + 4 > end) return;
-    const std::uint32_t leaves = take<std::uint32_t>();
-    if (leaves > file_.size() / kLeafBytes) fail(begin, fmt::format("{} leaves are more than the file holds", leaves));
-    for (const std::uint64_t raw_bytes : {1ull, 8ull}) {
-      if (at_ + 4 > end) break;  // the second part is optional
-      const std::uint32_t packed_bytes = take<std::uint32_t>();
-      const std::uint64_t bytes = packed_bytes > 0 ? packed_bytes : raw_bytes * leaves;
-      if (bytes > end - at_) fail(at_ - 4, fmt::format("a length of {} is more than the file holds", bytes));
-      at_ += bytes;
-    }
-    at_ = end;
-  }
-  void grid() {
-    for (int i = 0; i < 3; ++i) string();  // name, type, instance parent
-    const std::int64_t data = take<std::int64_t>();
-    const std::int64_t blocks = take<std::int64_t>();
-    const std::int64_t end = take<std::int64_t>();
-    const std::uint64_t next = at_;
-    const bool instance = blocks == 0;
-    if (data < static_cast<std::int64_t>(next) || end < data || (!instance && (blocks < data || blocks > end)) ||
-        static_cast<std::uint64_t>(end) > file_.size()) {
-      fail(next - 24, "a grid's place is not in the file; it is cut short or damaged");
-    }
-    at_ = static_cast<std::uint64_t>(data) + 4;  // the compression flags
-    metadata();
-    string();  // the name of the transform's map
-    at_ = static_cast<std::uint64_t>(end);
-  }
-  [[noreturn]] void fail(std::uint64_t at, const std::string& what) const {
-    throw Error(ErrorCode::kFormat, file_.path(), fmt::format("byte {}", at), what);
-  }
-
-  const File& file_;
-  std::uint64_t at_ = 0;
-};
 
 struct GridEntry {
   openvdb::io::GridDescriptor descriptor;
@@ -168,7 +35,7 @@ struct GridEntry {
 class GridFile : public openvdb::io::Archive {
  public:
   explicit GridFile(const fs::path& path) : file_(path), buffer_(file_), in_(&buffer_) {
-    LengthWalk(file_).check();
+    requireVdbLengths(file_);
     in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(in_);
     openvdb::io::setStreamMetadataPtr(in_, stream_metadata_, /*transfer=*/false);
@@ -210,7 +77,7 @@ class GridFile : public openvdb::io::Archive {
   void fill(const GridEntry& entry) { readGrid(entry.grid, entry.descriptor, in_); }
 
   File file_;
-  FileReader buffer_;
+  VdbBytes buffer_;
   // The stream keeps the address of this pointer, so it must live as long.
   std::shared_ptr<openvdb::io::StreamMetadata> stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
   std::istream in_;

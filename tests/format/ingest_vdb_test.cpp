@@ -184,7 +184,7 @@ TEST_F(Vdb, EveryTruncationIsAnError) {
 }
 
 // Names, metadata and the directory of grids, which are walked before OpenVDB sees them. What lies in the tree has no
-// check in the format, and OpenVDB trusts it (see vdb_source.cpp).
+// check in the format, and OpenVDB trusts it (see vdb_bytes.h).
 TEST_F(Vdb, FlippedLengthsInTheMetadataAreErrorsOrHarmless) {
   const std::vector<std::byte> whole = readFile(write({{VdbKind::kFloat, "a"}}));
   for (std::size_t at = 0; at < std::min<std::size_t>(whole.size(), 480); ++at) {

@@ -1,0 +1,14 @@
+// Where the voxels of a NIfTI-1 file are in the world.
+#pragma once
+
+#include "ingest/nifti_header.h"
+#include "ingest/volume_source.h"
+
+namespace kiln {
+
+/// The geometry that the header gives, with the spacing of `options` where it gives no affine.
+/// throws: Error kFormat, kUnsupported (other than one volume of three dimensions), kUsage where --spacing does not
+/// apply.
+VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options);
+
+}  // namespace kiln

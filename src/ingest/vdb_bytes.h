@@ -1,0 +1,37 @@
+// The bytes of an OpenVDB file before OpenVDB sees them. The format has no checksum and OpenVDB trusts what it reads:
+// this throws at the end of the file instead of handing out nothing for ever, and looks first at all lengths that
+// OpenVDB allocates before it looks at them. What cannot be checked here are the compressed blocks inside a tree: a
+// file altered there on purpose can still crash OpenVDB, and one altered by accident can be read with wrong values.
+#pragma once
+
+#include <cstdint>
+#include <streambuf>
+#include <vector>
+
+#include "base/file.h"
+
+namespace kiln {
+
+/// A file for std::istream. Reading beyond its end throws Error kFormat.
+class VdbBytes : public std::streambuf {
+ public:
+  /// requires: `file` outlives this.
+  explicit VdbBytes(const File& file) : file_(file), buffer_(1 << 16) {}
+
+ protected:
+  int_type underflow() override;
+  std::streamsize xsgetn(char* to, std::streamsize count) override;
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override;
+  pos_type seekpos(pos_type to, std::ios_base::openmode mode) override;
+
+ private:
+  std::uint64_t position() const { return next_ + static_cast<std::uint64_t>(gptr() - eback()); }
+  const File& file_;
+  std::vector<char> buffer_;
+  std::uint64_t next_ = 0;  // the place in the file of eback()
+};
+
+/// throws: Error kFormat where a length in the file's metadata or the place of a grid goes beyond the file.
+void requireVdbLengths(const File& file);
+
+}  // namespace kiln
