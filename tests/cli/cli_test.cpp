@@ -12,10 +12,10 @@
 #include "base/file.h"
 #include "output/image_file.h"
 #include "store/store_reader.h"
-#include "support/open_brick.h"
 #include "support/procedural.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
+#include "support/vdb_files.h"
 
 namespace kiln::test {
 namespace {
@@ -144,10 +144,10 @@ TEST_F(Cli, RenderAndCompare) {
 TEST_F(Cli, Export) {
   makeRampStore();
   expectDone({"export", in("v.kiln"), in("v.vdb")});
-  const std::vector<BrickGrid> grids = openBrick(in("v.vdb"));
-  ASSERT_EQ(grids.size(), 1u);
-  EXPECT_EQ(grids[0].active.size(), 24u * 20 * 16);
-  for (const auto& [v, value] : grids[0].active) EXPECT_EQ(value, 10.0 * static_cast<double>(v.x) + 1);
+  ASSERT_EQ(gridNames(in("v.vdb")), std::vector<std::string>{"density"});
+  const auto active = DirectGrid(in("v.vdb"), "density").activeValues();
+  EXPECT_EQ(active.size(), 24u * 20 * 16);
+  for (const auto& [v, value] : active) EXPECT_EQ(value, 10.0 * static_cast<double>(v.x) + 1);
 }
 
 // Known because a path in a job is relative to the job, and an option overrides it.

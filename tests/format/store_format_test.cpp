@@ -15,10 +15,10 @@
 #include "base/parallel.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
-#include "support/open_brick.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
+#include "support/vdb_files.h"
 
 namespace kiln::test {
 namespace {
@@ -182,38 +182,37 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
   SCOPED_TRACE(brickPath(key));
   const VoxelBox core = coreBox(key.brick, store.manifest().brick_size, volume.geometry.dims);
   const VoxelBox stored = storedBox(core, 6, volume.geometry.dims);
-  std::map<std::string, BrickGrid> grids;
-  for (BrickGrid& grid : openBrick(store.path() / brickPath(key))) grids.emplace(grid.name, std::move(grid));
-  ASSERT_EQ(grids.size(), 4u);
+  const fs::path file = store.path() / brickPath(key);
+  ASSERT_EQ(gridNames(file), (std::vector<std::string>{"apron", "cell_max", "cell_min", "density"}));
   for (const char* name : {"density", "apron"}) {
     SCOPED_TRACE(name);
-    ASSERT_TRUE(grids.contains(name));
-    const BrickGrid& grid = grids.at(name);
-    const bool is_core = grid.name == "density";
-    EXPECT_EQ(grid.background, 0);
+    const DirectGrid grid(file, name);
+    const auto active = grid.activeValues();
+    const bool is_core = std::string_view(name) == "density";
+    EXPECT_EQ(grid.background(), 0);
     const std::int64_t expected = is_core ? core.count() : stored.count() - core.count();
-    EXPECT_EQ(static_cast<std::int64_t>(grid.active.size()), expected);
+    EXPECT_EQ(static_cast<std::int64_t>(active.size()), expected);
     std::int64_t wrong = 0;
-    for (const auto& [v, value] : grid.active) {
+    for (const auto& [v, value] : active) {
       wrong += !stored.contains(v) || core.contains(v) != is_core || !same(value, volume.valueAt(v.x, v.y, v.z));
     }
     EXPECT_EQ(wrong, 0);
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row)
-        EXPECT_NEAR(grid.world_from_index[column][row], volume.geometry.world_from_index[column][row], 1e-12);
+        EXPECT_NEAR(grid.worldFromGrid()[column][row], volume.geometry.world_from_index[column][row], 1e-12);
     }
   }
   for (const char* name : {"cell_min", "cell_max"}) {
     SCOPED_TRACE(name);
-    ASSERT_TRUE(grids.contains(name));
-    const bool least = grids.at(name).name == "cell_min";
-    for (const auto& [c, value] : grids.at(name).active) {
+    const DirectGrid grid(file, name);
+    const bool least = std::string_view(name) == "cell_min";
+    for (const auto& [c, value] : grid.activeValues()) {
       const VoxelBox cell = intersection({{c.x * 8, c.y * 8, c.z * 8}, {c.x * 8 + 8, c.y * 8 + 8, c.z * 8 + 8}}, core);
       const ValueRange range = rangeIn(volume, cell);
       EXPECT_EQ(value, least ? range.lo : range.hi);
     }
     // Cell c has its centre between voxels 8c + 3 and 8c + 4.
-    const glm::dvec4 origin = grids.at(name).world_from_index * glm::dvec4(0, 0, 0, 1);
+    const glm::dvec4 origin = grid.worldFromGrid() * glm::dvec4(0, 0, 0, 1);
     const glm::dvec3 centre = volume.geometry.worldOf(glm::dvec3(3.5));
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(origin[axis], centre[axis], 1e-12);
   }

@@ -190,6 +190,18 @@ bool DirectGrid::active(const VoxelCoord& v) const {
   return grid_->with([&](const auto& grid) { return grid.tree().isValueOn(coordOf(v)); });
 }
 
+std::vector<std::pair<VoxelCoord, double>> DirectGrid::activeValues() const {
+  std::vector<std::pair<VoxelCoord, double>> out;
+  grid_->with([&](const auto& grid) {
+    for (auto value = grid.cbeginValueOn(); value; ++value) {
+      if (!value.isVoxelValue()) throw std::runtime_error("an active tile");
+      const openvdb::Coord c = value.getCoord();
+      out.emplace_back(VoxelCoord{c.x(), c.y(), c.z()}, static_cast<double>(*value));
+    }
+  });
+  return out;
+}
+
 std::vector<std::string> gridNames(const std::filesystem::path& path) {
   openvdb::initialize();
   openvdb::io::File file(path.string());

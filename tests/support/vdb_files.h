@@ -1,5 +1,5 @@
-// OpenVDB files written and read with OpenVDB's own io::File and accessors, which share neither the stream nor the
-// dense copy of the reader they test.
+// OpenVDB files, brick files among them, as a stranger's program writes and reads them: with OpenVDB's own io::File and
+// accessors, which share neither the stream nor the dense copy of the reader they test.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "grid/coords.h"
@@ -61,13 +62,15 @@ class DirectGrid {
   std::uint64_t activeVoxels() const;
   double value(const VoxelCoord& grid_coord) const;
   bool active(const VoxelCoord& grid_coord) const;
+  /// All active voxels with their values, in the tree's order. throws: std::runtime_error where a tile stands for some.
+  std::vector<std::pair<VoxelCoord, double>> activeValues() const;
 
  private:
   struct Grid;
   std::shared_ptr<const Grid> grid_;
 };
 
-/// The names of all grids of a file.
+/// The names of all grids of a file, in alphabetical order.
 std::vector<std::string> gridNames(const std::filesystem::path& path);
 
 }  // namespace kiln::test
