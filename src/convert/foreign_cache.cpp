@@ -8,13 +8,15 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Whether the store holds the volume that the file and the options describe now: other --dims make another volume.
+// Whether the store holds the volume that the file and the options describe now: other --dims or another --endian make
+// another volume.
 bool sameVolume(const fs::path& store, const SourceInfo& info) {
   try {
     const Manifest manifest = StoreReader(store).manifest();
     const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() &&
                            (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
-    return same_grid && manifest.type == info.type && manifest.geometry().dims == info.geometry.dims &&
+    return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
+           manifest.geometry().dims == info.geometry.dims &&
            manifest.geometry().world_from_index == info.geometry.world_from_index;
   } catch (const Error&) {
     return false;  // damaged, or of another format: made anew

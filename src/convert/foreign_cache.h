@@ -1,12 +1,13 @@
-// Renders of a foreign file: the store that stands beside it, made once and made anew when the file has changed.
+// Renders of a foreign file: the store that stands beside it, made once and made anew when the file, or what
+// is said of it, has changed.
 #pragma once
 
 #include "convert/convert.h"
 
 namespace kiln {
 
-/// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing or older
-/// than the file; says so through `progress.note`. throws: as openSource and convert.
+/// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing, older
+/// than the file or made with other source options; says so through `progress.note`. throws: as openSource and convert.
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress);
 

@@ -15,6 +15,14 @@ std::string described(const Extent3& dims, VoxelType type, std::uint64_t skip_by
   return out;
 }
 
+// What the user said of the bytes beyond their number and type: a store is known by it (foreign_cache.cpp).
+std::string formatOf(VoxelType type, const SourceOptions& options) {
+  std::string out = "raw";
+  if (options.big_endian.value_or(false) && sizeOf(type) > 1) out += ", big-endian";
+  if (options.skip_bytes > 0) out += ", " + std::to_string(options.skip_bytes) + " bytes skipped";
+  return out;
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openRaw(const std::filesystem::path& input, const SourceOptions& options) {
@@ -23,7 +31,7 @@ std::unique_ptr<VolumeSource> openRaw(const std::filesystem::path& input, const 
                 "headerless raw data need --dims and --type (for example --dims 256,256,113 --type u16)");
   }
   SourceInfo info;
-  info.format = "raw";
+  info.format = formatOf(*options.type, options);
   info.files = {input};
   info.type = *options.type;
   info.geometry.dims = *options.dims;

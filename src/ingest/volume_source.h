@@ -29,7 +29,9 @@ struct VdbOrigin {
 };
 
 struct SourceInfo {
-  std::string format;  // "NRRD", "raw", …: for people
+  /// For people: "NRRD", "raw, big-endian, 512 bytes skipped". With `geometry`, `type` and `vdb` it holds every option
+  /// that the voxels depend on.
+  std::string format;
   std::vector<std::filesystem::path> files;
   VolumeGeometry geometry;
   VoxelType type = VoxelType::u8;

@@ -224,6 +224,36 @@ TEST_F(Cli, RenderOfAForeignFile) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
 }
 
+// Known because the first voxel is 1, 11 read as 16 bits of either order, and the header in front of it is not.
+TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
+  writeRamp();
+  const fs::path store = in("v.raw.kiln");
+  const std::vector<std::string> plain = {"render", in("v.raw"), "-o",       in("p.png"), "--size",
+                                          "16x16",  "--dims",    "12,20,16", "--type",    "u16"};
+  const auto with = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = plain;
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return arguments;
+  };
+  const auto expectConverted = [&](const std::vector<std::string>& options, int low, int high) {
+    EXPECT_NE(expectDone(with(options)).err.find("kiln: converting"), std::string::npos);
+    EXPECT_NE(expectDone(with(options)).err.find("kiln: using"), std::string::npos);
+    // Outside of the volume a brick repeats the nearest voxel, so its first one is the volume's first.
+    const std::vector<std::byte> voxels = StoreReader(store).read({0, {0, 0, 0}}).voxels;
+    EXPECT_EQ(std::to_integer<int>(voxels[0]), low);
+    EXPECT_EQ(std::to_integer<int>(voxels[1]), high);
+  };
+  expectConverted({}, 1, 11);
+  expectConverted({"--endian", "big"}, 11, 1);
+  expectConverted({"--endian", "little"}, 1, 11);
+  // A copy that keeps the time of the old file, with four bytes in front of the voxels.
+  const auto time = fs::last_write_time(in("v.raw"));
+  write(in("v.raw"), "head" + readTextFile(in("v.raw")));
+  fs::last_write_time(in("v.raw"), time);
+  expectConverted({"--skip", "4"}, 1, 11);
+  EXPECT_NE(expectDone({"info", store.string()}).out.find("raw, 4 bytes skipped"), std::string::npos);
+}
+
 // --- what is wrong
 // ----------------------------------------------------------------------------------------------------
 
