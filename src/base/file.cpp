@@ -135,6 +135,12 @@ void FileSystem::rename(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) throw systemError(errno, to, "renaming into place");
 }
 
+void FileSystem::syncFile(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) throw systemError(errno, path, "opening the file");
+  if (::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+}
+
 void FileSystem::syncAll(const fs::path& path) {
   const Descriptor directory(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() < 0) throw systemError(errno, path, "opening the directory");

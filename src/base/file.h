@@ -57,8 +57,10 @@ class FileSystem {
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
-  /// Brings everything written so far to the file system that holds `path` onto its disk. cost: one wait, where a sync
-  /// of each of thousands of files would be thousands.
+  /// Brings one file, whoever wrote it, onto its disk.
+  virtual void syncFile(const std::filesystem::path& path);
+  /// Brings everything written to the file system that holds `path`, and every new name on it, onto its disk. cost: one
+  /// wait, where a sync of each of thousands of files would be thousands.
   virtual void syncAll(const std::filesystem::path& path);
   virtual void removeAll(const std::filesystem::path& path);
 };

@@ -161,8 +161,11 @@ class Destination {
     disk_.rename(out_, old);
     try {
       disk_.rename(building_, out_);
+      // Both names must be on the disk before the old store goes.
+      disk_.syncAll(out_);
     } catch (...) {
       std::error_code ignored;
+      if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
       fs::rename(old, out_, ignored);
       throw;
     }

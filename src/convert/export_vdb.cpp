@@ -155,6 +155,7 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
   try {
     errno = 0;
     writeGrid(grid, temporary);
+    disk.syncFile(temporary);
     disk.rename(temporary, out);
   } catch (const std::exception& error) {
     const int error_number = errno;

@@ -25,8 +25,8 @@ struct ExportReport {
 /// (saved as half where every value survives), int32 for i32, int64 for u32, double for f64. requires: a level that the
 /// store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported (a volume beyond
 /// OpenVDB's coordinates), kNoSpace, kIo, kCancelled, and what StoreReader::read throws; nothing is then left at `out`,
-/// and what was there before is untouched. cost: the whole grid is held in memory in its sparse form, bricks equal to
-/// the background free.
+/// and what was there before is untouched. The file is on the disk before it gets its name. cost: the whole grid is
+/// held in memory in its sparse form, bricks equal to the background free.
 ExportReport exportVdb(const StoreReader& store, int level, const std::filesystem::path& out, Progress& progress,
                        FileSystem& disk = FileSystem::real(), bool overwrite = false);
 

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "ingest/formats.h"
 #include "store/store_writer.h"
+#include "support/faulty_file_system.h"
 #include "support/nifti_files.h"
 #include "support/vdb_files.h"
 
@@ -197,17 +198,19 @@ TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
   EXPECT_GT(exported(/*overwrite=*/true).voxels, 0u);
 }
 
-// A disk that cannot rename, a directory that is not there, a user who stops: no file is left, and none is lost.
+// A disk that cannot sync or rename, a directory that is not there, a user who stops: no file is left, and none is
+// lost.
 TEST_F(ExportVdb, AFailureLeavesNothing) {
-  struct NoRename : FileSystem {
-    void rename(const fs::path&, const fs::path& to) override { throw Error(ErrorCode::kIo, to, "", "no"); }
-  } no_rename;
   struct Stop : Progress {
     bool cancelled() const override { return true; }
   } stop;
   makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {9, 9, 9}), denseValue<std::uint8_t>);
   const StoreReader store(directory_ / "s.kiln");
-  EXPECT_THROW(exportVdb(store, 0, out(), silent_, no_rename), Error);
+  for (const std::uint64_t change : {0, 1}) {
+    test::FaultyFileSystem disk({change, EIO});
+    EXPECT_THROW(exportVdb(store, 0, out(), silent_, disk), Error);
+    EXPECT_EQ(disk.calls(), change + 1);
+  }
   EXPECT_THROW(exportVdb(store, 0, out(), stop), Error);
   EXPECT_FALSE(fs::exists(out()));
   EXPECT_FALSE(fs::exists(out().string() + ".tmp"));

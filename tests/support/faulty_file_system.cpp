@@ -53,6 +53,11 @@ void FaultyFileSystem::rename(const fs::path& from, const fs::path& to) {
   fail(to, "renaming into place (injected)");
 }
 
+void FaultyFileSystem::syncFile(const fs::path& path) {
+  failIfTold(path, "syncing the file (injected)");
+  FileSystem::syncFile(path);
+}
+
 void FaultyFileSystem::syncAll(const fs::path& path) {
   failIfTold(path, "syncing the directory (injected)");
   FileSystem::syncAll(path);
