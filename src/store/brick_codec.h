@@ -1,4 +1,5 @@
-// A brick's voxels as the bytes of its OpenVDB file, and back. OpenVDB is known to the .cpp alone.
+// A brick's voxels as the bytes of its OpenVDB file, and back. OpenVDB is known to brick_encode.cpp and
+// brick_decode.cpp alone.
 #pragma once
 
 #include <filesystem>
