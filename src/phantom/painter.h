@@ -1,0 +1,76 @@
+// Which shapes matter to a block of 8³ voxels, and what the block's voxels are without noise. An internal header of the
+// sampler's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "phantom/sampler.h"
+
+namespace kiln::phantom {
+
+inline constexpr int kEdge = 8;
+inline constexpr int kBlockVoxels = kEdge * kEdge * kEdge;
+
+// The shapes that matter somewhere, part by part from the highest precedence down.
+struct NearPart {
+  PartId part;
+  std::size_t first, count;  // in `shapes`
+};
+struct NearShapes {
+  std::vector<NearPart> parts;
+  std::vector<std::uint32_t> shapes;
+  void clear() {
+    parts.clear();
+    shapes.clear();
+  }
+};
+
+// The ball around a block's voxel centres, and the half edges of the box around them. unit: mm.
+struct Ball {
+  float centre[3], half[3], radius;
+};
+
+// What one thread needs to paint one block: the coordinates of its voxels, and a number for each of them.
+struct Work {
+  float x[kEdge], y[kEdge], z[kEdge];
+  int lo_y, hi_y, lo_z, hi_z;  // rows asked for
+  alignas(64) float d[kBlockVoxels];
+  alignas(64) float outer[kBlockVoxels];
+  alignas(64) float inner[kBlockVoxels];
+  alignas(64) float value[kBlockVoxels];
+  alignas(64) float left[kBlockVoxels];  // the share of the voxel not yet given to a tissue
+
+  // Calls f(offset) for each row asked for.
+  template <class F>
+  void rows(F&& f) {
+    for (int k = lo_z; k < hi_z; ++k) {
+      for (int j = lo_y; j < hi_y; ++j) f((k * kEdge + j) * kEdge);
+    }
+  }
+};
+
+class Painter {
+ public:
+  Painter(const Figure& figure, const Lattice& lattice, const ValueTable& values)
+      : figure_(figure), lattice_(lattice), values_(values), blur_(lattice.blurMm()), inverse_blur_(1 / blur_) {}
+
+  // Of the shapes in `from` (all where it is null), those near the box that spans [lo, hi) of voxels.
+  void choose(const VoxelBox& box, const NearShapes* from, NearShapes& out) const;
+  // Clean values of one block into work.value.
+  void paint(const VoxelBox& block, const NearShapes& near, Work& work) const noexcept;
+
+ private:
+  Ball ballAround(const VoxelBox& box) const;
+  bool isNear(std::size_t shape, const Ball& ball) const;
+  bool holdsBlock(const Part& part, const NearShapes& near, const NearPart& chosen, const Ball& ball,
+                  Work& work) const noexcept;
+  void paintPart(const NearShapes& near, const NearPart& chosen, const Ball& ball, Work& work) const noexcept;
+
+  const Figure& figure_;
+  const Lattice& lattice_;
+  const ValueTable& values_;
+  float blur_, inverse_blur_;
+};
+
+}  // namespace kiln::phantom
