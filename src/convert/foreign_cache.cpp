@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "ingest/formats.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -39,6 +40,12 @@ bool upToDate(const fs::path& store, const SourceInfo& info) {
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress) {
+  if (namesPhantom(input)) {
+    throw Error(ErrorCode::kUsage, "'" + input.string() +
+                                       "' is computed and not a file, so no store can stand beside "
+                                       "it; convert it first: kiln convert " +
+                                       input.string() + " NAME.kiln");
+  }
   std::error_code ignored;
   if (isStore(input) || !fs::exists(input, ignored) ||
       (fs::is_directory(input, ignored) && input.extension() == ".kiln"))

@@ -11,4 +11,8 @@ std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, 
 std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const SourceOptions& options);
 
+/// Whether `input` asks for a computed volume, "phantom:NAME:XxYxZ", and not for a file.
+bool namesPhantom(const std::filesystem::path& input);
+std::unique_ptr<VolumeSource> openPhantom(const std::filesystem::path& input, const SourceOptions& options);
+
 }  // namespace kiln

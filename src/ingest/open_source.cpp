@@ -1,5 +1,5 @@
 // Which format a file is: by its first bytes, then by its name. What is recognised but not read is refused by its own
-// name, so that the user knows what to convert.
+// name, so that the user knows what to convert. What is computed (phantom:…) is not a file and is asked for first.
 #include <algorithm>
 #include <cmath>
 
@@ -181,7 +181,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   const auto refuse = [&](bool given, const std::string& option, const std::string& where) {
     if (given) {
       throw Error(ErrorCode::kUsage, path, "",
-                  option + " applies to " + where + " only, and this file is " + format + "; leave it out");
+                  option + " applies to " + where + " only, and this is " + format + "; leave it out");
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB";
@@ -201,6 +201,10 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
 }  // namespace
 
 std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
+  if (namesPhantom(input)) {
+    requireOptionsApply(input, "a phantom", options);
+    return openPhantom(input, options);
+  }
   std::error_code ignored;
   if (fs::is_directory(input, ignored)) refuseDirectory(input);
   requireRegularFile(input);

@@ -107,6 +107,21 @@ TEST_F(Cli, ConvertInfoVerify) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
 
+// Known because the name says the size, and the store's provenance is what was asked for. There is no file that a cache
+// could stand beside.
+TEST_F(Cli, Phantom) {
+  const ToolResult convert = expectDone({"convert", "phantom:head:24x20x16", in("h.kiln")});
+  EXPECT_NE(convert.out.find("24 x 20 x 16 voxels of u16"), std::string::npos) << convert.out;
+  EXPECT_EQ(Json::parse(expectDone({"info", in("h.kiln"), "--json"}).out)["source"]["files"],
+            Json::array({"phantom:head:24x20x16"}));
+  expectDone({"render", in("h.kiln"), "-o", in("h.png"), "--size", "20x20"});
+  expectRefused({"convert", "phantom:cat:8x8x8", in("c.kiln")}, 2, {"phantom:cat:8x8x8", "body, head, brain, engine"});
+  expectRefused({"convert", "phantom:head:8x8", in("c.kiln")}, 2, {"phantom:head:256x256x225"});
+  expectRefused({"convert", "phantom:head:8x8x8", in("c.kiln"), "--dims", "8,8,8", "--type", "u8"}, 2, {"--dims"});
+  expectRefused({"render", "phantom:head:8x8x8", "-o", in("r.png")}, 2, {"kiln convert phantom:head:8x8x8 NAME.kiln"});
+  EXPECT_EQ(listing(), (std::vector<std::string>{"h.kiln", "h.png"}));
+}
+
 // Known because the window ends at the ramp's ends: black left, white right, and brighter from column to column.
 TEST_F(Cli, Slice) {
   makeRampStore();
