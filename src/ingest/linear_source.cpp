@@ -179,7 +179,7 @@ class StreamSource : public VolumeSource {
 };
 
 void StreamSource::read(const VoxelBox& box, std::span<std::byte> out) {
-  const Extent3 dims = info_.geometry.dims;
+  [[maybe_unused]] const Extent3 dims = info_.geometry.dims;
   assert(box.lo == (VoxelCoord{0, 0, next_z_}) && box.hi.x == dims.x && box.hi.y == dims.y && box.hi.z <= dims.z);
   assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
   skipPrefix();

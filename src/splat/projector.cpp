@@ -30,14 +30,6 @@ Ellipse ellipseOf(double xx, double xy, double yy) {
   return out;
 }
 
-// No eigenvalue of a symmetric matrix is larger than its largest absolute row sum.
-double eigenvalueBound(const glm::dmat3& m) {
-  double bound = 0;
-  for (int row = 0; row < 3; ++row)
-    bound = std::max(bound, std::abs(m[0][row]) + std::abs(m[1][row]) + std::abs(m[2][row]));
-  return bound;
-}
-
 VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
   const glm::dmat4 index_from_world = glm::inverse(volume.world_from_index);
   const glm::dvec3 spacing = volume.spacing();
@@ -47,9 +39,11 @@ VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
   return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)), spacing);
 }
 
+// The pixels whose centres lie in [x0, x1] by [y0, y1]: no other takes light from a footprint in there.
 PixelRect rectOf(double x0, double y0, double x1, double y1) {
-  const auto pixel = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar))); };
-  return {pixel(x0), pixel(y0), pixel(x1) + 1, pixel(y1) + 1};
+  const auto first = [](double v) { return static_cast<int>(std::ceil(std::clamp(v, -kFar, kFar) - 0.5)); };
+  const auto last = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar) - 0.5)); };
+  return {first(x0), first(y0), last(x1) + 1, last(y1) + 1};
 }
 
 // What a ball's projection spans along one axis of the image, as slopes: the two tangents through the eye to a circle
@@ -81,7 +75,6 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
   near_depth_ = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
   const glm::dmat3 linear(view_from_index);
   covariance_ = kKernelSigma * kKernelSigma * (linear * glm::transpose(linear));
-  largest_variance_ = eigenvalueBound(covariance_);
   gradient_ = glm::mat3(glm::transpose(glm::inverse(linear)));
   const double s = focal_px_ * focal_px_;
   parallel_ellipse_ = ellipseOf(s * covariance_[0][0], s * covariance_[1][0], s * covariance_[1][1]);
@@ -117,6 +110,16 @@ double Projector::longestDiagonal(const glm::dvec3& edges) const {
   return std::max({glm::length(x + y + z), glm::length(x + y - z), glm::length(x - y + z), glm::length(x - y - z)});
 }
 
+// The footprint's variance along an image axis is s² (C_aa - 2 u C_az + u² C_zz), s = f/z: convex in the slope u, so
+// largest at an end of its interval, and largest at the nearest depth.
+double Projector::largestHalfWidth(int axis, double nearest, double u0, double u1) const {
+  const glm::dmat3& c = covariance_;
+  const auto variance = [&](double u) { return c[axis][axis] + u * (u * c[2][2] - 2 * c[2][axis]); };
+  const double s = focal_px_ / nearest;
+  return kFootprintRadius * std::sqrt(s * s * std::max(variance(u0), variance(u1)) + kPixelSigma * kPixelSigma) +
+         kRounding;
+}
+
 // Lee and Ihm §2.2.3: the box around the projection of the sphere through the corners of the node's cube. That sphere
 // need not hold the footprints of voxels at the corners, so a second one is taken around the voxels' centres, its
 // rectangle is widened by a footprint, and the larger of the two counts: the answer is conservative.
@@ -126,26 +129,23 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
   const double cube = 0.5 * longestDiagonal(edges);
   const double centres = 0.5 * longestDiagonal(edges - 1.0);
   if (!perspective_) {
-    const double kernel = kFootprintRadius * (std::sqrt(largest_variance_) * focal_px_ + kPixelSigma) + kRounding;
-    const double radius = std::max(cube * focal_px_, centres * focal_px_ + kernel);
+    const double rx = std::max(cube * focal_px_, centres * focal_px_ + parallel_ellipse_.half_x + kRounding);
+    const double ry = std::max(cube * focal_px_, centres * focal_px_ + parallel_ellipse_.half_y + kRounding);
     const glm::dvec2 at = pixelOf(centre);
-    return rectOf(at.x - radius, at.y - radius, at.x + radius, at.y + radius);
+    return rectOf(at.x - rx, at.y - ry, at.x + rx, at.y + ry);
   }
   if (centre.z + centres < near_depth_) return {};
   if (centre.z - cube < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
-  const double scale = focal_px_ / (centre.z - centres);
-  const auto span = [&](double x, double origin) {
-    const Slopes outer = tangents(x, centre.z, cube);
-    const Slopes inner = tangents(x, centre.z, centres);
-    const double steepest = std::max(std::abs(inner.lo), std::abs(inner.hi));
-    const double kernel = kFootprintRadius * std::sqrt(largest_variance_ * scale * scale * (1 + steepest * steepest) +
-                                                       kPixelSigma * kPixelSigma) +
-                          kRounding;
+  const auto span = [&](int axis) {
+    const Slopes outer = tangents(centre[axis], centre.z, cube);
+    const Slopes inner = tangents(centre[axis], centre.z, centres);
+    const double kernel = largestHalfWidth(axis, centre.z - centres, inner.lo, inner.hi);
+    const double origin = centre_px_[axis];
     return Slopes{origin + std::min(focal_px_ * outer.lo, focal_px_ * inner.lo - kernel),
                   origin + std::max(focal_px_ * outer.hi, focal_px_ * inner.hi + kernel)};
   };
-  const Slopes x = span(centre.x, centre_px_.x);
-  const Slopes y = span(centre.y, centre_px_.y);
+  const Slopes x = span(0);
+  const Slopes y = span(1);
   return rectOf(x.lo, y.lo, x.hi, y.hi);
 }
 
@@ -172,15 +172,8 @@ PixelRect Projector::boundsOfBox(const VoxelBox& box) const {
   }
   if (farthest < near_depth_) return {};
   if (nearest < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
-  // The footprint's variance along x is jᵀ C j with |j| = f/z sqrt(1 + u²); z is smallest and |u| largest at corners.
-  const auto radius = [&](double lo, double hi, double centre) {
-    const double u = std::max(std::abs(lo - centre), std::abs(hi - centre)) / focal_px_;
-    const double s = focal_px_ / nearest;
-    return kFootprintRadius * std::sqrt(largest_variance_ * s * s * (1 + u * u) + kPixelSigma * kPixelSigma) +
-           kRounding;
-  };
-  const double rx = radius(x0, x1, centre_px_.x);
-  const double ry = radius(y0, y1, centre_px_.y);
+  const double rx = largestHalfWidth(0, nearest, (x0 - centre_px_.x) / focal_px_, (x1 - centre_px_.x) / focal_px_);
+  const double ry = largestHalfWidth(1, nearest, (y0 - centre_px_.y) / focal_px_, (y1 - centre_px_.y) / focal_px_);
   return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);
 }
 

@@ -67,6 +67,7 @@ class Projector {
   PixelRect boundsOfBox(const VoxelBox& box) const;
   PixelRect boundsOfSphere(const VoxelBox& box) const;
   double longestDiagonal(const glm::dvec3& edges) const;
+  double largestHalfWidth(int axis, double nearest, double u0, double u1) const;
 
   ProjectedArea area_;
   bool perspective_;
@@ -76,7 +77,6 @@ class Projector {
   double near_depth_;
   double voxel_volume_;
   glm::dmat3 covariance_;  // of the kernel in view space. unit: world²
-  double largest_variance_;
   glm::mat3 gradient_;
   VisitingOrder order_;
   Ellipse parallel_ellipse_;
