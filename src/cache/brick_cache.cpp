@@ -15,17 +15,16 @@ std::uint64_t largestReadBytes(const StoreReader& store) {
   std::uint64_t largest = 0;
   const BrickIndex& index = store.index();
   for (int level = 0; level < index.levels(); ++level) {
-    const Extent3& n = index.lattice(level);
-    for (std::int64_t i = 0; i < n.count(); ++i) {
-      largest = std::max<std::uint64_t>(largest, store.readBytes({level, brickAt(n, i)}));
-    }
+    const Extent3& lattice = index.lattice(level);
+    for (std::int64_t i = 0; i < lattice.count(); ++i)
+      largest = std::max<std::uint64_t>(largest, store.readBytes({level, brickAt(lattice, i)}));
   }
   return largest;
 }
 
 }  // namespace
 
-BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes)
+BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers)
     : store_(store), budget_bytes_(budget_bytes) {
   const std::uint64_t smallest = largestReadBytes(store);
   if (smallest > budget_bytes) {
@@ -33,43 +32,154 @@ BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes)
                 fmt::format("{} is too little: reading one brick takes {}; give at least that",
                             formatBytes(budget_bytes), formatBytes(smallest)));
   }
+  for (unsigned i = 0; i < readers; ++i) readers_.emplace_back([this] { readAhead(); });
 }
 
-void BrickCache::makeRoom(std::uint64_t bytes) {
+BrickCache::~BrickCache() {
+  {
+    const Lock lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& reader : readers_) reader.join();
+}
+
+bool BrickCache::announced(const BrickKey& key) const {
+  return std::find(announced_.begin(), announced_.end(), key) != announced_.end();
+}
+
+void BrickCache::erase(Slots::iterator slot) {
+  if (!slot->second.asked_for && slot->second.state == State::kReady) ++counts_.unused;
+  held_bytes_ -= slot->second.charged_bytes;
+  recency_.erase(slot->second.recency);
+  slots_.erase(slot);
+}
+
+// Whether `bytes` fit, after what is not needed has gone. What is held, or being read, stays.
+bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
   for (auto oldest = recency_.end(); oldest != recency_.begin() && held_bytes_ + bytes > budget_bytes_;) {
     --oldest;
     const auto slot = slots_.find(*oldest);
-    if (slot->second.block.use_count() > 1) continue;
-    held_bytes_ -= slot->second.block->bytes();
-    slots_.erase(slot);
-    oldest = recency_.erase(oldest);
+    if (slot->second.state == State::kReading || slot->second.awaited || slot->second.block.use_count() > 1) continue;
+    if (spare_announced && announced(slot->first)) continue;
+    ++oldest;
+    erase(slot);
   }
-  if (held_bytes_ + bytes > budget_bytes_) {
-    throw Error(ErrorCode::kBudget, store_.path(), "--memory",
-                fmt::format("{} is too little: {} are in use and the next brick takes {}", formatBytes(budget_bytes_),
-                            formatBytes(held_bytes_), formatBytes(bytes)));
+  return held_bytes_ + bytes <= budget_bytes_;
+}
+
+// Charges a brick that is about to be read. requires: room.
+BrickCache::Slots::iterator BrickCache::begin(const BrickKey& key) {
+  recency_.push_front(key);
+  Slot slot;
+  slot.charged_bytes = store_.readBytes(key);
+  slot.recency = recency_.begin();
+  held_bytes_ += slot.charged_bytes;
+  peak_bytes_ = std::max(peak_bytes_, held_bytes_);
+  ++reading_;
+  return slots_.emplace(key, std::move(slot)).first;
+}
+
+// Reads without the lock. A failure is kept for whoever asks.
+void BrickCache::read(Slots::iterator slot, Lock& lock) {
+  const BrickKey key = slot->first;
+  std::shared_ptr<const BrickBlock> block;
+  std::exception_ptr failure;
+  lock.unlock();
+  try {
+    block = std::make_shared<const BrickBlock>(store_.read(key));
+  } catch (...) {
+    failure = std::current_exception();
   }
+  lock.lock();
+  --reading_;
+  Slot& done = slot->second;
+  held_bytes_ -= done.charged_bytes;
+  done.charged_bytes = block ? block->bytes() : 0;
+  held_bytes_ += done.charged_bytes;
+  done.state = block ? State::kReady : State::kFailed;
+  done.block = std::move(block);
+  done.failure = failure;
+  if (done.block) {
+    const BrickEntry& entry = store_.index().at(key);
+    ++(entry.constant ? counts_.constants : counts_.reads);
+    counts_.read_bytes += entry.file_bytes;
+  }
+  changed_.notify_all();
 }
 
 std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
-  if (const auto found = slots_.find(key); found != slots_.end()) {
-    recency_.splice(recency_.begin(), recency_, found->second.recency);
+  const auto begun = std::chrono::steady_clock::now();
+  Lock lock(mutex_);
+  std::erase(announced_, key);
+  auto slot = slots_.find(key);
+  if (slot != slots_.end()) {
     ++counts_.hits;
-    return found->second.block;
+    recency_.splice(recency_.begin(), recency_, slot->second.recency);
+    slot->second.awaited = true;
+    changed_.wait(lock, [&] { return slot->second.state != State::kReading; });
+    slot->second.awaited = false;
+  } else {
+    const std::uint64_t needed = store_.readBytes(key);
+    // What is being read ahead becomes smaller, or can make room, once it is there.
+    while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
+      if (reading_ == 0) {
+        throw Error(ErrorCode::kBudget, store_.path(), "--memory",
+                    fmt::format("{} is too little: {} are in use and the next brick takes {}",
+                                formatBytes(budget_bytes_), formatBytes(held_bytes_), formatBytes(needed)));
+      }
+      changed_.wait(lock);
+    }
+    slot = begin(key);
+    read(slot, lock);
   }
-  const std::uint64_t needed = store_.readBytes(key);
-  makeRoom(needed);
-  peak_bytes_ = std::max(peak_bytes_, held_bytes_ + needed);
-  const auto begin = std::chrono::steady_clock::now();
-  auto block = std::make_shared<const BrickBlock>(store_.read(key));
-  counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const BrickEntry& entry = store_.index().at(key);
-  ++(entry.constant ? counts_.constants : counts_.reads);
-  counts_.read_bytes += entry.file_bytes;
-  held_bytes_ += block->bytes();
-  recency_.push_front(key);
-  slots_.emplace(key, Slot{block, recency_.begin()});
-  return block;
+  slot->second.asked_for = true;
+  counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  if (slot->second.state == State::kFailed) {
+    const std::exception_ptr failure = slot->second.failure;
+    erase(slot);
+    std::rethrow_exception(failure);
+  }
+  return slot->second.block;
+}
+
+void BrickCache::announce(std::span<const BrickKey> next) {
+  if (readers_.empty()) return;
+  {
+    const Lock lock(mutex_);
+    announced_.assign(next.begin(), next.end());
+  }
+  changed_.notify_all();
+}
+
+void BrickCache::settle() {
+  Lock lock(mutex_);
+  announced_.clear();
+  changed_.wait(lock, [&] { return reading_ == 0; });
+}
+
+// A reader's life: the first announced brick that is not there, as soon as there is room for it.
+void BrickCache::readAhead() {
+  Lock lock(mutex_);
+  while (!closing_) {
+    const auto next =
+        std::find_if(announced_.begin(), announced_.end(), [&](const BrickKey& key) { return !slots_.contains(key); });
+    if (next == announced_.end() || !makeRoom(store_.readBytes(*next), true)) {
+      changed_.wait(lock);
+      continue;
+    }
+    read(begin(*next), lock);
+  }
+}
+
+CacheCounts BrickCache::counts() const {
+  const Lock lock(mutex_);
+  return counts_;
+}
+
+std::uint64_t BrickCache::peakBytes() const {
+  const Lock lock(mutex_);
+  return peak_bytes_;
 }
 
 }  // namespace kiln

@@ -1,11 +1,19 @@
-// Decoded bricks in memory, never more than the user said. Every byte a brick costs is charged, those that its decoding
-// needs for a moment included; the least recently used brick that nobody holds makes room.
+// Decoded bricks in memory, never more than the user said, and read ahead of the frame. Every byte a brick costs is
+// charged before it is read, those that its decoding needs for a moment included; the least recently used brick that
+// nobody holds and nobody has announced makes room. A brick is read once however often it is asked for and announced.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
+#include <deque>
+#include <exception>
 #include <list>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
 
 #include "store/store_reader.h"
 
@@ -15,37 +23,70 @@ struct CacheCounts {
   std::uint64_t reads = 0;       // bricks decoded from a file
   std::uint64_t read_bytes = 0;  // of those files
   std::uint64_t constants = 0;   // bricks made without a file
-  std::uint64_t hits = 0;
-  double load_seconds = 0;
+  std::uint64_t hits = 0;        // bricks that were there, or on their way, when they were asked for
+  std::uint64_t unused = 0;      // bricks read ahead that made room again before anyone asked
+  double load_seconds = 0;       // that `get` took
 };
 
 class BrickCache {
  public:
-  /// throws: Error kBudget where the largest brick does not fit, naming the smallest budget that works.
-  BrickCache(const StoreReader& store, std::uint64_t budget_bytes);
+  /// `readers` threads read what is announced; 0 reads nothing ahead. throws: Error kBudget where the largest brick
+  /// does not fit, naming the smallest budget that works.
+  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0);
+  ~BrickCache();
+  BrickCache(const BrickCache&) = delete;
+  BrickCache& operator=(const BrickCache&) = delete;
 
   /// The brick, from memory or from disk; it stays while the caller holds it. thread: one caller at a time.
   /// throws: Error kBudget where held bricks leave no room, and what StoreReader::read throws.
   std::shared_ptr<const BrickBlock> get(const BrickKey& key);
 
-  const CacheCounts& counts() const { return counts_; }
+  /// Says which bricks will be asked for next, in that order: they are read as far as there is room beside what is held
+  /// and announced. What was announced before and is not now is dropped, if its reading has not begun. A brick that
+  /// cannot be read is no error before it is asked for. thread: as `get`.
+  void announce(std::span<const BrickKey> next);
+  /// Announces nothing, and waits until nothing is being read.
+  void settle();
+
+  /// thread: as `get`, and exact after `settle`.
+  CacheCounts counts() const;
   std::uint64_t budgetBytes() const { return budget_bytes_; }
   /// The most that was charged at any time. unit: bytes.
-  std::uint64_t peakBytes() const { return peak_bytes_; }
+  std::uint64_t peakBytes() const;
 
  private:
+  enum class State { kReading, kReady, kFailed };
   struct Slot {
+    State state = State::kReading;
+    std::uint64_t charged_bytes = 0;
+    bool asked_for = false;
+    bool awaited = false;  // `get` is waiting for it: it stays
     std::shared_ptr<const BrickBlock> block;
+    std::exception_ptr failure;
     std::list<BrickKey>::iterator recency;
   };
-  void makeRoom(std::uint64_t bytes);
+  using Slots = std::map<BrickKey, Slot>;
+  using Lock = std::unique_lock<std::mutex>;
+
+  bool announced(const BrickKey& key) const;
+  bool makeRoom(std::uint64_t bytes, bool spare_announced);
+  Slots::iterator begin(const BrickKey& key);
+  void read(Slots::iterator slot, Lock& lock);
+  void erase(Slots::iterator slot);
+  void readAhead();
 
   const StoreReader& store_;
-  std::uint64_t budget_bytes_;
+  const std::uint64_t budget_bytes_;
+  mutable std::mutex mutex_;  // guards all below
+  std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;
-  std::map<BrickKey, Slot> slots_;
-  std::list<BrickKey> recency_;  // most recent first
+  int reading_ = 0;
+  bool closing_ = false;
+  Slots slots_;
+  std::list<BrickKey> recency_;     // most recent first
+  std::deque<BrickKey> announced_;  // not asked for yet; the next first
   CacheCounts counts_;
+  std::vector<std::thread> readers_;
 };
 
 }  // namespace kiln

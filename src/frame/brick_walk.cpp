@@ -63,6 +63,18 @@ void BrickWalk::run(const Projector& projector, const PixelRect& image, const Vi
   node({projector, image, visibility, draw, counts, log}, top, {0, 0, 0});
 }
 
+std::vector<BrickInView> BrickWalk::inView(const Projector& projector, const PixelRect& image) const {
+  std::vector<BrickInView> out;
+  BrickWalkCounts ignored;
+  run(
+      projector, image, *makeNoVisibility(),
+      [&](const BrickKey& key, const PixelRect& rect) {
+        out.push_back({key, rect});
+      },
+      ignored, nullptr);
+  return out;
+}
+
 void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const {
   const std::uint32_t interesting = interestingBelow(layer, at);
   if (interesting == 0) return;

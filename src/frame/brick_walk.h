@@ -18,6 +18,12 @@ struct BrickWalkCounts {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
 };
 
+/// A brick that may be drawn, and what of the image it can touch.
+struct BrickInView {
+  BrickKey key;
+  PixelRect rect;
+};
+
 class BrickWalk {
  public:
   /// Ranges of every node above a brick of one level. cost: memory of 16 bytes a brick and a seventh.
@@ -29,6 +35,9 @@ class BrickWalk {
   void run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
            const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
            NodeLog* log) const;
+
+  /// The bricks that `run` would draw if nothing hid anything, in its order.
+  std::vector<BrickInView> inView(const Projector& projector, const PixelRect& image) const;
 
  private:
   struct Layer {

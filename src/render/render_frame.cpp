@@ -8,10 +8,14 @@
 
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
+#include "frame/lookahead.h"
 #include "frame/tile_walk.h"
 
 namespace kiln {
 namespace {
+
+// Bricks announced at a time: enough to keep every reader busy while one brick is drawn.
+constexpr std::size_t kAnnounced = 8;
 
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {
   switch (options.method) {
@@ -106,15 +110,19 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
       testsSamples(request.visibility)};
   SplatCounts counts;
   BrickWalkCounts walked;
+  const PixelRect whole{0, 0, image.width, image.height};
+  Lookahead lookahead(bricks.inView(projector, whole), *visibility);
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
+    cache.announce(lookahead.after(key, kAnnounced));
     counts.add(drawBrick(frame, *block, image, rect, request));
   };
-  bricks.run(projector, {0, 0, image.width, image.height}, *visibility, draw, walked, request.node_log);
+  bricks.run(projector, whole, *visibility, draw, walked, request.node_log);
+  cache.settle();
   layOverBackground(image, request.background);
 
-  const CacheCounts& after = cache.counts();
+  const CacheCounts after = cache.counts();
   statistics.voxels_visited = counts.visited;
   statistics.voxels_splats = counts.splats;
   statistics.nodes_tested = counts.nodes_tested + walked.nodes_tested;
@@ -123,6 +131,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   statistics.bricks_interesting = walked.interesting;
   statistics.bricks_hidden = walked.hidden;
   statistics.bricks_read = after.reads - before.reads;
+  statistics.bricks_unused = after.unused - before.unused;
   statistics.bricks_read_bytes = after.read_bytes - before.read_bytes;
   statistics.load_s = after.load_seconds - before.load_seconds;
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -60,7 +60,9 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   if (!job.output.path.empty()) requireImagePath(job.output.path);
   const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
-  BrickCache cache(store, job.speed.memory_bytes);
+  // One thread reads nothing ahead, so that its statistics repeat.
+  const unsigned readers = ThreadLimit::active() > 1 ? ThreadLimit::active() : 0;
+  BrickCache cache(store, job.speed.memory_bytes, readers);
   RenderResult result;
   result.camera = cameraFor(job.picture, store);
   result.transfer_function = transferFunctionFor(job.picture, store);

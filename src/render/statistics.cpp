@@ -13,6 +13,7 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"interesting", frame.bricks_interesting},
             {"read", frame.bricks_read},
             {"hidden", frame.bricks_hidden},
+            {"unused", frame.bricks_unused},
             {"read_bytes", frame.bricks_read_bytes}}}};
 }
 

