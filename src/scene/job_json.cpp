@@ -84,6 +84,14 @@ std::string shownValue(const json& value) {
   return shown;
 }
 
+// "a", "b" or "c", in quotes.
+std::string listOf(std::span<const std::string_view> names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "\"" : i + 1 < names.size() ? ", \"" : " or \"") + std::string(names[i]) + "\"";
+  return out;
+}
+
 }  // namespace
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known) {
@@ -170,12 +178,59 @@ std::optional<std::string> JobObject::text(std::string_view key, std::string_vie
 std::optional<std::size_t> JobObject::choice(std::string_view key, std::span<const std::string_view> names) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
-  std::string known;
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i)
     if (value->is_string() && value->get_ref<const std::string&>() == names[i]) return i;
-    known += (i == 0 ? "\"" : i + 1 < names.size() ? ", \"" : " or \"") + std::string(names[i]) + "\"";
+  refuse(key, listOf(names));
+}
+
+std::optional<bool> JobObject::flag(std::string_view key) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_boolean()) refuse(key, "true or false");
+  return value->get<bool>();
+}
+
+std::optional<std::vector<std::size_t>> JobObject::choices(std::string_view key,
+                                                           std::span<const std::string_view> names) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_array()) refuse(key, "a list of " + listOf(names));
+  std::vector<std::size_t> out;
+  for (const json& item : *value) {
+    const auto found = std::find_if(names.begin(), names.end(), [&](std::string_view name) {
+      return item.is_string() && item.get_ref<const std::string&>() == name;
+    });
+    const auto place = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end() || std::find(out.begin(), out.end(), place) != out.end())
+      refuse(key, "a list of " + listOf(names) + ", none of them twice");
+    out.push_back(place);
   }
-  refuse(key, known);
+  return out;
+}
+
+std::optional<std::vector<double>> JobObject::numberList(std::string_view key, std::string_view expected,
+                                                         bool (*legal)(double)) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_array()) refuse(key, expected);
+  std::vector<double> out(value->size());
+  fill(key, expected, legal, out);
+  return out;
+}
+
+std::optional<std::vector<std::array<double, 2>>> JobObject::pairs(std::string_view key, std::string_view expected,
+                                                                   bool (*legal)(double)) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_array()) refuse(key, expected);
+  std::vector<std::array<double, 2>> out;
+  for (const json& item : *value) {
+    if (!item.is_array() || item.size() != 2) refuse(key, expected);
+    for (const json& number : item)
+      if (!number.is_number() || !legal(number.get<double>())) refuse(key, expected);
+    out.push_back({item[0].get<double>(), item[1].get<double>()});
+  }
+  return out;
 }
 
 std::optional<JobObject> JobObject::object(std::string_view key) const {

@@ -6,8 +6,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory.h"
-#include "scene/job_json.h"
 #include "scene/job_names.h"
+#include "scene/job_parts.h"
 #include "scene/presets.h"
 #include "scene/transfer_function_json.h"
 
@@ -37,44 +37,6 @@ void readImage(const JobObject& object, PictureOptions& picture) {
           .value_or(picture.background);
 }
 
-CameraSpec cameraFrom(const JobObject& object) {
-  object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
-  CameraSpec spec;
-  if (const auto place = object.choice("projection", kProjectionNames))
-    spec.projection = static_cast<Projection>(*place);
-  spec.eye = vectorFrom(object, "eye");
-  spec.target = vectorFrom(object, "target");
-  spec.up = vectorFrom(object, "up");
-  spec.fov_deg = object.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; });
-  spec.height = object.number("height", "a number of world units above 0", legal::positiveLength);
-  if (const auto place = object.choice("view", kSideNames)) spec.side = static_cast<Side>(*place);
-  spec.azimuth_deg = object.number("azimuth", "a number of degrees from -3600 to 3600",
-                                   [](double v) { return v >= -3600 && v <= 3600; });
-  spec.elevation_deg =
-      object.number("elevation", "a number of degrees from -90 to 90", [](double v) { return v >= -90 && v <= 90; });
-  spec.zoom = object.number("zoom", "a number from 0.001 to 1000000", [](double v) { return v >= 1e-3 && v <= 1e6; });
-  return spec;
-}
-
-Shading shadingFrom(const JobObject& object) {
-  object.requireKnown({"model", "light", "ambient", "diffuse", "specular", "power"});
-  static constexpr std::array<std::string_view, 2> kModels = {"phong", "none"};
-  static constexpr std::array<std::string_view, 1> kLights = {"headlight"};
-  Shading shading;
-  shading.phong = object.choice("model", kModels).value_or(0) == 0;
-  object.choice("light", kLights);
-  const auto weight = [&](std::string_view key, double otherwise) {
-    const auto legal_weight = [](double v) { return v >= 0 && v <= 1000; };
-    return object.number(key, "a number from 0 to 1000", legal_weight).value_or(otherwise);
-  };
-  shading.ambient = weight("ambient", shading.ambient);
-  shading.diffuse = weight("diffuse", shading.diffuse);
-  shading.specular = weight("specular", shading.specular);
-  shading.power = object.number("power", "a number from 0 to 10000", [](double v) { return v >= 0 && v <= 1e4; })
-                      .value_or(shading.power);
-  return shading;
-}
-
 void readVisibility(const JobObject& object, RenderJob& job) {
   object.requireKnown({"method", "threshold", "area", "epsilon", "samples"});
   VisibilityOptions& visibility = job.speed.visibility;
@@ -89,27 +51,6 @@ void readVisibility(const JobObject& object, RenderJob& job) {
   const auto legal_threshold = [](double v) { return v > 0 && v <= 1; };
   job.picture.opacity_threshold = object.number("threshold", "a number above 0 and up to 1", legal_threshold)
                                       .value_or(job.picture.opacity_threshold);
-}
-
-// A name without a dot or a slash that is no preset is a misspelt preset, not a file.
-void readTransferFunctionKey(const JobObject& root, PictureOptions& picture) {
-  if (!root.has("transferFunction")) return;
-  if (!root.isText("transferFunction")) {
-    picture.transfer_function = transferFunctionFrom(*root.object("transferFunction"));
-    return;
-  }
-  const std::string name = *root.text("transferFunction", "a preset, a file or an object");
-  const std::vector<std::string>& presets = presetNames();
-  if (std::find(presets.begin(), presets.end(), name) != presets.end()) {
-    picture.transfer_function = name;
-  } else if (name.find_first_of("./") != std::string::npos) {
-    picture.transfer_function = besideJob(name, root.path());
-  } else {
-    const std::vector<std::string_view> words(presets.begin(), presets.end());
-    root.complain("transferFunction", "'" + name +
-                                          "' is neither a preset nor a file name with an ending; did you mean '" +
-                                          std::string(nearestWord(name, words)) + "'?");
-  }
 }
 
 void readLatticeAndLevel(const JobObject& root) {
@@ -156,6 +97,58 @@ void readOutput(const JobObject& root, OutputOptions& output) {
 
 }  // namespace
 
+CameraSpec cameraFrom(const JobObject& object) {
+  object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
+  CameraSpec spec;
+  if (const auto place = object.choice("projection", kProjectionNames))
+    spec.projection = static_cast<Projection>(*place);
+  spec.eye = vectorFrom(object, "eye");
+  spec.target = vectorFrom(object, "target");
+  spec.up = vectorFrom(object, "up");
+  spec.fov_deg = object.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; });
+  spec.height = object.number("height", "a number of world units above 0", legal::positiveLength);
+  if (const auto place = object.choice("view", kSideNames)) spec.side = static_cast<Side>(*place);
+  spec.azimuth_deg = object.number("azimuth", "a number of degrees from -3600 to 3600",
+                                   [](double v) { return v >= -3600 && v <= 3600; });
+  spec.elevation_deg =
+      object.number("elevation", "a number of degrees from -90 to 90", [](double v) { return v >= -90 && v <= 90; });
+  spec.zoom = object.number("zoom", "a number from 0.001 to 1000000", [](double v) { return v >= 1e-3 && v <= 1e6; });
+  return spec;
+}
+
+Shading shadingFrom(const JobObject& object) {
+  object.requireKnown({"model", "light", "ambient", "diffuse", "specular", "power"});
+  static constexpr std::array<std::string_view, 2> kModels = {"phong", "none"};
+  static constexpr std::array<std::string_view, 1> kLights = {"headlight"};
+  Shading shading;
+  shading.phong = object.choice("model", kModels).value_or(0) == 0;
+  object.choice("light", kLights);
+  const auto weight = [&](std::string_view key, double otherwise) {
+    const auto legal_weight = [](double v) { return v >= 0 && v <= 1000; };
+    return object.number(key, "a number from 0 to 1000", legal_weight).value_or(otherwise);
+  };
+  shading.ambient = weight("ambient", shading.ambient);
+  shading.diffuse = weight("diffuse", shading.diffuse);
+  shading.specular = weight("specular", shading.specular);
+  shading.power = object.number("power", "a number from 0 to 10000", [](double v) { return v >= 0 && v <= 1e4; })
+                      .value_or(shading.power);
+  return shading;
+}
+
+// A name without a dot or a slash that is no preset is a misspelt preset, not a file.
+std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner) {
+  if (!owner.has("transferFunction")) return std::nullopt;
+  if (!owner.isText("transferFunction")) return transferFunctionFrom(*owner.object("transferFunction"));
+  const std::string name = *owner.text("transferFunction", "a preset, a file or an object");
+  const std::vector<std::string>& presets = presetNames();
+  if (std::find(presets.begin(), presets.end(), name) != presets.end()) return name;
+  if (name.find_first_of("./") != std::string::npos) return besideJob(name, owner.path());
+  const std::vector<std::string_view> words(presets.begin(), presets.end());
+  owner.complain("transferFunction", "'" + name +
+                                         "' is neither a preset nor a file name with an ending; did you mean '" +
+                                         std::string(nearestWord(name, words)) + "'?");
+}
+
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "shading", "visibility",
@@ -167,7 +160,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.volume = besideJob(*volume, path);
   if (const auto image = root.object("image")) readImage(*image, job.picture);
   if (const auto camera = root.object("camera")) job.picture.camera = cameraFrom(*camera);
-  readTransferFunctionKey(root, job.picture);
+  if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root);

@@ -56,13 +56,15 @@ struct CameraSpec {
   Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
 };
 
+/// The name of a preset, a transfer function file's path, or the function itself.
+using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
+
 /// What the picture is.
 struct PictureOptions {
   ImageSize size;
   std::array<double, 4> background{0, 0, 0, 0};  // linear, premultiplied
   CameraSpec camera;
-  /// The name of a preset, a transfer function file's path, or the function itself.
-  std::variant<std::string, std::filesystem::path, TransferFunction> transfer_function = std::string("auto");
+  TransferFunctionChoice transfer_function = std::string("auto");
   Shading shading;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
