@@ -39,6 +39,17 @@ int displayed(float linear) {
   return static_cast<int>(std::lround(255 * srgbFromLinear(clamped)));
 }
 
+// Lee and Ihm §3.3. Premultiplied values are what is seen over black.
+double displayDistance(const float* a, const float* b) {
+  if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) return 0;
+  int squares = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const int d = displayed(a[c]) - displayed(b[c]);
+    squares += d * d;
+  }
+  return std::sqrt(squares);
+}
+
 // Lee and Ihm, Figure 11. unit: sRGB, 0..1.
 std::array<double, 3> mapColor(double distance) {
   static constexpr std::array<std::array<double, 3>, 9> kMap = {
@@ -81,16 +92,27 @@ ImageDifference compareImages(const Image& a, const Image& b) {
   return out;
 }
 
+void DistanceHistogram::add(const DistanceHistogram& other) {
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] += other.pixels[i];
+  largest = std::max(largest, other.largest);
+}
+
+DistanceHistogram distanceHistogram(const Image& a, const Image& b) {
+  requireEqualSizes(a, b);
+  DistanceHistogram out;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+    const double distance = displayDistance(&a.rgba[i], &b.rgba[i]);
+    ++out.pixels[static_cast<std::size_t>(std::min(std::ceil(distance), 9.0))];
+    out.largest = std::max(out.largest, distance);
+  }
+  return out;
+}
+
 Image differenceImage(const Image& a, const Image& b) {
   requireEqualSizes(a, b);
   Image out(a.width, a.height);
   for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
-    int squares = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int d = displayed(a.rgba[i + c]) - displayed(b.rgba[i + c]);
-      squares += d * d;
-    }
-    const std::array<double, 3> color = mapColor(std::sqrt(squares));
+    const std::array<double, 3> color = mapColor(displayDistance(&a.rgba[i], &b.rgba[i]));
     for (std::size_t c = 0; c < 3; ++c) out.rgba[i + c] = static_cast<float>(linearFromSrgb(color[c]));
     out.rgba[i + 3] = 1;
   }

@@ -96,6 +96,25 @@ TEST(DifferenceImage, HasTheColoursOfThePaper) {
   }
 }
 
+// Red apart by 0, 1, 3 and 200 steps, and a 3-4 right triangle: each in the bin that ends at its distance.
+TEST(DistanceHistogram, CountsPixelsByTheirDistance) {
+  Image a(5, 1), b(5, 1);
+  const int apart[5][2] = {{0, 0}, {1, 0}, {3, 0}, {200, 0}, {3, 4}};
+  for (int x = 0; x < 5; ++x) {
+    for (int c = 0; c < 2; ++c) {
+      a.pixel(x, 0)[c] = light(10);
+      b.pixel(x, 0)[c] = light(10 + apart[x][c]);
+    }
+  }
+  DistanceHistogram histogram = distanceHistogram(a, b);
+  EXPECT_EQ(histogram.pixels, (std::array<std::uint64_t, 10>{1, 1, 0, 1, 0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(histogram.largest, 200);
+  histogram.add(distanceHistogram(a, a));
+  EXPECT_EQ(histogram.pixels[0], 6u);
+  EXPECT_EQ(histogram.largest, 200);
+  EXPECT_THROW(distanceHistogram(Image(2, 3), Image(3, 2)), Error);
+}
+
 // 3-4 right triangle: a distance of 5 over two channels is magenta.
 TEST(DifferenceImage, DistanceIsEuclidean) {
   const Image d =
