@@ -1,0 +1,13 @@
+// Bytes as text, for pictures inside of an HTML page. Source: RFC 4648 §4.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace kiln {
+
+/// shape: 4 characters for every 3 bytes begun, padded with '='.
+std::string base64Of(std::span<const std::byte> data);
+
+}  // namespace kiln

@@ -1,0 +1,96 @@
+#include "bench/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "base/error.h"
+#include "bench/node_slice_drawing.h"
+#include "bench/report_csv.h"
+#include "bench/report_figures.h"
+#include "bench/report_html.h"
+#include "bench/report_json.h"
+#include "scene/job_names.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::array<std::string_view, 6> kParts = {"report.html", "report.json", "measurements.csv",
+                                                    "suite.json",  "pictures",    "stores"};
+
+// A case's name as part of a file's.
+std::string fileWord(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return out;
+}
+
+class PictureFiles {
+ public:
+  PictureFiles(const Measurements& m, const fs::path& directory, FileSystem& disk)
+      : m_(m), directory_(directory), disk_(disk) {}
+
+  void write() {
+    disk_.removeAll(directory_);
+    disk_.makeDirectories(directory_);
+    for (const Picture& p : m_.pictures) png("picture", p.case_index, p.projection, "", p.png);
+    for (const ArtifactStudy& a : m_.artifacts) {
+      png("artifacts", a.case_index, a.projection, "-exact", a.exact_png);
+      png("artifacts", a.case_index, a.projection, "-quadtree", a.approximate_png);
+      png("artifacts", a.case_index, a.projection, "-difference", a.difference_png);
+      if (!a.difference_enough_png.empty())
+        png("artifacts", a.case_index, a.projection, "-difference-enlarged", a.difference_enough_png);
+    }
+    for (const NodeSlice& s : m_.slices) {
+      const std::string method(kVisibilityNames[static_cast<std::size_t>(s.method)]);
+      disk_.writeAtomic(directory_ / (stem("nodes", s.case_index, s.projection) + "-" + method + ".svg"),
+                        drawNodeSlice(s, m_.volumes[s.case_index]).file());
+    }
+  }
+
+ private:
+  std::string stem(std::string_view what, std::size_t case_index, Projection projection) const {
+    return fmt::format("{}-{:02}-{}-{}", what, case_index, fileWord(m_.suite.cases[case_index].name),
+                       kProjectionNames[static_cast<std::size_t>(projection)]);
+  }
+  void png(std::string_view what, std::size_t case_index, Projection projection, std::string_view ending,
+           const std::vector<std::byte>& data) {
+    disk_.writeAtomic(directory_ / (stem(what, case_index, projection) + std::string(ending) + ".png"), data);
+  }
+
+  const Measurements& m_;
+  fs::path directory_;
+  FileSystem& disk_;
+};
+
+}  // namespace
+
+void requireReportDirectory(const fs::path& directory) {
+  std::error_code error;
+  const fs::file_status status = fs::status(directory, error);
+  if (!fs::exists(status)) return;
+  if (!fs::is_directory(status)) throw Error(ErrorCode::kUsage, directory, "", "is no directory; a report is one");
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    std::string name = entry.path().filename().string();
+    if (name.ends_with(".tmp")) name.resize(name.size() - 4);  // what a kill left of an atomic write
+    if (std::find(kParts.begin(), kParts.end(), name) != kParts.end()) continue;
+    throw Error(ErrorCode::kExists, directory, "",
+                "holds '" + name +
+                    "', which is no part of a report; name a directory that is new or holds an earlier "
+                    "report");
+  }
+}
+
+void writeReport(const Measurements& m, const fs::path& directory, FileSystem& disk) {
+  disk.makeDirectories(directory);
+  PictureFiles(m, directory / "pictures", disk).write();
+  disk.writeAtomic(directory / "suite.json", m.suite.text);
+  disk.writeAtomic(directory / "measurements.csv", measurementsCsv(m));
+  disk.writeAtomic(directory / "report.json", measurementsJson(m));
+  disk.writeAtomic(directory / "report.html", measurementsHtml(m));
+}
+
+}  // namespace kiln
