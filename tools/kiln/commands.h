@@ -22,5 +22,6 @@ void addExport(CLI::App& app, Context& context);
 void addSlice(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
+void addBench(CLI::App& app, Context& context);
 
 }  // namespace kiln::tool

@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   addSlice(app, context);
   addRender(app, context);
   addCompare(app, context);
+  addBench(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -1,0 +1,47 @@
+#include <fmt/format.h>
+
+#include "bench/report.h"
+#include "bench/report_text.h"
+#include "bench/run_suite.h"
+#include "commands.h"
+#include "source_arguments.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string suite, output;
+  bool quick = false;
+};
+
+void run(const Arguments& a, Context& context) {
+  Suite suite = readSuite(a.suite);
+  if (a.quick) suite = quickened(suite);
+  const fs::path directory = a.output;
+  requireReportDirectory(directory);
+  const BenchOptions options{storesOf(directory), context.command_line, timeNow()};
+  const auto say = [&](const Measurements& m, const MeasuredRun& measured) {
+    context.progress.clear();
+    fmt::print("{}", runText(m, measured));
+    std::fflush(stdout);
+  };
+  const Measurements measurements = runSuite(suite, options, context.progress, say);
+  writeReport(measurements, directory);
+  context.progress.clear();
+  fmt::print("\n{}{}\n", standingsText(measurements), fs::absolute(directory / "report.html").string());
+}
+
+}  // namespace
+
+void addBench(CLI::App& app, Context& context) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("bench", "measure the visibility methods over a suite of volumes and write a report");
+  command->add_option("SUITE", a->suite, "what to measure: JSON")->required();
+  command->add_option("-o,--output", a->output, "the report's directory, new or with an earlier report")->required();
+  command->add_flag("--quick", a->quick, "fewer views and sizes: a look, not a measurement");
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
