@@ -1,10 +1,9 @@
 #include "bench/suite_stores.h"
 
 #include <chrono>
-#include <system_error>
 
 #include "base/hash.h"
-#include "convert/convert.h"
+#include "convert/foreign_cache.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -19,24 +18,6 @@ fs::path storeName(const std::string& volume) {
   return stem + "-" + toHex(hashOf(std::string_view(volume))).substr(0, 8) + ".kiln";
 }
 
-// A store is up to date if it was finished after its source was last written, and has its voxels' shape and type.
-bool upToDate(const fs::path& store, const SourceInfo& info) {
-  std::error_code error;
-  const auto finished = fs::last_write_time(store / "manifest.json", error);
-  if (error) return false;
-  for (const fs::path& file : info.files) {
-    const auto written = fs::last_write_time(file, error);
-    if (!error && written > finished) return false;  // a phantom has no file
-  }
-  try {
-    const StoreReader reader(store);
-    return reader.manifest().type == info.type && reader.manifest().geometry().dims == info.geometry.dims &&
-           reader.manifest().geometry().world_from_index == info.geometry.world_from_index;
-  } catch (const Error&) {
-    return false;  // damaged, or of another format: made anew
-  }
-}
-
 }  // namespace
 
 SuiteStore suiteStore(const std::string& volume, const fs::path& stores, const std::string& command,
@@ -44,7 +25,7 @@ SuiteStore suiteStore(const std::string& volume, const fs::path& stores, const s
   if (isStore(volume)) return {volume, 0};
   const std::unique_ptr<VolumeSource> source = openSource(volume);
   const fs::path store = stores / storeName(volume);
-  if (upToDate(store, source->info())) return {store, 0};
+  if (isStoreOf(store, source->info())) return {store, 0};
   FileSystem::real().makeDirectories(stores);
   ConvertOptions options;
   options.overwrite = true;

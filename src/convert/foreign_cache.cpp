@@ -9,8 +9,6 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Whether the store holds the volume that the file and the options describe now: other --dims or another --endian make
-// another volume.
 bool sameVolume(const fs::path& store, const SourceInfo& info) {
   try {
     const Manifest manifest = StoreReader(store).manifest();
@@ -24,19 +22,19 @@ bool sameVolume(const fs::path& store, const SourceInfo& info) {
   }
 }
 
-// A store is up to date if it was finished after each of its source's files was last written.
-bool upToDate(const fs::path& store, const SourceInfo& info) {
+}  // namespace
+
+bool isStoreOf(const fs::path& store, const SourceInfo& info) {
   std::error_code error;
   const auto finished = fs::last_write_time(store / "manifest.json", error);
   if (error) return false;
   for (const fs::path& file : info.files) {
+    if (namesPhantom(file)) continue;
     const auto written = fs::last_write_time(file, error);
     if (error || written > finished) return false;
   }
   return sameVolume(store, info);
 }
-
-}  // namespace
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress) {
@@ -52,7 +50,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
   const fs::path store = input.string() + ".kiln";
-  if (upToDate(store, source->info())) {
+  if (isStoreOf(store, source->info())) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }

@@ -11,4 +11,8 @@ namespace kiln {
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress);
 
+/// Whether `store` was finished after each file of the source was last written, and holds the volume that the source
+/// describes now: other --dims or another --endian make another volume.
+bool isStoreOf(const std::filesystem::path& store, const SourceInfo& info);
+
 }  // namespace kiln
