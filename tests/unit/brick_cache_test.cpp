@@ -46,7 +46,7 @@ TEST_F(BrickCacheTest, ReadsABrickOnceHoweverOftenItIsWanted) {
 }
 
 TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
-  for (std::uint64_t percent = 100; percent <= 600; percent += 50) {
+  for (std::uint64_t percent = 100; percent <= 600; percent += 125) {
     BrickCache cache(*store_, largest_ * percent / 100, 2);
     for (std::size_t i = 0; i < keys_.size(); ++i) {
       const auto block = cache.get(keys_[i]);
@@ -60,12 +60,12 @@ TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
 }
 
 TEST_F(BrickCacheTest, KeepsTheBudgetWhateverIsAskedAndAnnounced) {
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
     Random random(seed);
     const auto any = [&] { return keys_[static_cast<std::size_t>(random.between(0, 26))]; };
     BrickCache cache(*store_, largest_ * 4, static_cast<unsigned>(random.between(0, 4)));
     std::shared_ptr<const BrickBlock> held;
-    for (int step = 0; step < 100; ++step) {
+    for (int step = 0; step < 50; ++step) {
       std::vector<BrickKey> next;
       for (int i = random.between(0, 9); i > 0; --i) next.push_back(any());
       cache.announce(next);
