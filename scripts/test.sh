@@ -36,7 +36,7 @@ for preset in "${presets[@]}"; do
   chosen=()
   targets=()
   if [ "$preset" = tsan ]; then
-    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks')
+    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench')
     targets=(--target kiln_unit_tests kiln_property_tests)
   fi
   cmake --preset "$preset" "${configure[@]}"

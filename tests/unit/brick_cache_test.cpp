@@ -65,7 +65,7 @@ TEST_F(BrickCacheTest, KeepsTheBudgetWhateverIsAskedAndAnnounced) {
     const auto any = [&] { return keys_[static_cast<std::size_t>(random.between(0, 26))]; };
     BrickCache cache(*store_, largest_ * 4, static_cast<unsigned>(random.between(0, 4)));
     std::shared_ptr<const BrickBlock> held;
-    for (int step = 0; step < 50; ++step) {
+    for (int step = 0; step < 30; ++step) {
       std::vector<BrickKey> next;
       for (int i = random.between(0, 9); i > 0; --i) next.push_back(any());
       cache.announce(next);
