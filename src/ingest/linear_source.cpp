@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "ingest/gather_rows.h"
 #include "ingest/inflate_stream.h"
+#include "ingest/value_map.h"
 
 namespace kiln {
 namespace {
@@ -21,51 +21,6 @@ namespace {
 constexpr std::size_t kChunkBytes = 1 << 20;
 // No deflate stream expands more (zlib's technical notes, "Maximum Compression Factor").
 constexpr std::uint64_t kMaxExpansion = 1032;
-
-void swapBytes(std::byte* data, std::size_t count, std::size_t size) noexcept {
-  for (std::size_t i = 0; i < count; ++i, data += size) std::reverse(data, data + size);
-}
-
-// Rounds once; an integer saturates, and NaN becomes 0.
-template <class T>
-T rounded(double value) noexcept {
-  if constexpr (std::is_floating_point_v<T>) {
-    return static_cast<T>(value);
-  } else {
-    if (std::isnan(value)) return 0;
-    constexpr double kLo = std::numeric_limits<T>::min(), kHi = std::numeric_limits<T>::max();
-    return static_cast<T>(std::clamp(std::nearbyint(value), kLo, kHi));
-  }
-}
-
-// From the bytes of a file to values in memory.
-struct ValueMap {
-  VoxelType from, to;
-  bool swap;
-  double slope, intercept;
-
-  // The bytes are the values, but for their order.
-  bool copies() const { return from == to && slope == 1 && intercept == 0; }
-
-  void order(std::byte* data, std::size_t count) const noexcept {
-    if (swap && sizeOf(from) > 1) swapBytes(data, count, sizeOf(from));
-  }
-
-  void apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {
-    withVoxelType(from, [&](auto from_type) {
-      withVoxelType(to, [&](auto to_type) {
-        using From = typename decltype(from_type)::type;
-        using To = typename decltype(to_type)::type;
-        for (std::size_t i = 0; i < count; ++i) {
-          From stored;
-          std::memcpy(&stored, in + i * sizeof(From), sizeof(From));
-          const To value = rounded<To>(static_cast<double>(stored) * slope + intercept);
-          std::memcpy(out + i * sizeof(To), &value, sizeof(To));
-        }
-      });
-    });
-  }
-};
 
 ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
   const bool machine_big_endian = std::endian::native == std::endian::big;
@@ -86,8 +41,6 @@ class RawSource : public VolumeSource {
 
  private:
   void gather(const VoxelBox& box, std::byte* out) const;
-  void gatherRows(std::uint64_t first, std::uint64_t rows, std::uint64_t row_bytes, std::uint64_t stride,
-                  std::byte* out) const;
 
   SourceInfo info_;
   ValueMap map_;
@@ -128,28 +81,10 @@ void RawSource::gather(const VoxelBox& box, std::byte* out) const {
   const std::uint64_t line = dims.x * size, slice = dims.y * line, row = n.x * size;
   const std::uint64_t first = first_byte_ + box.lo.z * slice + box.lo.y * line + box.lo.x * size;
   const bool whole_x = n.x == dims.x, whole_y = n.y == dims.y;
-  if (whole_x && whole_y) return gatherRows(first, 1, n.z * slice, n.z * slice, out);
-  if (whole_x) return gatherRows(first, n.z, n.y * row, slice, out);
-  if (whole_y) return gatherRows(first, n.y * n.z, row, line, out);
-  for (std::int64_t z = 0; z < n.z; ++z) gatherRows(first + z * slice, n.y, row, line, out + z * n.y * row);
-}
-
-void RawSource::gatherRows(std::uint64_t first, std::uint64_t rows, std::uint64_t row_bytes, std::uint64_t stride,
-                           std::byte* out) const {
-  // Short rows close together: one read over the gaps moves less than twice the bytes and saves a call a row.
-  const bool together = rows > 1 && stride < 2 * row_bytes && stride + row_bytes <= kChunkBytes;
-  const std::uint64_t group = together ? (kChunkBytes - row_bytes) / stride + 1 : 1;
-  std::vector<std::byte> run(together ? static_cast<std::size_t>((std::min(group, rows) - 1) * stride + row_bytes) : 0);
-  for (std::uint64_t r = 0; r < rows; r += group, first += group * stride) {
-    const std::uint64_t count = std::min(group, rows - r);
-    if (!together) {
-      file_.readAt(first, {out, static_cast<std::size_t>(row_bytes)});
-      out += row_bytes;
-      continue;
-    }
-    file_.readAt(first, std::span(run).first(static_cast<std::size_t>((count - 1) * stride + row_bytes)));
-    for (std::uint64_t i = 0; i < count; ++i, out += row_bytes) std::memcpy(out, run.data() + i * stride, row_bytes);
-  }
+  if (whole_x && whole_y) return gatherRows(file_, first, 1, n.z * slice, n.z * slice, out);
+  if (whole_x) return gatherRows(file_, first, n.z, n.y * row, slice, out);
+  if (whole_y) return gatherRows(file_, first, n.y * n.z, row, line, out);
+  for (std::int64_t z = 0; z < n.z; ++z) gatherRows(file_, first + z * slice, n.y, row, line, out + z * n.y * row);
 }
 
 class StreamSource : public VolumeSource {

@@ -1,0 +1,43 @@
+#include "ingest/value_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace kiln {
+namespace {
+
+template <class T>
+T rounded(double value) noexcept {
+  if constexpr (std::is_floating_point_v<T>) {
+    return static_cast<T>(value);
+  } else {
+    if (std::isnan(value)) return 0;
+    constexpr double kLo = std::numeric_limits<T>::min(), kHi = std::numeric_limits<T>::max();
+    return static_cast<T>(std::clamp(std::nearbyint(value), kLo, kHi));
+  }
+}
+
+}  // namespace
+
+void swapBytes(std::byte* data, std::size_t count, std::size_t size) noexcept {
+  for (std::size_t i = 0; i < count; ++i, data += size) std::reverse(data, data + size);
+}
+
+void ValueMap::apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {
+  withVoxelType(from, [&](auto from_type) {
+    withVoxelType(to, [&](auto to_type) {
+      using From = typename decltype(from_type)::type;
+      using To = typename decltype(to_type)::type;
+      for (std::size_t i = 0; i < count; ++i) {
+        From stored;
+        std::memcpy(&stored, in + i * sizeof(From), sizeof(From));
+        const To value = rounded<To>(static_cast<double>(stored) * slope + intercept);
+        std::memcpy(out + i * sizeof(To), &value, sizeof(To));
+      }
+    });
+  });
+}
+
+}  // namespace kiln
