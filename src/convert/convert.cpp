@@ -19,24 +19,27 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// How the memory is used: one window of slices where the source is a stream, and a lane of buffers a thread.
+// How the memory is used: one window of slices where the source is a stream, and a lane of buffers a thread; a source
+// that decodes more than it is asked for may keep that in what is left.
 struct Plan {
   std::uint64_t window_bytes = 0;
   std::uint64_t lane_bytes = 0;
   std::size_t lanes = 1;
-  std::uint64_t total() const { return window_bytes + lanes * lane_bytes; }
+  std::uint64_t kept_bytes = 0;
+  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + kept_bytes; }
 };
 
-Plan planMemory(const SourceInfo& info, ReadOrder order, const ConvertOptions& options) {
+Plan planMemory(const VolumeSource& source, const ConvertOptions& options) {
+  const SourceInfo& info = source.info();
   Plan plan;
   const std::int64_t padded = options.brick_size + 2 * kApron;
-  if (order == ReadOrder::kForwardSlices) plan.window_bytes = SlabWindow::bytesFor(info, padded);
+  if (source.order() == ReadOrder::kForwardSlices) plan.window_bytes = SlabWindow::bytesFor(info, padded);
   const Extent3& dims = info.geometry.dims;
   const auto voxels =
       static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
   // A lane holds the box as read, its grids (8 bytes a voxel at most), the file, and the counts by value.
   const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
-  plan.lane_bytes = voxels * (2 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20);
+  plan.lane_bytes = voxels * (2 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20) + source.decodeBytes();
   const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
   if (smallest > options.memory_bytes) {
     throw Error(ErrorCode::kBudget, info.files.empty() ? fs::path() : info.files.front(), "--memory",
@@ -46,6 +49,10 @@ Plan planMemory(const SourceInfo& info, ReadOrder order, const ConvertOptions& o
   }
   const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min<std::uint64_t>(fitting, ThreadLimit::active()));
+  if (source.decodeBytes() > 0) {
+    const std::uint64_t volume_bytes = static_cast<std::uint64_t>(dims.count()) * sizeOf(info.type);
+    plan.kept_bytes = std::min(options.memory_bytes - plan.total(), volume_bytes);
+  }
   return plan;
 }
 
@@ -198,7 +205,9 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
                 "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
   }
   const SourceInfo& info = source.info();
-  const Plan plan = planMemory(info, source.order(), options);
+  for (const std::string& note : info.notes) progress.note(note);
+  const Plan plan = planMemory(source, options);
+  source.keepDecoded(plan.kept_bytes);
   Destination destination(withoutTrailingSlash(out), options.overwrite, disk);
   ConvertReport report;
   std::optional<StoreWriter> begun;

@@ -39,6 +39,8 @@ struct SourceInfo {
   /// The value of empty space where the source defines one, else 0.
   double background = 0;
   std::optional<VdbOrigin> vdb;
+  /// Sentences the user should see: files passed over, choices made for them.
+  std::vector<std::string> notes;
 };
 
 enum class ReadOrder {
@@ -57,6 +59,11 @@ class VolumeSource {
   virtual void read(const VoxelBox& box, std::span<std::byte> out) = 0;
   /// After the last voxel: throws where a stream's own checksum or length does not agree with what was read.
   virtual void finish() {}
+  /// What one read holds for a moment beside its `out`: a strip, a tile or a slice that is packed as one. unit: bytes.
+  virtual std::uint64_t decodeBytes() const { return 0; }
+  /// Lets the source keep up to `bytes` of what it decoded, as neighbouring boxes share it. requires: no read under
+  /// way.
+  virtual void keepDecoded(std::uint64_t /*bytes*/) {}
 };
 
 /// What a user may say of a source; empty means "as the file says".
@@ -67,9 +74,11 @@ struct SourceOptions {
   std::uint64_t skip_bytes = 0;          // headerless raw
   std::optional<glm::dvec3> spacing;     // replaces the spacing of a file without directions
   std::optional<std::string> grid_name;  // OpenVDB
+  std::optional<std::string> series;     // DICOM: the UID of the series where there are several
+  bool allow_irregular = false;          // DICOM: slices at unequal distances, missing or tilted
 };
 
-/// Opens `input` by what it holds (its first bytes, then its name).
+/// Opens `input` by what it holds (its first bytes, then its name); a directory by the slices in it.
 /// throws: Error kNotFound, kFormat, kUnsupported (naming what it is: vector data, an unknown format), kUsage where raw
 /// data comes without --dims and --type or an option does not apply to the format.
 std::unique_ptr<VolumeSource> openSource(const std::filesystem::path& input, const SourceOptions& options = {});
