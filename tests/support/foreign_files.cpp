@@ -69,6 +69,8 @@ ForeignFiles::~ForeignFiles() {
 
 fs::path ForeignFiles::write(const std::string& name, std::string_view bytes) const {
   const fs::path path = directory_ / name;
+  // A file that is cut to nothing and written again goes to the disk at once on some file systems; a new one does not.
+  fs::remove(path);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!out.flush()) throw std::runtime_error("writing " + path.string());
