@@ -22,6 +22,15 @@ bool sameVolume(const fs::path& store, const SourceInfo& info) {
   }
 }
 
+// `input` without what would put a store inside of a directory: "scan/", or a name that only says where one is.
+fs::path baseOf(const fs::path& input) {
+  std::error_code error;
+  if (!fs::is_directory(input, error)) return input;
+  const fs::path whole = fs::canonical(input, error);
+  const fs::path named = input.has_filename() ? input : input.parent_path();
+  return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
+}
+
 }  // namespace
 
 bool isStoreOf(const fs::path& store, const SourceInfo& info) {
@@ -49,7 +58,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
       (fs::is_directory(input, ignored) && input.extension() == ".kiln"))
     return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
-  const fs::path store = input.string() + ".kiln";
+  const fs::path store = baseOf(input).string() + ".kiln";
   if (isStoreOf(store, source->info())) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;

@@ -8,6 +8,7 @@
 #include "ingest/formats.h"
 #include "ingest/header_text.h"
 #include "ingest/inflate_stream.h"
+#include "ingest/slice_directory.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -15,7 +16,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kVdb, kForeign };
+enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kVdb, kTiff, kDicom, kForeign };
 
 struct Finding {
   Format format = Format::kUnknown;
@@ -36,11 +37,6 @@ constexpr Magic kMagics[] = {
     {344, "ni1\0"sv, Format::kNifti, "NIfTI"},
     {4, "n+2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
     {4, "ni2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
-    {128, "DICM"sv, Format::kForeign, "DICOM"},
-    {0, "II*\0"sv, Format::kForeign, "TIFF"},
-    {0, "MM\0*"sv, Format::kForeign, "TIFF"},
-    {0, "II+\0"sv, Format::kForeign, "TIFF"},
-    {0, "MM\0+"sv, Format::kForeign, "TIFF"},
     {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
     {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
     {0, "\x89HDF\r\n\x1a\n"sv, Format::kForeign, "HDF5"},
@@ -89,6 +85,8 @@ bool endsWith(const fs::path& path, std::initializer_list<const char*> endings) 
 }
 
 Finding byBytes(const std::string& bytes) {
+  if (sliceFormatOf(bytes) == SliceFormat::kTiff) return {Format::kTiff, "TIFF"};
+  if (sliceFormatOf(bytes) == SliceFormat::kDicom) return {Format::kForeign, "DICOM"};
   for (const Magic& magic : kMagics) {
     if (bytes.size() > magic.offset && std::string_view(bytes).substr(magic.offset).starts_with(magic.bytes)) {
       return {magic.format, magic.name};
@@ -135,26 +133,6 @@ Finding identify(const fs::path& path, bool described) {
   return byName(path);
 }
 
-[[noreturn]] void refuseDirectory(const fs::path& path) {
-  std::error_code error;
-  fs::path example;
-  std::uint64_t files = 0;
-  fs::directory_iterator entries(path, error);
-  if (error) throw systemError(error.value(), path, "listing the directory");
-  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    const fs::path name = entries->path().filename();
-    std::error_code ignored;
-    if (!entries->is_regular_file(ignored)) continue;
-    if (files++ == 0 || name < example) example = name;
-  }
-  const std::string found = files == 0   ? "no file"
-                            : files == 1 ? inQuotes(example.string())
-                                         : inQuotes(example.string()) + " and " + std::to_string(files - 1) + " more";
-  throw Error(ErrorCode::kUnsupported, path, "",
-              "a directory, and this version reads no directories of slices (it holds " + found +
-                  "); give a file, or join the slices into one NRRD, MetaImage or NIfTI file");
-}
-
 // A pipe would be waited for, and a device has no length.
 void requireRegularFile(const fs::path& path) {
   std::error_code error;
@@ -184,18 +162,28 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
                   option + " applies to " + where + " only, and this is " + format + "; leave it out");
     }
   };
-  const bool raw = format == "raw", vdb = format == "OpenVDB";
+  const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
   refuse(options.big_endian && !raw, "--endian", "headerless raw data");
   refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
+  refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
+  refuse(options.allow_irregular && !dicom, "--allow-irregular", "DICOM files");
   refuse(options.spacing && vdb, "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = (*options.spacing)[axis];
     if (!(edge > 0) || !std::isfinite(edge)) throw Error(ErrorCode::kUsage, "--spacing takes three positive numbers");
   }
+}
+
+std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceOptions& options) {
+  const SliceFiles slices = slicesIn(input);
+  const bool dicom = slices.format == SliceFormat::kDicom;
+  requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);
+  if (dicom) throw Error(ErrorCode::kUnsupported, input, "", "a directory of DICOM files, which are not read");
+  return openTiff(slices, options);
 }
 
 }  // namespace
@@ -206,7 +194,7 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     return openPhantom(input, options);
   }
   std::error_code ignored;
-  if (fs::is_directory(input, ignored)) refuseDirectory(input);
+  if (fs::is_directory(input, ignored)) return openDirectory(input, options);
   requireRegularFile(input);
   // Some magics are short and raw voxels are anything: who names dimensions and type has said what the file is.
   const bool described = options.dims && options.type;
@@ -215,7 +203,9 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     throw Error(ErrorCode::kUnsupported, input, "",
                 "a " + found.name + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
   }
-  if (found.format == Format::kForeign || found.format == Format::kUnknown) found = {Format::kUnknown, "raw"};
+  const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
+  if ((slices && described) || found.format == Format::kForeign || found.format == Format::kUnknown)
+    found = {Format::kUnknown, "raw"};
   requireOptionsApply(input, found.name, options);
   switch (found.format) {
     case Format::kNrrd:
@@ -226,13 +216,17 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       return openNifti(input, options);
     case Format::kVdb:
       return openVdb(input, options);
+    case Format::kTiff:
+      return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
+    case Format::kDicom:
     case Format::kUnknown:
     case Format::kForeign:
       break;
   }
   if (!described) {
     throw Error(ErrorCode::kUsage, input, "",
-                "not a format that is known (NRRD, MetaImage, NIfTI, OpenVDB); if it is headerless raw voxels, give "
+                "not a format that is known (NRRD, MetaImage, NIfTI, TIFF, DICOM, OpenVDB); if it is headerless raw "
+                "voxels, give "
                 "--dims and --type, for example --dims 256,256,113 --type u16" +
                     headerBeside(input));
   }

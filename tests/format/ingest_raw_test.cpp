@@ -128,7 +128,7 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
     expectRefused(files.write(name, bytes), ErrorCode::kUnsupported, part);
   };
   using namespace std::string_view_literals;
-  refused("a", "II*\0\x08\0\0\0"sv, "TIFF");
+  expectRefused(files.write("a", "II*\0\x08\0\0\0"sv), ErrorCode::kFormat, "TIFF");
   refused("b", "\x89PNG\r\n\x1a\n rest"sv, "PNG");
   refused("c", "\xff\xd8\xff\xe0"sv, "JPEG");
   refused("d", "\x89HDF\r\n\x1a\n"sv, "HDF5");
@@ -136,6 +136,7 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
   refused("f", "PK\x03\x04"sv, "ZIP");
   refused("g", std::string(128, '\0') + "DICM", "DICOM");
   refused("h.nrrd.gz", gzipped("NRRD0004\n"), "gzip-compressed NRRD");
+  refused("j.tif.gz", gzipped("II*\0\x08\0\0\0"sv), "gzip-compressed TIFF");
   refused("i.raw.gz", gzipped("anything"), "gzip-compressed");
   // Nobody writes to the pipe: to open it would be to wait for ever.
   ASSERT_EQ(mkfifo((files.directory() / "pipe.raw").c_str(), 0600), 0);

@@ -41,11 +41,12 @@ void run(const Arguments& a, Context& context) {
 
 void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, OpenVDB) to a brick store");
+  CLI::App* command = app.add_subcommand(
+      "convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, TIFF, DICOM, OpenVDB) to a brick store");
   command
       ->add_option("INPUT", a->input,
-                   "the volume to read, or a computed one: phantom:body:XxYxZ, head, brain or engine")
+                   "the volume to read: a file, a directory of TIFF or DICOM slices, or a computed one: "
+                   "phantom:body:XxYxZ, head, brain or engine")
       ->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln")->required();
   command->add_option("--memory", a->memory, "the most memory for buffers")->capture_default_str()->type_name("BYTES");

@@ -61,7 +61,11 @@ void printForPeople(const StoreReader& store) {
                formatBytes(level.stored_bytes));
   }
   fmt::print("codec        {}, blosc\n", m.container_version);
-  for (const std::string& file : m.source.files) fmt::print("source       {} ({})\n", file, m.source.format);
+  // A directory of slices comes first, then its slices.
+  const std::vector<std::string>& files = m.source.files;
+  const std::size_t named = files.size() > 3 ? 1 : files.size();
+  for (std::size_t i = 0; i < named; ++i) fmt::print("source       {} ({})\n", files[i], m.source.format);
+  if (named < files.size()) fmt::print("             and {} files in it\n", files.size() - named);
   if (!m.source.command.empty()) fmt::print("made by      {}\n", m.source.command);
   if (!m.source.time.empty()) fmt::print("made at      {}\n", m.source.time);
 }

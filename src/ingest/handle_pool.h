@@ -1,0 +1,68 @@
+// Open files for threads to borrow. A stack has thousands of files and a process may hold about a thousand open, so the
+// pool keeps some of those that nobody uses, the least recently used first to close; a thread has its file for itself.
+#pragma once
+
+#include <exception>
+#include <list>
+#include <memory>
+#include <mutex>
+
+namespace kiln {
+
+template <class T>
+class HandlePool {
+ public:
+  /// requires: `idle_limit` handles and one a thread may be open at once.
+  explicit HandlePool(std::size_t idle_limit = 256) : idle_limit_(idle_limit) {}
+
+  class Lease {
+   public:
+    Lease(HandlePool& pool, std::size_t key, std::unique_ptr<T> handle)
+        : pool_(pool), key_(key), handle_(std::move(handle)) {}
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    // What failed is not lent out again: it may be in any state.
+    ~Lease() {
+      if (std::uncaught_exceptions() == exceptions_) pool_.giveBack(key_, std::move(handle_));
+    }
+    T& operator*() const { return *handle_; }
+    T* operator->() const { return handle_.get(); }
+
+   private:
+    HandlePool& pool_;
+    std::size_t key_;
+    std::unique_ptr<T> handle_;
+    int exceptions_ = std::uncaught_exceptions();
+  };
+
+  /// An idle handle of `key`, or what `open` returns as std::unique_ptr<T>. thread: any.
+  template <class Open>
+  Lease take(std::size_t key, Open&& open) {
+    {
+      const std::scoped_lock lock(mutex_);
+      for (auto it = idle_.begin(); it != idle_.end(); ++it) {
+        if (it->first != key) continue;
+        std::unique_ptr<T> handle = std::move(it->second);
+        idle_.erase(it);
+        return Lease(*this, key, std::move(handle));
+      }
+    }
+    return Lease(*this, key, open());
+  }
+
+ private:
+  void giveBack(std::size_t key, std::unique_ptr<T> handle) {
+    std::unique_ptr<T> closing;  // outside of the lock
+    const std::scoped_lock lock(mutex_);
+    idle_.emplace_front(key, std::move(handle));
+    if (idle_.size() <= idle_limit_) return;
+    closing = std::move(idle_.back().second);
+    idle_.pop_back();
+  }
+
+  std::size_t idle_limit_;
+  std::mutex mutex_;
+  std::list<std::pair<std::size_t, std::unique_ptr<T>>> idle_;  // most recently used first
+};
+
+}  // namespace kiln

@@ -1,0 +1,107 @@
+// People keep other things beside their slices: notes, thumbnails, a DICOMDIR. What is not a slice is passed over and
+// named, so that a slice which is not recognised is noticed.
+#include "ingest/slice_directory.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "ingest/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using namespace std::string_view_literals;
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+// The digits at the front of `text`, without the zeros before them; `text` goes on behind them.
+std::string_view takeNumber(std::string_view& text) {
+  const auto end = std::find_if_not(text.begin(), text.end(), isDigit);
+  std::string_view digits = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  text.remove_prefix(digits.size());
+  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
+  return digits;
+}
+
+SliceFormat formatOf(const fs::path& path) {
+  std::string bytes(132, '\0');
+  const File file(path);
+  bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
+  return sliceFormatOf(bytes);
+}
+
+std::string named(const std::vector<fs::path>& files) {
+  const std::string first = inQuotes(files.front().filename().string());
+  return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
+}
+
+std::vector<fs::path> regularFilesIn(const fs::path& directory) {
+  std::error_code error;
+  std::vector<fs::path> out;
+  fs::directory_iterator entries(directory, error);
+  if (error) throw systemError(error.value(), directory, "listing the directory");
+  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+    std::error_code ignored;
+    const bool hidden = entries->path().filename().string().starts_with('.');
+    if (!hidden && entries->is_regular_file(ignored)) out.push_back(entries->path());
+  }
+  if (error) throw systemError(error.value(), directory, "listing the directory");
+  std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
+    return naturallyBefore(a.filename().string(), b.filename().string());
+  });
+  return out;
+}
+
+}  // namespace
+
+SliceFormat sliceFormatOf(std::string_view bytes) {
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+    if (bytes.starts_with(magic)) return SliceFormat::kTiff;
+  }
+  const bool dicom = bytes.size() >= 132 && bytes.substr(128, 4) == "DICM";
+  return dicom ? SliceFormat::kDicom : SliceFormat::kNone;
+}
+
+bool naturallyBefore(std::string_view a, std::string_view b) {
+  const std::string_view whole_a = a, whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (isDigit(a.front()) && isDigit(b.front())) {
+      const std::string_view n = takeNumber(a), m = takeNumber(b);
+      if (n.size() != m.size()) return n.size() < m.size();
+      if (n != m) return n < m;
+    } else {
+      if (a.front() != b.front()) return static_cast<unsigned char>(a.front()) < static_cast<unsigned char>(b.front());
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  return a.empty() != b.empty() ? a.empty() : whole_a < whole_b;
+}
+
+SliceFiles slicesIn(const fs::path& directory) {
+  std::vector<fs::path> tiff, dicom, other;
+  for (const fs::path& path : regularFilesIn(directory)) {
+    const SliceFormat format = formatOf(path);
+    (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+  }
+  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::kUnsupported, directory, "", what); };
+  if (!tiff.empty() && !dicom.empty()) {
+    refuse("holds TIFF files (" + named(tiff) + ") and DICOM files (" + named(dicom) +
+           "); a directory is read as one volume, so put them apart");
+  }
+  if (tiff.empty() && dicom.empty()) {
+    refuse("a directory without slices: it holds no TIFF and no DICOM file (found " +
+           (other.empty() ? std::string("no file") : named(other)) + ")");
+  }
+  SliceFiles out;
+  out.input = directory;
+  out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
+  out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
+  if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,34 @@
+// A directory as the slices of one volume: which of its files they are, and in which order their names put them.
+#pragma once
+
+#include <string_view>
+
+#include "ingest/volume_source.h"
+
+namespace kiln {
+
+enum class SliceFormat { kNone, kTiff, kDicom };
+
+/// What the first bytes of a file say it is. shape: 132 bytes are enough.
+SliceFormat sliceFormatOf(std::string_view first_bytes);
+
+/// True where `a` comes before `b` as people count: slice2 before slice10. Names that differ in leading zeros only are
+/// in the order of their bytes.
+bool naturallyBefore(std::string_view a, std::string_view b);
+
+/// The files of one volume.
+struct SliceFiles {
+  /// What the user named: the directory, or the only file.
+  std::filesystem::path input;
+  SliceFormat format = SliceFormat::kNone;
+  /// In natural order of their names.
+  std::vector<std::filesystem::path> files;
+  /// Says which other files were passed over; empty where there were none.
+  std::vector<std::string> notes;
+};
+
+/// The slices in `directory`, by what its files hold; directories in it, and names that begin with a dot, do not count.
+/// throws: Error kUnsupported where there are none, or of both formats; kIo.
+SliceFiles slicesIn(const std::filesystem::path& directory);
+
+}  // namespace kiln

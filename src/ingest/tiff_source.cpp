@@ -1,0 +1,187 @@
+// A stack of TIFF pages: one file a slice, one file with many pages, or several of those, in natural order of their
+// names. Boxes in any order: rows of pages that are not compressed are read from where they lie, whatever the size of a
+// strip; strips and tiles that are compressed are decoded one by one and kept while neighbouring boxes ask for them.
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cstring>
+
+#include "base/error.h"
+#include "ingest/block_cache.h"
+#include "ingest/formats.h"
+#include "ingest/gather_rows.h"
+#include "ingest/handle_pool.h"
+#include "ingest/linear_source.h"
+#include "ingest/tiff_file.h"
+#include "ingest/tiff_spacing.h"
+#include "ingest/value_map.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+struct Slice {
+  std::size_t file = 0;
+  int page = 0;
+  std::uint64_t directory = 0;
+  /// Of an image that follows the page without a directory of its own. unit: bytes behind the page's first.
+  std::uint64_t behind = 0;
+};
+
+struct Stack {
+  std::vector<Slice> slices;
+  TiffPage first;
+  std::optional<ImageJNotes> imagej;
+  std::uint64_t largest_packed_block_bytes = 0;
+};
+
+std::string describe(const TiffPage& page) {
+  return fmt::format("{} x {} of {}", page.width, page.height, nameOf(page.type));
+}
+
+void requireAlike(const TiffPage& first, const fs::path& first_file, const TiffFile& file, std::size_t slice) {
+  const TiffPage& page = file.page();
+  if (page.width == first.width && page.height == first.height && page.type == first.type) return;
+  throw Error(ErrorCode::kFormat, file.file().path(), fmt::format("page {}", page.number),
+              fmt::format("slice {} is {}, but the first, in {}, is {}; slices of one volume are alike", slice,
+                          describe(page), first_file.filename().string(), describe(first)));
+}
+
+void refuseHyperstack(const ImageJNotes& notes, const fs::path& path) {
+  if (notes.channels == 1 && notes.frames == 1) return;
+  throw Error(ErrorCode::kUnsupported, path, "",
+              fmt::format("is a stack of {} channels and {} times, by ImageJ's description; save one of them",
+                          notes.channels, notes.frames));
+}
+
+// Beyond 4 GB ImageJ writes one directory, and the other images behind the first.
+std::int64_t imagesBehind(const TiffFile& file, const ImageJNotes& notes) {
+  const TiffPage& page = file.page();
+  if (notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
+  const std::uint64_t room = file.file().size() - file.blockOffset(0);
+  if (static_cast<std::uint64_t>(notes.images) > room / page.bytes()) {
+    file.fail(fmt::format("ImageJ's description says {} images, but the file ends after {}", notes.images,
+                          room / page.bytes()));
+  }
+  return notes.images - 1;
+}
+
+void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index) {
+  TiffFile file(files[index]);
+  const std::optional<ImageJNotes> notes = imageJNotes(file.description());
+  if (notes) refuseHyperstack(*notes, files[index]);
+  if (index == 0) {
+    stack.first = file.page();
+    stack.imagej = notes;
+  }
+  const std::size_t before = stack.slices.size();
+  do {
+    const TiffPage& page = file.page();
+    requireAlike(stack.first, files.front(), file, stack.slices.size());
+    if (page.packed) stack.largest_packed_block_bytes = std::max(stack.largest_packed_block_bytes, page.blockBytes());
+    stack.slices.push_back({index, page.number, page.directory, 0});
+  } while (file.next());
+  if (!notes || stack.slices.size() != before + 1) return;
+  const Slice only = stack.slices.back();
+  for (std::int64_t i = imagesBehind(file, *notes), k = 1; k <= i; ++k) {
+    stack.slices.push_back({only.file, only.page, only.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
+  }
+}
+
+class TiffSource : public VolumeSource {
+ public:
+  TiffSource(SourceInfo info, std::vector<fs::path> files, Stack stack)
+      : info_(std::move(info)), files_(std::move(files)), stack_(std::move(stack)) {}
+
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return ReadOrder::kAnyBox; }
+  void read(const VoxelBox& box, std::span<std::byte> out) override;
+  std::uint64_t decodeBytes() const override { return stack_.largest_packed_block_bytes; }
+  void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
+
+ private:
+  void readSlice(const VoxelBox& box, std::byte* out);
+  void readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part, std::byte* out);
+
+  SourceInfo info_;
+  std::vector<fs::path> files_;
+  Stack stack_;
+  HandlePool<TiffFile> open_;
+  BlockCache cache_;
+};
+
+void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
+  assert(intersection(box, boxOf(info_.geometry.dims)) == box);
+  assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
+  if (box.empty()) return;
+  const std::size_t slice_bytes = out.size() / static_cast<std::size_t>(box.extent().z);
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
+    readSlice(in_slice, out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes);
+  }
+}
+
+// By the blocks of the page that the box touches.
+void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
+  const Slice& slice = stack_.slices[static_cast<std::size_t>(box.lo.z)];
+  const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
+  file->select(slice.page, slice.directory);
+  const std::int64_t bw = file->page().block_width, bh = file->page().block_height;
+  const std::size_t size = sizeOf(info_.type), line = static_cast<std::size_t>(box.extent().x) * size;
+  std::vector<std::byte> packed;
+  for (std::int64_t y = box.lo.y / bh * bh; y < box.hi.y; y += bh) {
+    for (std::int64_t x = box.lo.x / bw * bw; x < box.hi.x; x += bw) {
+      const VoxelBox block = {{x, y, box.lo.z}, {x + bw, y + bh, box.hi.z}};
+      const VoxelBox part = intersection(block, box);
+      std::byte* to = out + static_cast<std::size_t>(part.lo.y - box.lo.y) * line +
+                      static_cast<std::size_t>(part.lo.x - box.lo.x) * size;
+      const std::size_t row = static_cast<std::size_t>(part.extent().x) * size;
+      if (row == line) {
+        readPart(*file, slice, block, part, to);
+        continue;
+      }
+      packed.resize(static_cast<std::size_t>(part.count()) * size);
+      readPart(*file, slice, block, part, packed.data());
+      for (std::size_t y0 = 0; y0 * row < packed.size(); ++y0) std::memcpy(to + y0 * line, &packed[y0 * row], row);
+    }
+  }
+}
+
+// The rows of `part`, densely.
+void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part,
+                          std::byte* out) {
+  const TiffPage& page = file.page();
+  const std::uint64_t size = sizeOf(page.type), stride = static_cast<std::uint64_t>(page.block_width) * size;
+  const std::uint64_t row = static_cast<std::uint64_t>(part.extent().x) * size;
+  const std::uint64_t rows = static_cast<std::uint64_t>(part.extent().y);
+  const std::uint64_t first = static_cast<std::uint64_t>(part.lo.y - block.lo.y) * stride +
+                              static_cast<std::uint64_t>(part.lo.x - block.lo.x) * size;
+  const std::int64_t index = block.lo.y / page.block_height * page.blocksAcross() + block.lo.x / page.block_width;
+  if (page.packed) {
+    const auto bytes = cache_.get({block.lo.z, index}, [&] { return file.decodeBlock(index); });
+    for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, bytes->data() + first + y * stride, row);
+    return;
+  }
+  gatherRows(file.file(), file.blockOffset(index) + slice.behind + first, rows, row, stride, out);
+  if (page.swapped) swapBytes(out, static_cast<std::size_t>(part.count()), static_cast<std::size_t>(size));
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options) {
+  Stack stack;
+  for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i);
+  SourceInfo info;
+  info.notes = input.notes;
+  info.type = stack.first.type;
+  const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
+  checkedBytes(dims, info.type, input.input);
+  info.geometry = tiffGeometry(dims, stack.first, stack.imagej, options, info.notes);
+  info.format = fmt::format("TIFF, {} {}", dims.z, dims.z == 1 ? "slice" : "slices");
+  // The directory's own time tells of files that came or went.
+  if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
+  info.files.insert(info.files.end(), input.files.begin(), input.files.end());
+  return std::make_unique<TiffSource>(std::move(info), input.files, std::move(stack));
+}
+
+}  // namespace kiln

@@ -1,0 +1,322 @@
+// TIFF stacks as the reader takes them. Answers are known because libtiff wrote the files from random voxels, or, for
+// the real stack, because the same slices are in a NRRD file.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "base/error.h"
+#include "convert/convert.h"
+#include "convert/export_vdb.h"
+#include "ingest/slice_directory.h"
+#include "store/store_reader.h"
+#include "support/foreign_files.h"
+#include "support/tiff_files.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr Extent3 kDims = {21, 19, 4};
+
+std::vector<TiffLayout> layouts() {
+  std::vector<TiffLayout> out;
+  for (const auto& [rows, tile] : {std::pair{0, 0}, {1, 0}, {5, 0}, {0, 16}, {0, 32}}) {
+    for (const int compression : {1, 5, 8, 32773}) {
+      TiffLayout layout;
+      layout.strip_rows = rows;
+      layout.tile = tile;
+      layout.compression = compression;
+      out.push_back(layout);
+    }
+  }
+  return out;
+}
+
+void expectBack(const ForeignVolume& volume, const fs::path& path, std::uint64_t seed) {
+  expectReadsBack(
+      volume, [&] { return openSource(path); }, seed);
+}
+
+TEST(IngestTiff, EveryTypeOrderAndLayoutGivesTheValuesBack) {
+  const ForeignFiles files;
+  std::uint64_t seed = 1;
+  for (const VoxelType type : kAllTypes) {
+    const ForeignVolume volume = randomVolume(kDims, type, seed);
+    for (TiffLayout layout : layouts()) {
+      layout.big_endian = seed % 2 == 0;
+      layout.big_tiff = seed % 3 == 0;
+      SCOPED_TRACE(testing::Message() << nameOf(type) << " strip " << layout.strip_rows << " tile " << layout.tile
+                                      << " compression " << layout.compression << " big " << layout.big_endian);
+      const fs::path path = files.directory() / "a.tif";
+      writeTiff(path, volume, 0, kDims.z, layout);
+      expectBack(volume, path, seed++);
+    }
+  }
+}
+
+TEST(IngestTiff, PredictorsAreUndone) {
+  const ForeignFiles files;
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::i32, VoxelType::f32}) {
+    const ForeignVolume volume = randomVolume(kDims, type, 7);
+    for (const bool big : {false, true}) {
+      if (big && isFloating(type)) continue;  // libtiff 4.5 writes these wrong
+      TiffLayout layout;
+      layout.compression = 8;
+      layout.predictor = isFloating(type) ? 3 : 2;
+      layout.big_endian = big;
+      writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+      expectBack(volume, files.directory() / "a.tif", 7);
+    }
+  }
+}
+
+TEST(IngestTiff, WhiteIsZeroTakesTheValuesAsTheyAre) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 8);
+  TiffLayout layout;
+  layout.photometric = 0;
+  writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+  expectBack(volume, files.directory() / "a.tif", 8);
+}
+
+TEST(IngestTiff, NamesAreSortedAsPeopleCount) {
+  EXPECT_TRUE(naturallyBefore("slice2.tif", "slice10.tif"));
+  EXPECT_FALSE(naturallyBefore("slice10.tif", "slice2.tif"));
+  EXPECT_TRUE(naturallyBefore("a2b10", "a2b11"));
+  EXPECT_TRUE(naturallyBefore("a1", "a1b"));
+  EXPECT_TRUE(naturallyBefore("a9z", "b1"));
+  EXPECT_TRUE(naturallyBefore("x99999999999999999999998", "x99999999999999999999999"));
+  EXPECT_TRUE(naturallyBefore("a007", "a8"));
+  EXPECT_TRUE(naturallyBefore("a01", "a1") != naturallyBefore("a1", "a01"));
+  EXPECT_FALSE(naturallyBefore("a1", "a1"));
+  EXPECT_TRUE(naturallyBefore("", "a"));
+  EXPECT_TRUE(naturallyBefore("a-1", "a1") != naturallyBefore("a1", "a-1"));
+}
+
+// Twelve files without leading zeros; what is no slice is passed over and named.
+TEST(IngestTiff, ADirectoryIsAStackInNaturalOrder) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({21, 19, 12}, VoxelType::u16, 9);
+  for (std::int64_t z = 0; z < 12; ++z) {
+    TiffLayout layout;
+    layout.big_endian = z % 2 == 0;  // slices need not be stored alike
+    layout.compression = z % 3 == 0 ? 5 : 1;
+    layout.tile = z % 4 == 0 ? 16 : 0;
+    writeTiff(files.directory() / ("slice" + std::to_string(z + 1) + ".tif"), volume, z, z + 1, layout);
+  }
+  files.write("readme.txt", "taken on a Monday");
+  files.write(".DS_Store", "hidden");
+  fs::create_directory(files.directory() / "masks");
+  expectBack(volume, files.directory(), 9);
+  const auto source = openSource(files.directory());
+  EXPECT_EQ(source->info().format, "TIFF, 12 slices");
+  ASSERT_EQ(source->info().notes.size(), 1u);
+  EXPECT_NE(source->info().notes[0].find("'readme.txt'"), std::string::npos) << source->info().notes[0];
+  ASSERT_EQ(source->info().files.size(), 13u);
+  EXPECT_EQ(source->info().files[0], files.directory());
+  EXPECT_EQ(source->info().files[12].filename(), "slice12.tif");
+}
+
+TEST(IngestTiff, FilesOfSeveralPagesFollowEachOther) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({21, 19, 9}, VoxelType::i16, 10);
+  writeTiff(files.directory() / "part1.tif", volume, 0, 4);
+  writeTiff(files.directory() / "part2.tif", volume, 4, 9);
+  expectBack(volume, files.directory(), 10);
+}
+
+TEST(IngestTiff, SmallerCopiesAreNotSlices) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 11);
+  TiffLayout layout;
+  layout.reduced_pages = 1;
+  writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+  EXPECT_EQ(openSource(files.directory() / "a.tif")->info().geometry.dims.z, 3);
+}
+
+// Four threads ask for random boxes of a source that keeps next to nothing and of one that keeps all.
+TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({70, 60, 9}, VoxelType::u16, 12);
+  for (const int compression : {1, 8}) {
+    TiffLayout layout;
+    layout.compression = compression;
+    layout.strip_rows = 7;
+    writeTiff(files.directory() / "a.tif", volume, 0, 4, layout);
+    writeTiff(files.directory() / "b.tif", volume, 4, 9, layout);
+    for (const std::uint64_t kept : {0u, 1u << 20}) {
+      const auto source = openSource(files.directory());
+      source->keepDecoded(kept);
+      EXPECT_EQ(source->decodeBytes(), compression == 1 ? 0u : 70u * 7 * 2);
+      std::vector<std::thread> threads;
+      std::array<int, 4> wrong{};
+      for (std::size_t t = 0; t < wrong.size(); ++t) {
+        threads.emplace_back([&, t] {
+          std::mt19937_64 random(t);
+          for (int i = 0; i < 100; ++i) {
+            VoxelBox box;
+            for (int axis = 0; axis < 3; ++axis) {
+              const auto n = static_cast<std::uint64_t>(volume.dims[axis]);
+              box.lo[axis] = static_cast<std::int64_t>(random() % n);
+              box.hi[axis] = box.lo[axis] + 1 +
+                             static_cast<std::int64_t>(random() % (n - static_cast<std::uint64_t>(box.lo[axis])));
+            }
+            std::vector<std::byte> out(static_cast<std::size_t>(box.count()) * 2);
+            source->read(box, out);
+            wrong[t] += out != volume.box(box);
+          }
+        });
+      }
+      for (std::thread& thread : threads) thread.join();
+      for (const int w : wrong) EXPECT_EQ(w, 0);
+    }
+  }
+}
+
+// A cut takes a directory, a value of one, or pixels; where it takes none of them the voxels are all there.
+TEST(IngestTiff, EveryTruncationIsAnErrorOrTheData) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({11, 9, 3}, VoxelType::u16, 13);
+  for (const bool big_tiff : {false, true}) {
+    for (const int compression : {1, 5, 8, 32773}) {
+      TiffLayout layout;
+      layout.big_tiff = big_tiff;
+      layout.compression = compression;
+      layout.strip_rows = 4;
+      layout.description = "a description that does not fit into the entry";
+      const fs::path path = files.directory() / "a.tif";
+      writeTiff(path, volume, 0, 3, layout);
+      const std::string whole = bytesOf(path);
+      testing::internal::CaptureStderr();
+      for (std::size_t length = 0; length < whole.size(); ++length) {
+        files.write("a.tif", whole.substr(0, length));
+        try {
+          EXPECT_TRUE(readWhole(*openSource(path)) == volume.voxels) << length << " of " << whole.size();
+        } catch (const Error& error) {
+          EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+          EXPECT_NE(std::string(error.what()).find("a.tif"), std::string::npos) << error.what();
+        }
+      }
+      EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    }
+  }
+}
+
+TEST(IngestTiff, FlippedBitsNeverCrash) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({11, 9, 3}, VoxelType::u16, 14);
+  for (const int compression : {1, 5, 8}) {
+    TiffLayout layout;
+    layout.compression = compression;
+    layout.strip_rows = compression == 8 ? 0 : 4;
+    layout.tile = compression == 8 ? 16 : 0;
+    const fs::path path = files.directory() / "a.tif";
+    writeTiff(path, volume, 0, 3, layout);
+    const std::string whole = bytesOf(path);
+    testing::internal::CaptureStderr();
+    expectBitFlipsAreHarmless(files, "a.tif", whole, whole.size(), path, 14);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  }
+}
+
+TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 15);
+  const fs::path path = files.directory() / "a.tif";
+  const auto expect = [&](const TiffLayout& layout, const std::string& says) {
+    writeTiff(path, volume, 0, 1, layout);
+    expectRefused(path, ErrorCode::kUnsupported, says);
+  };
+  TiffLayout layout;
+  layout.photometric = 2, layout.samples = 3;
+  expect(layout, "page 1: holds RGB colours");
+  layout = {}, layout.photometric = 3;
+  expect(layout, "palette");
+  layout = {}, layout.samples = 2;
+  expect(layout, "2 samples a pixel");
+  layout = {}, layout.bits = 12;
+  expect(layout, "12-bit integers");
+  layout = {}, layout.bits = 64;
+  expect(layout, "64-bit integers");
+  layout = {}, layout.bits = 1;
+  expect(layout, "1-bit integers");
+  layout = {}, layout.description = "ImageJ=1.53c\nimages=6\nchannels=3\nslices=2\n";
+  expect(layout, "3 channels");
+}
+
+// LZW's number in the directory, which is a short at the front of the entry's value, is replaced.
+TEST(IngestTiff, AnUnknownCompressionIsNamed) {
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.compression = 5;
+  writeTiff(files.directory() / "a.tif", randomVolume(kDims, VoxelType::u8, 16), 0, 1, layout);
+  const std::string whole = bytesOf(files.directory() / "a.tif");
+  const std::string entry("\x03\x01\x03\x00\x01\x00\x00\x00\x05\x00", 10);
+  const std::size_t at = whole.find(entry);
+  ASSERT_NE(at, std::string::npos);
+  for (const auto& [code, says] : {std::pair{34712, "JPEG 2000 (scheme 34712)"}, {4, "CCITT"}, {777, "scheme 777"}}) {
+    std::string changed = whole;
+    changed[at + 8] = static_cast<char>(code & 255), changed[at + 9] = static_cast<char>(code >> 8);
+    files.write("a.tif", changed);
+    expectRefused(files.directory() / "a.tif", ErrorCode::kUnsupported, says);
+  }
+}
+
+TEST(IngestTiff, SlicesThatDifferAreAnErrorThatNamesThem) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 17);
+  writeTiff(files.directory() / "s1.tif", volume, 0, 1);
+  writeTiff(files.directory() / "s2.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
+  expectRefused(files.directory(), ErrorCode::kFormat,
+                "s2.tif: page 1: slice 1 is 21 x 18 of u16, but the first, in s1.tif, is 21 x 19 of u16");
+  writeTiff(files.directory() / "s2.tif", randomVolume({21, 19, 1}, VoxelType::i16, 17), 0, 1);
+  expectRefused(files.directory(), ErrorCode::kFormat, "is 21 x 19 of i16");
+  files.write("s2.tif", bytesOf(files.directory() / "s1.tif").substr(0, 40));
+  expectRefused(files.directory(), ErrorCode::kFormat, "s2.tif");
+}
+
+TEST(IngestTiff, ADirectoryWithoutSlicesIsOneLine) {
+  const ForeignFiles files;
+  expectRefused(files.directory(), ErrorCode::kUnsupported, "a directory without slices");
+  files.write("b.txt", "b");
+  files.write("a.txt", "a");
+  expectRefused(files.directory(), ErrorCode::kUnsupported, "'a.txt' and 1 more");
+}
+
+// A compressed page of one strip must be decoded whole: the plan says so before anything is read.
+TEST(IngestTiff, AStripThatDoesNotFitTheBudgetIsNamedBeforeReading) {
+  const ForeignFiles files;
+  const ForeignVolume volume{{2048, 1024, 2}, VoxelType::u16, std::vector<std::byte>(2048 * 1024 * 2 * 2)};
+  TiffLayout layout;
+  layout.compression = 8;
+  writeTiff(files.directory() / "a.tif", volume, 0, 2, layout);
+  ConvertOptions options;
+  options.memory_bytes = 4 << 20;
+  Progress silent;
+  try {
+    convert(*openSource(files.directory() / "a.tif"), files.directory() / "a.kiln", options, silent);
+    ADD_FAILURE() << "a strip of 4 MiB fitted into 4 MiB with all the rest";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBudget) << error.what();
+  }
+  layout.compression = 1;
+  writeTiff(files.directory() / "a.tif", volume, 0, 2, layout);
+  convert(*openSource(files.directory() / "a.tif"), files.directory() / "a.kiln", options, silent);
+}
+
+TEST(IngestTiff, TheRealStackIsTheFirstSlicesOfTheNrrd) {
+  const fs::path stack = realData("tiff/cthead"), nrrd = realData("cthead_256x256x113_u16le.nrrd");
+  if (stack.empty() || nrrd.empty()) GTEST_SKIP() << "the CT head is not here";
+  const auto tiff = openSource(stack), whole = openSource(nrrd);
+  ASSERT_EQ(tiff->info().geometry.dims, (Extent3{256, 256, 99}));
+  ASSERT_EQ(tiff->info().type, VoxelType::u16);
+  std::vector<std::byte> expected(256 * 256 * 99 * 2);
+  whole->read({{0, 0, 0}, {256, 256, 99}}, expected);
+  EXPECT_TRUE(readWhole(*tiff) == expected);
+}
+
+}  // namespace
+}  // namespace kiln::test
