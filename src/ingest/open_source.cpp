@@ -86,7 +86,7 @@ bool endsWith(const fs::path& path, std::initializer_list<const char*> endings) 
 
 Finding byBytes(const std::string& bytes) {
   if (sliceFormatOf(bytes) == SliceFormat::kTiff) return {Format::kTiff, "TIFF"};
-  if (sliceFormatOf(bytes) == SliceFormat::kDicom) return {Format::kForeign, "DICOM"};
+  if (sliceFormatOf(bytes) == SliceFormat::kDicom) return {Format::kDicom, "DICOM"};
   for (const Magic& magic : kMagics) {
     if (bytes.size() > magic.offset && std::string_view(bytes).substr(magic.offset).starts_with(magic.bytes)) {
       return {magic.format, magic.name};
@@ -182,8 +182,7 @@ std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceO
   const SliceFiles slices = slicesIn(input);
   const bool dicom = slices.format == SliceFormat::kDicom;
   requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);
-  if (dicom) throw Error(ErrorCode::kUnsupported, input, "", "a directory of DICOM files, which are not read");
-  return openTiff(slices, options);
+  return dicom ? openDicom(slices, options) : openTiff(slices, options);
 }
 
 }  // namespace
@@ -219,6 +218,7 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     case Format::kTiff:
       return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
     case Format::kDicom:
+      return openDicom({input, SliceFormat::kDicom, {input}, {}}, options);
     case Format::kUnknown:
     case Format::kForeign:
       break;

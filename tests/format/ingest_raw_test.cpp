@@ -134,7 +134,7 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
   refused("d", "\x89HDF\r\n\x1a\n"sv, "HDF5");
   refused("e", "# vtk DataFile Version 3.0\n"sv, "VTK");
   refused("f", "PK\x03\x04"sv, "ZIP");
-  refused("g", std::string(128, '\0') + "DICM", "DICOM");
+  refused("g", std::string(128, '\0') + "DICM", "no pixel data; it is a DICOM file");
   refused("h.nrrd.gz", gzipped("NRRD0004\n"), "gzip-compressed NRRD");
   refused("j.tif.gz", gzipped("II*\0\x08\0\0\0"sv), "gzip-compressed TIFF");
   refused("i.raw.gz", gzipped("anything"), "gzip-compressed");

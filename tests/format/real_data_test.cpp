@@ -31,6 +31,7 @@ const RealVolume kVolumes[] = {
     {"raw/brainsmall_128x128x84_u8.mhd", {128, 128, 84}},
     {"raw/engine.raw", {149, 208, 110}, VoxelType::u8, true},
     {"tiff/cthead", {256, 256, 99}},
+    {"dicom", {512, 512, 40}},
     {"nifti/ch2.nii.gz", {181, 217, 181}},
     {"nifti/CT_AVM.nii.gz", {}},
     {"nifti/eun_brain_uchar_8.nii.gz", {}},

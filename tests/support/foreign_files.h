@@ -32,6 +32,9 @@ class ForeignFiles {
   std::filesystem::path directory_;
 };
 
+/// The bytes of a file.
+std::string bytesOf(const std::filesystem::path& path);
+
 /// Voxels in the machine's order, every bit pattern that is a number among them.
 struct ForeignVolume {
   Extent3 dims;

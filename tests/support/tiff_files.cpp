@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 
 namespace kiln::test {
 namespace {
@@ -86,11 +84,6 @@ void writeTiff(const std::filesystem::path& path, const ForeignVolume& volume, s
     ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
   }
   TIFFClose(tiff);
-}
-
-std::string bytesOf(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace kiln::test

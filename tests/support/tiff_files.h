@@ -36,7 +36,4 @@ struct TiffLayout {
 void writeTiff(const std::filesystem::path& path, const ForeignVolume& volume, std::int64_t z0, std::int64_t z1,
                const TiffLayout& layout = {});
 
-/// The bytes of a file.
-std::string bytesOf(const std::filesystem::path& path);
-
 }  // namespace kiln::test

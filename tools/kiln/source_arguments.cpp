@@ -78,6 +78,8 @@ SourceOptions SourceArguments::resolve() const {
       throw Error(ErrorCode::kUsage, fmt::format("--spacing: expected three positive numbers, found '{}'", spacing));
   }
   if (!grid.empty()) out.grid_name = grid;
+  if (!series.empty()) out.series = series;
+  out.allow_irregular = allow_irregular;
   return out;
 }
 
@@ -88,6 +90,9 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")->type_name("BYTES");
   command.add_option("--spacing", a.spacing, "spacing where the file does not say, in world units")->type_name("X,Y,Z");
   command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
+  command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");
+  command.add_flag("--allow-irregular", a.allow_irregular,
+                   "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance");
 }
 
 }  // namespace kiln::tool

@@ -10,8 +10,9 @@
 namespace kiln::tool {
 
 struct SourceArguments {
-  std::string dims, type, endian, spacing, grid;
+  std::string dims, type, endian, spacing, grid, series;
   std::uint64_t skip = 0;
+  bool allow_irregular = false;
   /// throws: Error kUsage naming the option.
   SourceOptions resolve() const;
 };

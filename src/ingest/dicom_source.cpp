@@ -1,0 +1,187 @@
+// A DICOM series: slices in files of their own, or frames of one. Rows of pixels that are not compressed are read from
+// where they lie, any box from any thread; a compressed frame is decoded whole and kept while neighbouring boxes ask
+// for it. Values are rescaled to what they mean, in the narrowest type that holds all of them exactly; where zero is
+// white (MONOCHROME1) they are not turned around.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "ingest/block_cache.h"
+#include "ingest/dicom_decode.h"
+#include "ingest/dicom_series.h"
+#include "ingest/formats.h"
+#include "ingest/gather_rows.h"
+#include "ingest/handle_pool.h"
+#include "ingest/linear_source.h"
+#include "ingest/value_map.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// The bits of a value that are its own: others may hold what old scanners drew over the image (overlays).
+template <class T>
+void keepStoredBits(std::byte* data, std::size_t count, const DicomPixels& pixels) noexcept {
+  using Unsigned = std::make_unsigned_t<T>;
+  const int up = pixels.bits_allocated - 1 - pixels.high_bit, down = pixels.bits_allocated - pixels.bits_stored;
+  for (std::size_t i = 0; i < count; ++i) {
+    T value;
+    std::memcpy(&value, data + i * sizeof(T), sizeof(T));
+    value = static_cast<T>(static_cast<T>(static_cast<Unsigned>(static_cast<Unsigned>(value) << up)) >> down);
+    std::memcpy(data + i * sizeof(T), &value, sizeof(T));
+  }
+}
+
+class DicomSource : public VolumeSource {
+ public:
+  DicomSource(SourceInfo info, std::vector<DicomHeader> files, std::vector<DicomSlice> slices)
+      : info_(std::move(info)), files_(std::move(files)), slices_(std::move(slices)) {
+    info_.type = type();
+  }
+
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return ReadOrder::kAnyBox; }
+  void read(const VoxelBox& box, std::span<std::byte> out) override;
+  // The compressed bytes, GDCM's copy of them, and the pixels; what is compressed may be as long.
+  std::uint64_t decodeBytes() const override {
+    const bool any = std::any_of(files_.begin(), files_.end(), [](const DicomHeader& h) { return h.pixels.packed; });
+    return any ? 3 * files_.front().pixels.frameBytes() : 0;
+  }
+  void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
+
+ private:
+  VoxelType type();
+  bool storedFit(double lo, double hi);
+  const DicomFrame& frame(const DicomSlice& s) const {
+    return files_[s.file].frames[static_cast<std::size_t>(s.frame)];
+  }
+  VoxelType stored() const { return files_.front().pixels.storedType(); }
+  void readStored(const VoxelBox& in_slice, std::byte* out);
+
+  SourceInfo info_;
+  std::vector<DicomHeader> files_;
+  std::vector<DicomSlice> slices_;
+  HandlePool<File> open_;
+  BlockCache cache_;
+};
+
+// The stored values of a part of one slice.
+void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
+  const DicomSlice& slice = slices_[static_cast<std::size_t>(in_slice.lo.z)];
+  const DicomHeader& header = files_[slice.file];
+  const DicomPixels& pixels = header.pixels;
+  const std::uint64_t size = sizeOf(stored()), line = static_cast<std::uint64_t>(pixels.columns) * size;
+  const std::uint64_t first =
+      static_cast<std::uint64_t>(in_slice.lo.y) * line + static_cast<std::uint64_t>(in_slice.lo.x) * size;
+  const auto rows = static_cast<std::uint64_t>(in_slice.extent().y);
+  const std::uint64_t row = static_cast<std::uint64_t>(in_slice.extent().x) * size;
+  const auto count = static_cast<std::size_t>(in_slice.count());
+  if (pixels.packed) {
+    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&] { return decodeDicomFrame(header, slice.frame); });
+    for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, frame_values->data() + first + y * line, row);
+    return;
+  }
+  const auto file = open_.take(slice.file, [&] { return std::make_unique<File>(header.path); });
+  const std::uint64_t offset = pixels.offset_bytes + static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes();
+  gatherRows(*file, offset + first, rows, row, line, out);
+  if (size > 1 && pixels.big_endian != (std::endian::native == std::endian::big)) swapBytes(out, count, size);
+  if (pixels.bits_stored == pixels.bits_allocated) return;
+  withVoxelType(stored(), [&]<class T>(std::type_identity<T>) {
+    if constexpr (std::is_integral_v<T>) keepStoredBits<T>(out, count, pixels);
+  });
+}
+
+void DicomSource::read(const VoxelBox& box, std::span<std::byte> out) {
+  assert(intersection(box, boxOf(info_.geometry.dims)) == box);
+  assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
+  if (box.empty()) return;
+  const std::size_t count = static_cast<std::size_t>(box.extent().x * box.extent().y);
+  std::vector<std::byte> values;
+  std::byte* to = out.data();
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z, to += count * sizeOf(info_.type)) {
+    const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
+    const DicomFrame& f = frame(slices_[static_cast<std::size_t>(z)]);
+    const ValueMap map = {stored(), info_.type, false, f.slope, f.intercept};
+    if (map.copies()) {
+      readStored(in_slice, to);
+      continue;
+    }
+    values.resize(count * sizeOf(map.from));
+    readStored(in_slice, values.data());
+    map.apply(values.data(), count, to);
+  }
+}
+
+// The narrowest type for all values that can be, else for all that are.
+VoxelType DicomSource::type() {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  bool whole = true, same = true;
+  for (const DicomSlice& s : slices_) {
+    const DicomFrame& f = frame(s);
+    whole = whole && f.slope == 1 && f.intercept == std::floor(f.intercept);
+    same = same && f.slope == 1 && f.intercept == 0;
+    least = std::min(least, f.intercept);
+    most = std::max(most, f.intercept);
+  }
+  if (same) return stored();
+  if (sizeOf(stored()) > 2) return VoxelType::f64;
+  if (!whole) return VoxelType::f32;
+  // Scanners use few of 16 bits, but say that they use all of them: their values decide.
+  if (storedFit(-32768 - least, 32767 - most)) return VoxelType::i16;
+  return storedFit(-least, 65535 - most) ? VoxelType::u16 : VoxelType::f32;
+}
+
+// Whether every stored value is from `lo` to `hi`. cost: reads the pixels where their bits do not settle it.
+bool DicomSource::storedFit(double lo, double hi) {
+  const DicomPixels& pixels = files_.front().pixels;
+  const double values = std::exp2(pixels.bits_stored);
+  const double can_lo = pixels.is_signed ? -values / 2 : 0, can_hi = pixels.is_signed ? values / 2 - 1 : values - 1;
+  if (can_lo >= lo && can_hi <= hi) return true;
+  if (can_lo > hi || can_hi < lo || lo > hi) return false;
+  const Extent3& dims = info_.geometry.dims;
+  std::atomic<bool> fit = true;
+  parallelFor(slices_.size(), [&](std::size_t z) {
+    constexpr std::int64_t kChunkPixels = 1 << 18;
+    const std::int64_t step = std::max<std::int64_t>(kChunkPixels / dims.x, 1);
+    std::vector<std::byte> part;
+    for (std::int64_t y = 0; y < dims.y && fit; y += step) {
+      const auto at = static_cast<std::int64_t>(z);
+      const VoxelBox rows = {{0, y, at}, {dims.x, std::min(y + step, dims.y), at + 1}};
+      part.resize(static_cast<std::size_t>(rows.count()) * sizeOf(stored()));
+      readStored(rows, part.data());
+      withVoxelType(stored(), [&]<class T>(std::type_identity<T>) {
+        for (std::size_t i = 0; i < part.size(); i += sizeof(T)) {
+          T value;
+          std::memcpy(&value, &part[i], sizeof(T));
+          if (static_cast<double>(value) < lo || static_cast<double>(value) > hi) fit = false;
+        }
+      });
+    }
+  });
+  return fit;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options) {
+  SourceInfo info;
+  info.notes = input.notes;
+  std::vector<DicomHeader> files = readSeries(input, options, info.notes);
+  std::vector<DicomSlice> slices;
+  info.geometry = arrangeSlices(input.input, files, options, slices, info.notes);
+  checkedBytes(info.geometry.dims, files.front().pixels.storedType(), input.input);
+  info.format = fmt::format("DICOM, series {}", files.front().series);
+  if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
+  for (const DicomHeader& header : files) info.files.push_back(header.path);
+  return std::make_unique<DicomSource>(std::move(info), std::move(files), std::move(slices));
+}
+
+}  // namespace kiln

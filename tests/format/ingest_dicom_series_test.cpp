@@ -1,0 +1,235 @@
+// Which files of a directory are a volume, in which order, and where it lies. Answers are known because the positions
+// were written here; the affine of a slice's corner is its position, to the last bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/error.h"
+#include "support/dicom_files.h"
+#include "support/foreign_files.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// The first pixel of a slice holds its number.
+std::string slice(DicomSpec spec, int number) {
+  spec.pixel_bytes = std::string(40, '\0');
+  spec.pixel_bytes[0] = static_cast<char>(number);
+  return dicomFile(spec);
+}
+
+std::string triple(const glm::dvec3& v) {
+  return std::to_string(v.x) + "\\" + std::to_string(v.y) + "\\" + std::to_string(v.z);
+}
+
+class DicomSeries : public ::testing::Test {
+ protected:
+  // Slices a, b, c, … at these positions.
+  void writeAt(const std::vector<glm::dvec3>& positions, DicomSpec spec = {}) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      spec.position = triple(positions[i]);
+      files_.write(std::string(1, static_cast<char>('a' + i)), slice(spec, static_cast<int>(i)));
+    }
+  }
+  std::unique_ptr<VolumeSource> open(const SourceOptions& options = {}) {
+    return openSource(files_.directory(), options);
+  }
+  // The numbers of the slices in the order of the volume.
+  std::vector<int> order(const SourceOptions& options = {}) {
+    const auto source = open(options);
+    std::vector<int> out;
+    const std::vector<std::byte> bytes = readWhole(*source);
+    const std::size_t slice_bytes = bytes.size() / static_cast<std::size_t>(source->info().geometry.dims.z);
+    for (std::size_t at = 0; at < bytes.size(); at += slice_bytes) out.push_back(static_cast<int>(bytes[at]));
+    return out;
+  }
+  void expectError(ErrorCode code, const std::string& says, const SourceOptions& options = {}) {
+    expectRefused(files_.directory(), code, says, options);
+  }
+  static void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
+    EXPECT_LT(glm::length(a - b), 1e-9) << a.x << " " << a.y << " " << a.z;
+  }
+  ForeignFiles files_;
+};
+
+SourceOptions allowing() {
+  SourceOptions out;
+  out.allow_irregular = true;
+  return out;
+}
+
+TEST_F(DicomSeries, PositionsOrderSlicesAndGiveTheAffine) {
+  writeAt({{1, 2, 30}, {1, 2, 24}, {1, 2, 27}}, [] {
+    DicomSpec spec;
+    spec.spacing = "0.5\\0.25";  // of rows, then of columns
+    return spec;
+  }());
+  EXPECT_EQ(order(), (std::vector{1, 2, 0}));
+  const VolumeGeometry geometry = open()->info().geometry;
+  EXPECT_EQ(geometry.frame, PatientFrame::kLps);
+  EXPECT_EQ(geometry.unit, "mm");
+  expectNear(geometry.worldOf({0, 0, 0}), {1, 2, 24});
+  expectNear(geometry.worldOf({4, 2, 1}), {2, 3, 27});
+  SourceOptions options;
+  options.spacing = glm::dvec3(1);
+  expectError(ErrorCode::kUsage, "--spacing", options);
+}
+
+// A coronal volume, rows down the patient: the normal points to the front, so that slices go from back to front.
+TEST_F(DicomSeries, TheNormalIsTheOrientationsOwn) {
+  DicomSpec spec;
+  spec.orientation = "1\\0\\0\\0\\0\\-1";
+  writeAt({{-10, -5, 40}, {-10, -3, 40}, {-10, -1, 40}}, spec);
+  // x cross -z is +y.
+  EXPECT_EQ(order(), (std::vector{0, 1, 2}));
+  expectNear(open()->info().geometry.worldOf({1, 2, 2}), {-9, -1, 38});
+  spec.orientation = "-1\\0\\0\\0\\0\\-1";
+  writeAt({{-10, -5, 40}, {-10, -3, 40}, {-10, -1, 40}}, spec);
+  EXPECT_EQ(order(), (std::vector{2, 1, 0}));
+  expectNear(open()->info().geometry.worldOf({1, 2, 2}), {-11, -5, 38});
+}
+
+TEST_F(DicomSeries, AMissingSliceIsNamedByItsNeighbours) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 10}, {0, 0, 12}});
+  expectError(ErrorCode::kFormat, "'c' and 'd' are 6 mm apart where others are 2 mm: 2 missing between them");
+  expectError(ErrorCode::kFormat, "--allow-irregular");
+  const auto source = open(allowing());
+  expectNear(source->info().geometry.worldOf({0, 0, 4}), {0, 0, 8});
+  ASSERT_EQ(source->info().notes.size(), 1u);
+  EXPECT_NE(source->info().notes[0].find("'c' and 'd'"), std::string::npos);
+}
+
+TEST_F(DicomSeries, UnequalDistancesAreAnErrorAndRoundedOnesAreNot) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6.3}, {0, 0, 8.3}});
+  expectError(ErrorCode::kFormat, "'c' and 'd' are 2.3 mm apart where others are 2 mm");
+  expectNear(open(allowing())->info().geometry.worldOf({0, 0, 4}), {0, 0, 8});
+  writeAt({{0, 0, 0}, {0, 0, 0.63}, {0, 0, 1.25}, {0, 0, 1.88}, {0, 0, 2.5}});
+  expectNear(open()->info().geometry.worldOf({0, 0, 4}), {0, 0, 2.5});
+}
+
+// A gantry tilted by 20 degrees: slices are parallel and equally far apart, but each is shifted along its rows.
+TEST_F(DicomSeries, GantryTiltIsAnErrorUntilItIsAllowedAndThenExactlyAShear) {
+  const double angle = 20 * 3.14159265358979 / 180;
+  DicomSpec spec;
+  spec.orientation = "1\\0\\0\\0\\" + std::to_string(std::cos(angle)) + "\\" + std::to_string(std::sin(angle));
+  writeAt({{0, 0, 0}, {0, 0, 5}, {0, 0, 10}}, spec);
+  expectError(ErrorCode::kFormat, "'a' to 'c' are tilted by 20 degrees");
+  const VolumeGeometry geometry = open(allowing())->info().geometry;
+  expectNear(geometry.worldOf({0, 0, 2}), {0, 0, 10});
+  EXPECT_NEAR(geometry.worldOf({0, 1, 0}).z, std::sin(angle), 1e-6);
+}
+
+TEST_F(DicomSeries, ASliceBesideTheOthersIsNamed) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0.5, 0, 4}, {0, 0, 6}, {0, 0, 8}});
+  expectError(ErrorCode::kFormat, "'c' lies 0.5 mm beside the line");
+  EXPECT_EQ(order(allowing()).size(), 5u);
+}
+
+TEST_F(DicomSeries, TwoSlicesAtOnePlaceAreSeveralVolumes) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 2}, {0, 0, 4}});
+  expectError(ErrorCode::kUnsupported, "'b' and 'c' lie at the same place");
+  expectError(ErrorCode::kUnsupported, "'b' and 'c' lie at the same place", allowing());
+}
+
+TEST_F(DicomSeries, SlicesThatAreNotAlikeAreNamed) {
+  writeAt({{0, 0, 0}, {0, 0, 2}});
+  DicomSpec spec;
+  spec.position = "0\\0\\4";
+  DicomSpec other = spec;
+  other.orientation = "0\\1\\0\\0\\0\\-1";
+  files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "'scout' is turned against 'a'");
+  other = spec, other.spacing = "1\\2";
+  files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "'scout' has pixels of another size than 'a'");
+  other = spec, other.position = "";
+  files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "'scout' has no position");
+  other = spec, other.columns = 4;
+  files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "scout: is 4 x 4 of i16, but a is 5 x 4 of i16");
+  other = spec, other.is_signed = false;
+  files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "scout: is 5 x 4 of u16");
+  other = spec, other.orientation = "1\\0\\0\\1\\0\\0";
+  files_.write("a", slice(other, 9)), files_.write("b", slice(other, 9)), files_.write("scout", slice(other, 9));
+  expectError(ErrorCode::kFormat, "'a': the orientation is not two unit vectors");
+}
+
+TEST_F(DicomSeries, SeveralSeriesAreListedAndOneIsChosen) {
+  DicomSpec head, scout, report;
+  head.series = "1.2.10", head.description = "head 1.0";
+  scout.series = "1.2.9", scout.description = "scout", scout.photometric = "PALETTE COLOR";
+  report.series = "1.2.8", report.pixels = false;
+  writeAt({{0, 0, 0}, {0, 0, 2}}, head);
+  files_.write("x", slice(scout, 7));
+  files_.write("y", dicomFile(report));
+  files_.write("z.txt", "notes");
+  expectError(
+      ErrorCode::kUsage,
+      "holds 2 series; choose one with --series: 1.2.10 (CT 'head 1.0', 2 slices), 1.2.9 (CT 'scout', 1 slice)");
+  SourceOptions options;
+  options.series = "1.2.10";
+  EXPECT_EQ(order(options), (std::vector{0, 1}));
+  const SourceInfo info = open(options)->info();
+  EXPECT_NE(info.format.find("1.2.10"), std::string::npos);
+  EXPECT_EQ(info.files.size(), 3u);
+  EXPECT_EQ(info.notes.size(), 3u);
+  options.series = "1.2.9";
+  expectError(ErrorCode::kUnsupported, "x: holds indices into a palette", options);
+  options.series = "1.2";
+  expectError(ErrorCode::kUsage, "--series 1.2: is not among", options);
+  files_.write("t.tif", std::string("II*\0", 4));
+  expectError(ErrorCode::kUnsupported, "put them apart");
+  expectRefused(files_.write("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx"),
+                ErrorCode::kUsage, "--series", options);
+}
+
+TEST_F(DicomSeries, WithoutPositionsTheNumbersDecide) {
+  DicomSpec spec;
+  spec.position = spec.orientation = "";
+  spec.spacing = "0.5\\0.25", spec.thickness = "3";
+  const char* const numbers[] = {"10", "9", "2"};
+  for (int i = 0; i < 3; ++i) {
+    spec.instance = numbers[i];
+    files_.write(std::string(1, static_cast<char>('a' + i)), slice(spec, i));
+  }
+  EXPECT_EQ(order(), (std::vector{2, 1, 0}));
+  const SourceInfo info = open()->info();
+  EXPECT_EQ(info.geometry.spacing(), glm::dvec3(0.25, 0.5, 3));
+  EXPECT_EQ(info.geometry.frame, PatientFrame::kUnknown);
+  EXPECT_EQ(info.notes.size(), 1u);
+  SourceOptions options;
+  options.spacing = glm::dvec3(1, 2, 3);
+  EXPECT_EQ(open(options)->info().geometry.spacing(), glm::dvec3(1, 2, 3));
+}
+
+TEST_F(DicomSeries, FramesOfOneFileLieWhereTheirGroupsSay) {
+  DicomSpec spec;
+  spec.frames = 3;
+  spec.frame_positions = {"0\\0\\4", "0\\0\\0", "0\\0\\2"};
+  spec.spacing = "0.5\\0.25", spec.intercept = "-10", spec.slope = "1";
+  spec.pixel_bytes = std::string(120, '\0');
+  for (std::size_t i = 0; i < 3; ++i) spec.pixel_bytes[40 * i] = static_cast<char>(i + 20);
+  for (const DicomSyntax syntax : {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle}) {
+    spec.syntax = syntax;
+    files_.write("a", dicomFile(spec));
+    EXPECT_EQ(order(), (std::vector{11, 12, 10}));
+    expectNear(open()->info().geometry.worldOf({1, 1, 1}), {0.25, 0.5, 2});
+  }
+}
+
+// One slice is a volume of one, as thick as it says.
+TEST_F(DicomSeries, OneSliceOpens) {
+  DicomSpec spec;
+  spec.thickness = "2.5";
+  const auto source = openSource(files_.write("one.dcm", slice(spec, 3)));
+  EXPECT_EQ(source->info().geometry.dims, (Extent3{5, 4, 1}));
+  EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(1, 1, 2.5));
+  EXPECT_EQ(source->info().notes.size(), 0u);
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,39 @@
+// DICOM files made element by element from PS3.5, independently of the reader they test; only the compressed ones are
+// GDCM's work.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace kiln::test {
+
+enum class DicomSyntax { kExplicitLittle, kImplicitLittle, kExplicitBig };
+enum class DicomCodec { kRle, kJpegLossless, kJpegLs, kJpeg2000 };
+
+/// What tests vary; the default is a CT slice of 5 x 4 signed 16-bit pixels at the origin. Numbers that DICOM writes as
+/// text are text; empty ones are left out.
+struct DicomSpec {
+  DicomSyntax syntax = DicomSyntax::kExplicitLittle;
+  int columns = 5, rows = 4, frames = 1;
+  int bits_allocated = 16, bits_stored = 16, high_bit = -1;  // -1: stored - 1
+  bool is_signed = true;
+  int samples = 1;
+  std::string photometric = "MONOCHROME2";
+  std::string series = "1.2.3.4", description = "a series", modality = "CT", instance;
+  std::string position = "0\\0\\0", orientation = "1\\0\\0\\0\\1\\0", spacing = "1\\1", thickness, slope, intercept;
+  /// Of each frame, in functional groups, the other attributes being shared by all.
+  std::vector<std::string> frame_positions;
+  bool pixels = true;
+  bool modality_lut = false;
+  /// In the order of the syntax.
+  std::string pixel_bytes;
+};
+
+/// The bytes of the file.
+std::string dicomFile(const DicomSpec& spec);
+
+/// Rewrites the file at `path` with its pixels compressed.
+void compressDicom(const std::filesystem::path& path, DicomCodec codec);
+
+}  // namespace kiln::test
