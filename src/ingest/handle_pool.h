@@ -12,8 +12,9 @@ namespace kiln {
 template <class T>
 class HandlePool {
  public:
-  /// requires: `idle_limit` handles and one a thread may be open at once.
-  explicit HandlePool(std::size_t idle_limit = 256) : idle_limit_(idle_limit) {}
+  /// requires: `idle_limit` handles and one a thread may be open at once. The default is a brick's slices with its
+  /// aprons.
+  explicit HandlePool(std::size_t idle_limit = 160) : idle_limit_(idle_limit) {}
 
   class Lease {
    public:

@@ -120,7 +120,8 @@ bool TiffFile::advance() {
     const bool first = page_.number == 0;
     if (!first && TIFFLastDirectory(handle_->tiff) != 0) return false;
     ++page_.number;
-    if (TIFFReadDirectory(handle_->tiff) != 1) fail("the TIFF directory cannot be read; the file is cut short or damaged");
+    if (TIFFReadDirectory(handle_->tiff) != 1)
+      fail("the TIFF directory cannot be read; the file is cut short or damaged");
     if ((handle_->field<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0) & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0)
       continue;
     readPage();
@@ -215,6 +216,8 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   const auto length = static_cast<tmsize_t>(out.size());
   const tmsize_t got = page_.tiled ? TIFFReadEncodedTile(handle_->tiff, index, out.data(), length)
                                    : TIFFReadEncodedStrip(handle_->tiff, index, out.data(), length);
+  // libtiff keeps the packed bytes for the next block, and there are many files: a strip may be a whole slice.
+  TIFFReadBufferSetup(handle_->tiff, nullptr, 1024);
   if (got != length) fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
   return out;
 }

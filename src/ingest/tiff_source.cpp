@@ -96,7 +96,8 @@ class TiffSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  std::uint64_t decodeBytes() const override { return stack_.largest_packed_block_bytes; }
+  // Packed and decoded; what is packed is hardly longer.
+  std::uint64_t decodeBytes() const override { return 2 * stack_.largest_packed_block_bytes; }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
