@@ -25,7 +25,11 @@ constexpr int kQuickScenes = 2;
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox};
 #else
 constexpr std::int64_t kSmallestBrick = 8;
+#if defined(__SANITIZE_ADDRESS__)
+constexpr int kQuickScenes = 3;
+#else
 constexpr int kQuickScenes = 8;
+#endif
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 #endif
 
