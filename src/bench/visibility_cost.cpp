@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-#include "occlusion/visibility.h"
+#include "frame/make_visibility.h"
 
 namespace kiln {
 namespace {
@@ -130,19 +130,9 @@ double nsPerTest(const Visibility& visibility, const std::vector<PixelRect>& ask
 }
 
 std::unique_ptr<Visibility> make(VisibilityMethod method, int size_px) {
-  switch (method) {
-    case VisibilityMethod::kMask:
-      return makeMaskVisibility(size_px, size_px);
-    case VisibilityMethod::kRangeTree:
-      return makeRangeTreeVisibility(size_px, size_px);
-    case VisibilityMethod::kQuadtree:
-      return makeQuadtreeVisibility(size_px, size_px);
-    case VisibilityMethod::kOverlay:
-      return makeOverlayVisibility(size_px, size_px);
-    case VisibilityMethod::kNone:
-      break;
-  }
-  return makeNoVisibility();
+  VisibilityOptions options;
+  options.method = method;
+  return makeVisibility(options, {size_px, size_px}, 0);
 }
 
 class Measurement {

@@ -45,6 +45,8 @@ class BrickCache {
   /// and announced. What was announced before and is not now is dropped, if its reading has not begun. A brick that
   /// cannot be read is no error before it is asked for. thread: as `get`.
   void announce(std::span<const BrickKey> next);
+  /// Whether announcing gains anything.
+  bool readsAhead() const { return !readers_.empty(); }
   /// Announces nothing, and waits until nothing is being read.
   void settle();
 

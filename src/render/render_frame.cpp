@@ -4,11 +4,13 @@
 
 #include <bit>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
 #include "frame/lookahead.h"
+#include "frame/make_visibility.h"
 #include "frame/tile_walk.h"
 
 namespace kiln {
@@ -16,22 +18,6 @@ namespace {
 
 // Bricks announced at a time: enough to keep every reader busy while one brick is drawn.
 constexpr std::size_t kAnnounced = 8;
-
-std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {
-  switch (options.method) {
-    case VisibilityMethod::kMask:
-      return makeMaskVisibility(size.width, size.height);
-    case VisibilityMethod::kRangeTree:
-      return makeRangeTreeVisibility(size.width, size.height);
-    case VisibilityMethod::kQuadtree:
-      return makeQuadtreeVisibility(size.width, size.height, options.epsilon_px, tile_px);
-    case VisibilityMethod::kOverlay:
-      return makeOverlayVisibility(size.width, size.height, tile_px);
-    case VisibilityMethod::kNone:
-      break;
-  }
-  return makeNoVisibility();
-}
 
 bool testsSamples(const VisibilityOptions& options) {
   return options.test_samples && options.method != VisibilityMethod::kNone &&
@@ -111,11 +97,12 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   SplatCounts counts;
   BrickWalkCounts walked;
   const PixelRect whole{0, 0, image.width, image.height};
-  Lookahead lookahead(bricks.inView(projector, whole), *visibility);
+  std::optional<Lookahead> lookahead;
+  if (cache.readsAhead()) lookahead.emplace(bricks.inView(projector, whole), *visibility);
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
-    cache.announce(lookahead.after(key, kAnnounced));
+    if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
     counts.add(drawBrick(frame, *block, image, rect, request));
   };
   bricks.run(projector, whole, *visibility, draw, walked, request.node_log);

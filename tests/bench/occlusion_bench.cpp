@@ -8,26 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "occlusion/visibility.h"
+#include "frame/make_visibility.h"
 
 namespace kiln {
 namespace {
 
-enum Method { kNone, kMask, kRangeTree, kQuadtree, kOverlay };
-
-std::unique_ptr<Visibility> make(int method, int n) {
-  switch (method) {
-    case kMask:
-      return makeMaskVisibility(n, n);
-    case kRangeTree:
-      return makeRangeTreeVisibility(n, n);
-    case kQuadtree:
-      return makeQuadtreeVisibility(n, n);
-    case kOverlay:
-      return makeOverlayVisibility(n, n);
-    default:
-      return makeNoVisibility();
-  }
+std::unique_ptr<Visibility> make(std::int64_t method, int n) {
+  VisibilityOptions options;
+  options.method = static_cast<VisibilityMethod>(method);
+  return makeVisibility(options, {n, n}, 0);
 }
 
 // Pixels in the order in which they close: footprint by footprint along 24 discs that cover about two thirds.
@@ -57,7 +46,7 @@ std::vector<std::pair<int, int>> closingOrder(int n) {
 // Arguments: method, n, l.
 void test(benchmark::State& state) {
   const int n = static_cast<int>(state.range(1)), l = static_cast<int>(state.range(2));
-  const auto visibility = make(static_cast<int>(state.range(0)), n);
+  const auto visibility = make(state.range(0), n);
   for (const auto& [x, y] : closingOrder(n)) visibility->close(x, y);
   std::mt19937 random(11);
   std::vector<PixelRect> questions;
@@ -81,7 +70,7 @@ void update(benchmark::State& state) {
   for (auto _ : state) {
     if (next == order.size()) {
       state.PauseTiming();
-      visibility = make(static_cast<int>(state.range(0)), n);
+      visibility = make(state.range(0), n);
       next = 0;
       state.ResumeTiming();
     }
@@ -90,7 +79,7 @@ void update(benchmark::State& state) {
   }
 }
 
-const std::vector<std::int64_t> kMethods = {kNone, kMask, kRangeTree, kQuadtree, kOverlay};
+const std::vector<std::int64_t> kMethods = {0, 1, 2, 3, 4};  // as VisibilityMethod has them
 const std::vector<std::int64_t> kSizes = {256, 512, 1024, 2048, 4096};
 BENCHMARK(test)->ArgNames({"method", "n", "l"})->ArgsProduct({kMethods, kSizes, {4, 16, 64, 256}});
 BENCHMARK(update)->ArgNames({"method", "n"})->ArgsProduct({kMethods, kSizes});

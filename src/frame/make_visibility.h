@@ -1,0 +1,13 @@
+// The image-space structure that a job's words name.
+#pragma once
+
+#include "occlusion/visibility.h"
+#include "scene/camera.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+/// One structure for all bricks of a frame. requires: tile_px as SpeedOptions has it.
+std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px);
+
+}  // namespace kiln
