@@ -6,6 +6,15 @@
 #include "bench/report_tables.h"
 
 namespace kiln {
+namespace {
+
+// Which case, image size and projection a study is of.
+std::string studyCells(const Measurements& m, const ArtifactStudy& study) {
+  return fmt::format("<th scope=\"row\">{} {}</th><td>{}</td>", escaped(m.suite.cases[study.case_index].name),
+                     textOf(study.size), titleOf(study.projection));
+}
+
+}  // namespace
 
 std::string complexityTable(const Measurements& m) {
   struct Complexity {
@@ -69,8 +78,7 @@ std::string histogramTable(const Measurements& m) {
     for (std::size_t i = 0; i < study.steps.size(); ++i) {
       if (i != 0 && study.enough != i) continue;
       const EpsilonStep& step = study.steps[i];
-      body += fmt::format("<tr><th scope=\"row\">{} {}</th><td>{}</td>", escaped(m.suite.cases[study.case_index].name),
-                          textOf(study.size), titleOf(study.projection));
+      body += "<tr>" + studyCells(m, study);
       body += numberCell(fmt::format("{}", step.epsilon_px));
       for (const std::uint64_t pixels : step.distance.pixels) body += numberCell(counted(static_cast<double>(pixels)));
       body += numberCell(fmt::format("<b>{:.2f}</b>", step.distance.largest)) + "</tr>\n";
@@ -87,8 +95,7 @@ std::string enoughTable(const Measurements& m) {
   std::string body;
   for (const ArtifactStudy& study : m.artifacts) {
     const EpsilonStep& first = study.steps.front();
-    body += fmt::format("<tr><th scope=\"row\">{} {}</th><td>{}</td>", escaped(m.suite.cases[study.case_index].name),
-                        textOf(study.size), titleOf(study.projection));
+    body += "<tr>" + studyCells(m, study);
     body += numberCell(fmt::format("{:.2f}", first.distance.largest));
     if (study.enough) {
       const EpsilonStep& step = study.steps[*study.enough];
@@ -134,8 +141,7 @@ std::string epsilonTable(const Measurements& m, const ArtifactStudy& study) {
   }
   body += line("range tree", "exact", "0", study.exact_visited, study.exact_s, "rule");
   return tableFigure(fmt::format("{}, {}.", escaped(m.suite.cases[study.case_index].name), titleOf(study.projection)),
-                     fmt::format("What an ε gives and costs, {} pixels, {}.", textOf(study.size), m.suite.views,
-                                 m.suite.views == 1 ? "" : "s"),
+                     fmt::format("What an ε gives and costs, {} pixels, {}.", textOf(study.size), viewsText(m.suite)),
                      head, body);
 }
 

@@ -87,18 +87,14 @@ std::string observationsTable(const Measurements& m) {
 
 std::string visitsTable(const Measurements& m, VisibilityMethod method, std::string_view caption_number) {
   const bool paper = hasPaper(m, method);
-  const auto published = [&](std::size_t i, const ImageSize& size, Projection projection) {
-    return publishedVisits(m.suite.cases[i].paper, size, projection, method);
-  };
   const std::string body = caseRows(m, [&](std::size_t i, const ImageSize& size) {
     std::string out;
     for (const Projection projection : m.suite.projections) {
-      const MeasuredRun* run = findRun(m, i, size, projection);
-      const auto own = run ? summaryOf(*run, method) : std::nullopt;
+      const auto own = summaryIn(m, i, size, projection, method);
       if (!own) return std::string();
-      const auto theirs = published(i, size, projection);
+      const auto theirs = publishedVisits(m.suite.cases[i].paper, size, projection, method);
       if (out.empty()) {
-        out += numberCell(counted(summaryOf(*run, VisibilityMethod::kNone)->visited));
+        out += numberCell(counted(summaryIn(m, i, size, projection, VisibilityMethod::kNone)->visited));
         if (paper) out += theirs ? numberCell(counted(static_cast<double>(theirs->octree_only)), "paper") : kNoCell;
       }
       out += numberCell(counted(own->visited)) + numberCell(fmt::format("<b>{:.2f}</b>", own->ratio_percent));
@@ -130,10 +126,9 @@ std::string timesTable(const Measurements& m, VisibilityMethod method, std::stri
   const std::string body = caseRows(m, [&](std::size_t i, const ImageSize& size) {
     std::string out;
     for (const Projection projection : m.suite.projections) {
-      const MeasuredRun* run = findRun(m, i, size, projection);
-      const auto own = run ? summaryOf(*run, method) : std::nullopt;
+      const auto own = summaryIn(m, i, size, projection, method);
       if (!own) return std::string();
-      out += numberCell(measured(1e3 * summaryOf(*run, VisibilityMethod::kNone)->render_s)) +
+      out += numberCell(measured(1e3 * summaryIn(m, i, size, projection, VisibilityMethod::kNone)->render_s)) +
              numberCell(measured(1e3 * own->render_s)) + numberCell(fmt::format("<b>{:.2f}</b>", own->speed_up));
       if (!paper) continue;
       const auto theirs = publishedTimes(m.suite.cases[i].paper, size, projection, method);

@@ -49,6 +49,12 @@ const MeasuredRun* findRun(const Measurements& m, std::size_t case_index, const 
   return found == m.runs.end() ? nullptr : &*found;
 }
 
+std::optional<MethodSummary> summaryIn(const Measurements& m, std::size_t case_index, const ImageSize& size,
+                                       Projection projection, VisibilityMethod method) {
+  const MeasuredRun* run = findRun(m, case_index, size, projection);
+  return run != nullptr ? summaryOf(*run, method) : std::nullopt;
+}
+
 std::vector<Standing> standingsOf(const Measurements& m) {
   std::vector<Standing> out;
   for (const VisibilityMethod method : m.suite.methods) {

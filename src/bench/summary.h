@@ -24,6 +24,10 @@ std::optional<MethodSummary> summaryOf(const MeasuredRun& run, VisibilityMethod 
 /// nullptr where there is no such run.
 const MeasuredRun* findRun(const Measurements& m, std::size_t case_index, const ImageSize& size, Projection projection);
 
+/// A method in one run of the suite; empty where there is none.
+std::optional<MethodSummary> summaryIn(const Measurements& m, std::size_t case_index, const ImageSize& size,
+                                       Projection projection, VisibilityMethod method);
+
 /// A method over the whole suite.
 struct Standing {
   VisibilityMethod method = VisibilityMethod::kNone;
