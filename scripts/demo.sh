@@ -9,12 +9,8 @@ out=out/demo
 picture=$out/head.png
 study=/usr/share/doc/invesalius-examples/examples/Cranium.inv3
 
-scripts/install_packages.sh build demo
-
-configure=(-DKILN_TESTS=OFF)
-if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-cmake --preset release "${configure[@]}"
-cmake --build --preset release -j "$(nproc)"
+scripts/install_packages.sh demo
+scripts/build_release.sh
 
 mkdir -p "$out"
 if [ ! -e "$out/matrix.dat" ]; then

@@ -21,12 +21,7 @@ done
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 out=${out:-$PWD/out/paper}
 
-scripts/install_packages.sh build
-
-configure=(-DKILN_TESTS=OFF)
-if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-cmake --preset release "${configure[@]}"
-cmake --build --preset release -j "$(nproc)"
+scripts/build_release.sh
 
 suite=scripts/paper_suite.json
 if [ ! -d ../shared/data ]; then
