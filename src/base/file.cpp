@@ -30,6 +30,16 @@ class Descriptor {
   int fd_;
 };
 
+void writeAll(const Descriptor& file, const fs::path& path, std::span<const std::byte> data) {
+  std::size_t done = 0;
+  while (done < data.size()) {
+    const ssize_t put = ::write(file.get(), data.data() + done, data.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(done));
+    done += static_cast<std::size_t>(put);
+  }
+}
+
 }  // namespace
 
 File::File(const fs::path& path) : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -120,14 +130,15 @@ void FileSystem::makeDirectories(const fs::path& path) {
 void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, bool durable) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
-  std::size_t done = 0;
-  while (done < data.size()) {
-    const ssize_t put = ::write(file.get(), data.data() + done, data.size() - done);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(done));
-    done += static_cast<std::size_t>(put);
-  }
+  writeAll(file, path, data);
   if (durable && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  if (file.close() != 0) throw systemError(errno, path, "closing after writing");
+}
+
+void FileSystem::appendFile(const fs::path& path, std::span<const std::byte> data) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (file.get() < 0) throw systemError(errno, path, "opening the file");
+  writeAll(file, path, data);
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
 

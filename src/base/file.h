@@ -56,6 +56,8 @@ class FileSystem {
 
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
+  /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.
+  virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
   /// Brings one file, whoever wrote it, onto its disk.
   virtual void syncFile(const std::filesystem::path& path);

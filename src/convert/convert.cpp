@@ -11,8 +11,14 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "convert/destination.h"
+#include "convert/foreign_cache.h"
+#include "convert/journal.h"
+#include "convert/pyramid_builder.h"
 #include "convert/slab_window.h"
 #include "convert/value_counter.h"
+#include "grid/pyramid.h"
+#include "store/store_reader.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -37,9 +43,10 @@ Plan planMemory(const VolumeSource& source, const ConvertOptions& options) {
   const Extent3& dims = info.geometry.dims;
   const auto voxels =
       static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
-  // A lane holds the box as read, its grids (8 bytes a voxel at most), the file, and the counts by value.
+  // A lane holds the box as read or put together from parts, a part, its grids (8 bytes a voxel at most), the file, and
+  // the counts by value.
   const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
-  plan.lane_bytes = voxels * (2 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20) + source.decodeBytes();
+  plan.lane_bytes = voxels * (3 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20) + source.decodeBytes();
   const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
   if (smallest > options.memory_bytes) {
     throw Error(ErrorCode::kBudget, info.files.empty() ? fs::path() : info.files.front(), "--memory",
@@ -62,9 +69,11 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   manifest.background = info.background;
   manifest.volume_class = info.volume_class;
   manifest.brick_size = options.brick_size;
-  LevelInfo level;
-  level.geometry = info.geometry;
-  manifest.levels.push_back(level);
+  for (const VolumeGeometry& geometry : pyramidOf(info.geometry, options.brick_size, options.most_levels)) {
+    LevelInfo level;
+    level.geometry = geometry;
+    manifest.levels.push_back(level);
+  }
   manifest.source.format = info.format;
   for (const fs::path& file : info.files) manifest.source.files.push_back(file.string());
   manifest.source.command = options.command;
@@ -73,15 +82,43 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   return manifest;
 }
 
-// Converts one layer of bricks after the other; within a layer the lanes take bricks as they come free.
+// What bricks are made of, as text: the same text gives the same bricks.
+std::string identityOf(const SourceInfo& info, Manifest draft) {
+  draft.source.command.clear();
+  draft.source.time.clear();
+  std::string out = containerVersion() + "\n";
+  for (const fs::path& file : info.files) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) continue;
+    out += fmt::format("{} {} {}\n", file.string(), fs::is_directory(file, ignored) ? 0 : fs::file_size(file, ignored),
+                       fs::last_write_time(file, ignored).time_since_epoch().count());
+  }
+  return out + manifestText(draft);
+}
+
+// Converts one layer of bricks after the other; within a layer the lanes take bricks as they come free, and build the
+// coarser bricks that a finished one makes possible.
 class Conversion {
  public:
-  Conversion(VolumeSource& source, StoreWriter& writer, const Plan& plan, Progress& progress)
-      : source_(source), writer_(writer), progress_(progress), counters_(plan.lanes, ValueCounter(source.info().type)) {
+  Conversion(VolumeSource& source, StoreWriter& writer, const fs::path& directory, const JournalContent& earlier,
+             const Plan& plan, FileSystem& disk, Progress& progress)
+      : source_(source),
+        writer_(writer),
+        directory_(directory),
+        progress_(progress),
+        pyramid_(writer, directory / "parts", disk),
+        counters_(plan.lanes, ValueCounter(source.info().type)),
+        totals_(counters_) {
     if (source.order() == ReadOrder::kForwardSlices) window_.emplace(source);
+    for (const LevelInfo& level : writer.manifest().levels)
+      finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
+    JournalContent kept{earlier.identity, wholeBricksOf(earlier)};
+    journal_.emplace(directory, kept, disk);
   }
 
-  void run(const Extent3& lattice) {
+  void run() {
+    takeUp();
+    const Extent3 lattice = writer_.manifest().levels.front().bricks;
     const std::int64_t in_layer = lattice.x * lattice.y;
     for (std::int64_t z = 0; z < lattice.z; ++z) {
       const std::int64_t first = z * in_layer, end = first + in_layer;
@@ -93,18 +130,70 @@ class Conversion {
       parallelFor(counters_.size(), [&](std::size_t lane) {
         for (std::int64_t i = next++; i < end; i = next++) {
           progress_.throwIfCancelled("converting");
-          brick({0, brickAt(lattice, i)}, counters_[lane]);
+          const BrickKey key{0, brickAt(lattice, i)};
+          if (!finished_[0][static_cast<std::size_t>(i)]) build(brick(key, lane));
         }
       });
     }
     source_.finish();
-    for (std::size_t lane = 1; lane < counters_.size(); ++lane) counters_[0].add(counters_[lane]);
+    for (std::size_t lane = 1; lane < totals_.size(); ++lane) totals_[0].add(totals_[lane].take());
   }
 
-  const ValueCounter& counter() const { return counters_.front(); }
+  const ValueCounter& counter() const { return totals_.front(); }
+  std::uint64_t finishedBricks() const { return finished_bricks_; }
 
  private:
-  void brick(const BrickKey& key, ValueCounter& counter) {
+  // Of the bricks that an earlier conversion noted, those whose files are whole on the disk.
+  std::vector<FinishedBrick> wholeBricksOf(const JournalContent& earlier) {
+    std::vector<char> whole(earlier.bricks.size());
+    parallelFor(earlier.bricks.size(), [&](std::size_t i) {
+      progress_.throwIfCancelled("looking at what is finished");
+      const FinishedBrick& brick = earlier.bricks[i];
+      const fs::path path = directory_ / brickPath(brick.key);
+      std::error_code ignored;
+      whole[i] = brick.entry.constant || (fs::file_size(path, ignored) == brick.entry.file_bytes &&
+                                          hashOf(readFile(path)) == brick.entry.checksum);
+    });
+    std::vector<FinishedBrick> out;
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      const FinishedBrick& brick = earlier.bricks[i];
+      if (!whole[i]) continue;
+      char& finished = finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)];
+      if (std::exchange(finished, 1) != 0) continue;
+      writer_.keep(brick.key, brick.entry);
+      totals_[0].add(brick.counts);
+      if (brick.key.level == 0) done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
+      ++finished_bricks_;
+      out.push_back(brick);
+    }
+    return out;
+  }
+
+  // The coarser levels go on from where the earlier conversion left them.
+  void takeUp() {
+    if (finished_bricks_ == 0) return;
+    const std::vector<BrickKey> ready = pyramid_.takeUp(
+        [&](const BrickKey& key) { return finished_[static_cast<std::size_t>(key.level)][placeOf(key)] != 0; },
+        [&](const BrickKey& key) {
+          progress_.throwIfCancelled("taking up the coarser levels");
+          const BrickFrame frame = writer_.frame(key);
+          const fs::path path = directory_ / brickPath(key);
+          const BrickBlock block = decodeBrick(frame, readFile(path), path);
+          const BrickEntry& entry = writer_.entry(key);
+          const auto cells = block.octree.cells();
+          pyramid_.addFinished(key, block.voxels, block.extent,
+                               {{cells.begin(), cells.end()}, entry.core, entry.support});
+        });
+    build(ready);
+  }
+
+  std::size_t placeOf(const BrickKey& key) const {
+    const Extent3& n = writer_.manifest().levels[static_cast<std::size_t>(key.level)].bricks;
+    return static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
+  }
+
+  // Makes a brick of level 0; returns the coarser ones that can be built now.
+  std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane) {
     const BrickFrame frame = writer_.frame(key);
     const VoxelBox box = frame.stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
@@ -113,86 +202,128 @@ class Conversion {
     } else {
       source_.read(box, voxels);
     }
-    counter.count(voxels, box, frame.core());
-    writer_.put(key, voxels);
+    counters_[lane].count(voxels, box, frame.core());
+    const ValueCounts counts = counters_[lane].take();
+    const BrickRanges ranges = rangesOf(frame, voxels);
+    journal_->append({key, writer_.put(key, voxels, ranges), counts});
+    totals_[lane].add(counts);
+    std::vector<BrickKey> ready = pyramid_.add(key, voxels, box, ranges);
     const std::scoped_lock lock(mutex_);
+    ++finished_bricks_;
     done_ += static_cast<std::uint64_t>(frame.core().count());
     progress_.advance("converting", "voxels", done_, static_cast<std::uint64_t>(source_.info().geometry.dims.count()));
+    return ready;
+  }
+
+  void build(std::vector<BrickKey> ready) {
+    while (!ready.empty()) {
+      progress_.throwIfCancelled("converting");
+      const BrickKey key = ready.back();
+      ready.pop_back();
+      const PyramidBuilder::Built built = pyramid_.build(key);
+      journal_->append({key, built.entry, {}});
+      ready.insert(ready.end(), built.ready.begin(), built.ready.end());
+      const std::scoped_lock lock(mutex_);
+      ++finished_bricks_;
+    }
   }
 
   VolumeSource& source_;
   StoreWriter& writer_;
+  const fs::path directory_;
   Progress& progress_;
+  PyramidBuilder pyramid_;
   std::optional<SlabWindow> window_;
-  std::vector<ValueCounter> counters_;
+  std::vector<ValueCounter> counters_, totals_;  // of a brick, and of all; by lane
+  std::vector<std::vector<char>> finished_;      // by level and brick: what an earlier conversion left
+  std::optional<Journal> journal_;
   std::mutex mutex_;
-  std::uint64_t done_ = 0;
+  std::uint64_t done_ = 0, finished_bricks_ = 0;
 };
 
-// True for a directory that holds nothing but what a store, finished or not, holds: what --overwrite may replace.
-bool mayReplace(const fs::path& directory) {
-  std::error_code error;
-  if (!fs::is_directory(directory, error)) return false;
-  for (const auto& entry : fs::directory_iterator(directory, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name != "manifest.json" && name != "index.bin" && name != "bricks" && !name.ends_with(".tmp")) return false;
-  }
-  return !error;
+std::uint64_t brickCount(const Manifest& manifest) {
+  std::uint64_t out = 0;
+  for (const LevelInfo& level : manifest.levels) out += static_cast<std::uint64_t>(level.bricks.count());
+  return out;
 }
 
-// Where the new store is built, and how it comes to stand at `out`.
-class Destination {
- public:
-  Destination(const fs::path& out, bool overwrite, FileSystem& disk) : out_(out), building_(out), disk_(disk) {
-    std::error_code ignored;
-    if (!fs::exists(fs::symlink_status(out, ignored)) || (fs::is_directory(out, ignored) && fs::is_empty(out, ignored)))
-      return;
-    if (!overwrite)
-      throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
-    if (!mayReplace(out))
-      throw Error(ErrorCode::kExists, out, "",
-                  "is not a store, so --overwrite does not replace it; name another output");
-    building_ += ".partial";
-    if (!fs::exists(building_, ignored)) return;
-    if (!mayReplace(building_))
-      throw Error(ErrorCode::kExists, building_, "", "is in the way and is not an unfinished store; move it");
-    disk_.removeAll(building_);
+// Whether the finished bricks are worth keeping: the same conversion may succeed later.
+bool mayBeResumed(ErrorCode code) {
+  return code == ErrorCode::kCancelled || code == ErrorCode::kNoSpace || code == ErrorCode::kIo;
+}
+
+// What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
+std::optional<JournalContent> resumable(Destination& destination, const SourceInfo& info, const Manifest& draft,
+                                        const ConvertOptions& options) {
+  std::optional<JournalContent> found = Journal::read(destination.building());
+  if (found && found->identity.volume != identityOf(info, draft)) {
+    if (!options.overwrite) {
+      throw Error(ErrorCode::kExists, destination.building(), "",
+                  "was begun from another source, an older state of it, or with other options; give --overwrite to "
+                  "begin anew");
+    }
+    found.reset();
   }
+  if (!found) destination.clear();
+  return found;
+}
 
-  const fs::path& building() const { return building_; }
+// The last byte was written before; the store may still have to take its name, and the journal may lie there.
+void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, Progress& progress,
+                   ConvertReport& report) {
+  const fs::path& store = destination.building();
+  if (!isStoreOf(store, info))
+    throw Error(ErrorCode::kExists, store, "",
+                "is a store of another volume, or older than its source; give --overwrite");
+  const StoreReader reader(store);
+  destination.commit();
+  progress.note(out.string() + " is finished already");
+  report.bricks = brickCount(reader.manifest());
+  for (const LevelInfo& level : reader.manifest().levels) {
+    report.stored_bricks += level.stored_bricks;
+    report.stored_bytes += level.stored_bytes;
+  }
+  report.nan_count = reader.manifest().nan_count;
+}
 
-  void commit() {
-    if (building_ == out_) return;
-    const fs::path old = out_.string() + ".old";
-    disk_.removeAll(old);
-    disk_.rename(out_, old);
-    try {
-      disk_.rename(building_, out_);
-      // Both names must be on the disk before the old store goes.
-      disk_.syncAll(out_);
-    } catch (...) {
-      std::error_code ignored;
-      if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
-      fs::rename(old, out_, ignored);
+void run(VolumeSource& source, const Manifest& draft, const JournalContent& earlier, const Plan& plan,
+         Destination& destination, const ConvertOptions& options, Progress& progress, FileSystem& disk,
+         ConvertReport& report) {
+  std::optional<StoreWriter> begun;
+  std::optional<Conversion> conversion;
+  try {
+    StoreWriter& writer = begun.emplace(destination.building(), draft, disk);
+    conversion.emplace(source, writer, destination.building(), earlier, plan, disk, progress);
+    report.bricks = brickCount(writer.manifest());
+    if (conversion->finishedBricks() > 0) {
+      progress.note(fmt::format("{} of {} bricks are finished already", conversion->finishedBricks(), report.bricks));
+    }
+    conversion->run();
+    writer.finish(conversion->counter().histogram(writer.range()), conversion->counter().nanCount());
+    report.stored_bricks = writer.storedBricks();
+    report.stored_bytes = writer.bytesWritten();
+    report.nan_count = conversion->counter().nanCount();
+    conversion.reset();
+    destination.commit();
+  } catch (const Error& error) {
+    // What this conversion did not begin is not its to remove.
+    if (!begun) throw;
+    const std::uint64_t finished = conversion ? conversion->finishedBricks() : report.stored_bricks;
+    conversion.reset();
+    if (finished == 0 || !mayBeResumed(error.code())) {
+      destination.abandon();
       throw;
     }
-    try {
-      disk_.removeAll(old);
-    } catch (const Error&) {
-      // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old.
-    }
+    progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished,
+                              brickCount(begun->manifest()), destination.building().string(),
+                              options.overwrite && options.resume ? "run again" : "run again with --resume"));
+    throw;
+  } catch (...) {
+    conversion.reset();
+    if (begun) destination.abandon();
+    throw;
   }
-  void abandon() noexcept {
-    std::error_code ignored;
-    fs::remove_all(building_, ignored);
-  }
-
- private:
-  fs::path out_, building_;
-  FileSystem& disk_;
-};
-
-fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+}
 
 }  // namespace
 
@@ -208,24 +339,24 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   for (const std::string& note : info.notes) progress.note(note);
   const Plan plan = planMemory(source, options);
   source.keepDecoded(plan.kept_bytes);
-  Destination destination(withoutTrailingSlash(out), options.overwrite, disk);
   ConvertReport report;
-  std::optional<StoreWriter> begun;
-  try {
-    StoreWriter& writer = begun.emplace(destination.building(), draftOf(info, options), disk);
-    Conversion conversion(source, writer, plan, progress);
-    const Extent3 lattice = brickLattice(info.geometry.dims, options.brick_size);
-    conversion.run(lattice);
-    writer.finish(conversion.counter().histogram(writer.range()), conversion.counter().nanCount());
-    destination.commit();
-    report.bricks = static_cast<std::uint64_t>(lattice.count());
-    report.stored_bricks = writer.storedBricks();
-    report.stored_bytes = writer.bytesWritten();
-    report.nan_count = conversion.counter().nanCount();
-  } catch (...) {
-    // What this conversion did not begin is not its to remove.
-    if (begun) destination.abandon();
-    throw;
+  Destination destination(out, options.overwrite, options.resume, disk);
+  Manifest draft = draftOf(info, options);
+  JournalContent earlier;
+  if (destination.finished()) {
+    finishEarlier(destination, out, info, progress, report);
+  } else {
+    if (options.resume) {
+      if (std::optional<JournalContent> found = resumable(destination, info, draft, options))
+        earlier = *std::move(found);
+    }
+    if (earlier.identity.volume.empty()) {
+      earlier.identity = {identityOf(info, draft), options.command, options.time};
+    } else {
+      draft.source.command = earlier.identity.command;
+      draft.source.time = earlier.identity.time;
+    }
+    run(source, draft, earlier, plan, destination, options, progress, disk, report);
   }
   report.voxels = static_cast<std::uint64_t>(info.geometry.dims.count());
   report.source_bytes = report.voxels * sizeOf(info.type);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "base/file.h"
@@ -18,6 +19,12 @@ struct ConvertOptions {
   std::uint64_t memory_bytes = 2ull << 30;
   /// Replace a store that is there; it stays whole until the new one is.
   bool overwrite = false;
+  /// Go on with what an interrupted conversion of the same source with the same options left; the result has the bytes
+  /// of an uninterrupted one. Where there is nothing to go on with, begin; a finished store is left as it is. With
+  /// `overwrite`, what cannot be gone on with is replaced.
+  bool resume = false;
+  /// The most levels of the pyramid, the finest included.
+  int most_levels = std::numeric_limits<int>::max();
   /// What the manifest says of its making.
   std::string command, time;
 };
@@ -32,7 +39,8 @@ struct ConvertReport {
 };
 
 /// Converts `source` to a store at `out`. On any error nothing that could be taken for a store is left at `out`, and a
-/// store that was there before is untouched.
+/// store that was there before is untouched. After an interrupt, a full disk or a failing one the finished bricks are
+/// kept for `resume`, and a note says where; after any other error nothing is left.
 /// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size), and what the source and
 /// the disk throw.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,

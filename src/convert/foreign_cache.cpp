@@ -65,7 +65,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   }
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
-  replacing.overwrite = true;
+  replacing.overwrite = replacing.resume = true;
   convert(*source, store, replacing, progress);
   return store;
 }

@@ -71,9 +71,18 @@ void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box,
   });
 }
 
-void ValueCounter::add(const ValueCounter& other) {
-  for (std::size_t key = 0; key < kKeys; ++key) counts_[key] += other.counts_[key];
-  nan_count_ += other.nan_count_;
+void ValueCounter::add(const ValueCounts& counts) {
+  for (const auto& [key, count] : counts.keys) counts_[key % kKeys] += count;
+  nan_count_ += counts.nan_count;
+}
+
+ValueCounts ValueCounter::take() {
+  ValueCounts out;
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (counts_[key] > 0) out.keys.emplace_back(static_cast<std::uint32_t>(key), std::exchange(counts_[key], 0));
+  }
+  out.nan_count = std::exchange(nan_count_, 0);
+  return out;
 }
 
 ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins) const {

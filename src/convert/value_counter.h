@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "grid/coords.h"
@@ -14,13 +15,21 @@
 
 namespace kiln {
 
+/// The counts of some voxels, without the keys that none has.
+struct ValueCounts {
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> keys;
+  std::uint64_t nan_count = 0;
+};
+
 class ValueCounter {
  public:
   explicit ValueCounter(VoxelType type);
 
   /// Counts the voxels of `region`. shape: `voxels` covers `box`, x fastest.
   void count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region);
-  void add(const ValueCounter& other);
+  void add(const ValueCounts& counts);
+  /// What was counted since the last call, which is then forgotten.
+  ValueCounts take();
 
   std::uint64_t nanCount() const { return nan_count_; }
   /// The counts in equal bins over [least, greatest] value counted; voxels of a wide key are spread evenly over it.

@@ -9,9 +9,9 @@
 
 namespace kiln {
 
-/// How many voxels of a level become one of the next, along each axis: 1 or 2. Halved are the axes whose spacing is below
-/// √2 times the smallest; an axis of one voxel is never halved and does not count as the smallest. All 1 where the level
-/// is a single voxel.
+/// How many voxels of a level become one of the next, along each axis: 1 or 2. Halved are the axes whose spacing is
+/// below √2 times the smallest; an axis of one voxel is never halved and does not count as the smallest. All 1 where
+/// the level is a single voxel.
 Extent3 halvingOf(const VolumeGeometry& fine);
 
 /// The next coarser level. A voxel at the end of an odd axis covers one voxel only.

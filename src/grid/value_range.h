@@ -14,6 +14,7 @@ struct ValueRange {
 
   bool operator==(const ValueRange&) const = default;
   bool empty() const { return !(lo <= hi); }
+  bool contains(const ValueRange& other) const { return other.empty() || (lo <= other.lo && other.hi <= hi); }
   /// A NaN leaves the range as it is.
   void include(double value) {
     if (value < lo) lo = value;

@@ -24,9 +24,10 @@ struct BrickFrame {
   VoxelBox stored() const { return storedBox(core(), apron, geometry.dims); }
 };
 
-/// The bytes of the brick's file. shape: `voxels` covers frame.stored(), x fastest, in frame.type.
-/// The same voxels and frame give the same bytes. thread: safe. cost: about 20 ms for 128³ floats.
-std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels);
+/// The bytes of the brick's file. shape: `voxels` covers frame.stored(), x fastest, in frame.type; `cells` as
+/// BrickRanges has them. The same arguments give the same bytes. thread: safe. cost: about 20 ms for 128³ floats.
+std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
+                                   std::span<const ValueRange> cells);
 
 /// Decodes what `encodeBrick` made. requires: the bytes have passed their checksum.
 /// throws: Error kDamaged naming `path` where they are not such a file all the same.

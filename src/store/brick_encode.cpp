@@ -175,12 +175,11 @@ void stampUuid(std::vector<std::byte>& file) {
 
 }  // namespace
 
-std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels) {
+std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
+                                   std::span<const ValueRange> cells) {
   initializeOpenVdb();
   return withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
     const Encoder<T> encoder(frame, voxels);
-    const int edge = static_cast<int>(frame.brick_size / kCellSize);
-    const std::vector<ValueRange> cells = cellRanges(voxels, frame.type, frame.stored(), frame.core(), edge);
     const openvdb::GridCPtrVec grids = {encoder.voxelGrid(kCoreGrid, true), encoder.voxelGrid(kApronGrid, false),
                                         encoder.cellGrid(kCellMinGrid, cells, true),
                                         encoder.cellGrid(kCellMaxGrid, cells, false)};

@@ -20,7 +20,7 @@ struct RawEntry {
   std::uint64_t file_bytes;
   std::uint8_t checksum[16];
 };
-static_assert(sizeof(RawEntry) == 64);
+static_assert(sizeof(RawEntry) == kEntryBytes);
 
 template <class T>
 void append(std::vector<std::byte>& out, const T& value) {
@@ -43,6 +43,31 @@ bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
 }
 
 }  // namespace
+
+void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
+  RawEntry raw{entry.constant ? kConstantFlag : 0,
+               0,
+               entry.core.lo,
+               entry.core.hi,
+               entry.support.lo,
+               entry.support.hi,
+               entry.file_bytes,
+               {}};
+  std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
+  append(out, raw);
+}
+
+BrickEntry entryFrom(std::span<const std::byte, kEntryBytes> bytes) {
+  RawEntry raw;
+  std::memcpy(&raw, bytes.data(), sizeof raw);
+  BrickEntry entry;
+  entry.constant = (raw.flags & kConstantFlag) != 0;
+  entry.core = {raw.core_min, raw.core_max};
+  entry.support = {raw.support_min, raw.support_max};
+  entry.file_bytes = raw.file_bytes;
+  std::memcpy(entry.checksum.bytes.data(), raw.checksum, sizeof raw.checksum);
+  return entry;
+}
 
 BrickIndex::BrickIndex(std::vector<Extent3> lattices) : lattices_(std::move(lattices)) {
   std::size_t total = 0;
@@ -72,19 +97,7 @@ std::vector<std::byte> BrickIndex::encode() const {
   for (std::size_t level = 0; level < lattices_.size(); ++level) {
     append(out, lattices_[level]);
     const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
-    for (std::size_t i = first_[level]; i < first_[level] + count; ++i) {
-      const BrickEntry& entry = entries_[i];
-      RawEntry raw{entry.constant ? kConstantFlag : 0,
-                   0,
-                   entry.core.lo,
-                   entry.core.hi,
-                   entry.support.lo,
-                   entry.support.hi,
-                   entry.file_bytes,
-                   {}};
-      std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
-      append(out, raw);
-    }
+    for (std::size_t i = first_[level]; i < first_[level] + count; ++i) appendEntry(out, entries_[i]);
   }
   return out;
 }
@@ -116,14 +129,9 @@ BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector
       throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "brick counts disagree with the manifest");
     }
     for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      RawEntry raw;
-      take(&raw, sizeof raw);
-      BrickEntry& entry = index.entries_[next++];
-      entry.constant = (raw.flags & kConstantFlag) != 0;
-      entry.core = {raw.core_min, raw.core_max};
-      entry.support = {raw.support_min, raw.support_max};
-      entry.file_bytes = raw.file_bytes;
-      std::memcpy(entry.checksum.bytes.data(), raw.checksum, sizeof raw.checksum);
+      std::byte raw[kEntryBytes];
+      take(raw, sizeof raw);
+      index.entries_[next++] = entryFrom(raw);
     }
   }
   if (at != data.size()) throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "bytes beyond the index");

@@ -21,6 +21,11 @@ struct BrickEntry {
   Hash128 checksum;
 };
 
+/// The bytes of an entry in index.bin.
+inline constexpr std::size_t kEntryBytes = 64;
+void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry);
+BrickEntry entryFrom(std::span<const std::byte, kEntryBytes> bytes);
+
 class BrickIndex {
  public:
   BrickIndex() = default;

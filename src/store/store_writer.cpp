@@ -5,13 +5,11 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "store/store_reader.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-// Every interpolated value in the core lies in the range of the voxels this near: cubic interpolation reaches 2.
-constexpr std::int64_t kSupport = 2;
 
 bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
   // Bit for bit: a buffer that equals itself moved by one voxel has one value.
@@ -26,8 +24,7 @@ fs::path brickPath(const BrickKey& key) {
 
 StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk)
     : directory_(directory), manifest_(std::move(draft)), disk_(disk) {
-  std::error_code ignored;
-  if (fs::exists(directory, ignored) && !fs::is_empty(directory, ignored)) {
+  if (isStore(directory)) {
     throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
   }
   std::vector<Extent3> lattices;
@@ -46,25 +43,42 @@ BrickFrame StoreWriter::frame(const BrickKey& key) const {
           manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
 }
 
-void StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels) {
+BrickEntry StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
   const BrickFrame brick = frame(key);
-  const VoxelBox box = brick.stored();
   BrickEntry entry;
-  entry.core = rangeOf(voxels, brick.type, box, brick.core());
-  entry.support = rangeOf(voxels, brick.type, box, intersection(dilated(brick.core(), kSupport), box));
-  entry.constant = !entry.core.empty() && allEqual(voxels, sizeOf(brick.type));
+  entry.core = ranges.core;
+  entry.support = ranges.support;
+  // The mean of different values may be one value everywhere, and what lies below must still be found.
+  entry.constant = !entry.core.empty() && entry.core.lo == entry.core.hi && allEqual(voxels, sizeOf(brick.type));
   if (!entry.constant) {
-    const std::vector<std::byte> file = encodeBrick(brick, voxels);
+    const std::vector<std::byte> file = encodeBrick(brick, voxels, ranges.cells);
     entry.file_bytes = file.size();
     entry.checksum = hashOf(file);
     disk_.writeAtomic(directory_ / brickPath(key), file, /*durable=*/false);  // `finish` syncs them all
   }
+  keep(key, entry);
+  return entry;
+}
+
+void StoreWriter::keep(const BrickKey& key, const BrickEntry& entry) {
   const std::scoped_lock lock(mutex_);
   LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
   if (!entry.constant) ++level.stored_bricks;
   level.stored_bytes += entry.file_bytes;
   if (key.level == 0) manifest_.range.include(entry.core);
   index_.at(key) = entry;
+}
+
+std::uint64_t StoreWriter::storedBricks() const {
+  std::uint64_t out = 0;
+  for (const LevelInfo& level : manifest_.levels) out += level.stored_bricks;
+  return out;
+}
+
+std::uint64_t StoreWriter::bytesWritten() const {
+  std::uint64_t out = 0;
+  for (const LevelInfo& level : manifest_.levels) out += level.stored_bytes;
+  return out;
 }
 
 void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_count) {

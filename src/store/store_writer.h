@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "store/brick_codec.h"
 #include "store/brick_index.h"
+#include "store/brick_ranges.h"
 #include "store/manifest.h"
 
 namespace kiln {
@@ -16,22 +17,28 @@ namespace kiln {
 class StoreWriter {
  public:
   /// `draft` has all but what the bricks decide (range, histogram, stored counts, index checksum).
-  /// throws: Error kExists where `directory` holds anything, kNoSpace, kIo.
+  /// Bricks that are in `directory` already are replaced or kept, as the caller says. throws: Error kExists where
+  /// `directory` is a store, kNoSpace, kIo.
   StoreWriter(const std::filesystem::path& directory, Manifest draft, FileSystem& disk);
 
-  /// Encodes and writes one brick, or notes that it is constant. shape: `voxels` covers frame(key).stored().
-  /// thread: safe for different keys. throws: Error kNoSpace, kIo.
-  void put(const BrickKey& key, std::span<const std::byte> voxels);
+  /// Encodes and writes one brick, or notes that it is constant; returns its entry in the index. shape: `voxels` covers
+  /// frame(key).stored(). thread: safe for different keys. throws: Error kNoSpace, kIo.
+  BrickEntry put(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges);
+  /// Takes a brick that an earlier writer put as it is. requires: its file is there and is what `entry` says.
+  void keep(const BrickKey& key, const BrickEntry& entry);
   BrickFrame frame(const BrickKey& key) const;
+  const Manifest& manifest() const { return manifest_; }
+  /// requires: the brick was put or kept. thread: safe beside puts of other bricks.
+  const BrickEntry& entry(const BrickKey& key) const { return index_.at(key); }
 
   /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was put.
   void finish(const ValueHistogram& histogram, std::uint64_t nan_count);
 
   /// The range of all voxels put so far, NaN aside. thread: not while bricks are being put.
   const ValueRange& range() const { return manifest_.range; }
-  /// Brick files so far, and their bytes. thread: as range.
-  std::uint64_t storedBricks() const { return manifest_.levels.front().stored_bricks; }
-  std::uint64_t bytesWritten() const { return manifest_.levels.front().stored_bytes; }
+  /// Brick files so far, of all levels, and their bytes. thread: as range.
+  std::uint64_t storedBricks() const;
+  std::uint64_t bytesWritten() const;
 
  private:
   std::filesystem::path directory_;

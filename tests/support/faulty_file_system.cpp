@@ -42,6 +42,13 @@ void FaultyFileSystem::writeFile(const fs::path& path, std::span<const std::byte
   fail(path, "writing (injected)");
 }
 
+void FaultyFileSystem::appendFile(const fs::path& path, std::span<const std::byte> data) {
+  const Outcome outcome = nextCall();
+  if (outcome == Outcome::kWorks) return FileSystem::appendFile(path, data);
+  if (outcome == Outcome::kFails && fault_.torn_write) FileSystem::appendFile(path, data.first(data.size() / 2));
+  fail(path, "appending (injected)");
+}
+
 void FaultyFileSystem::rename(const fs::path& from, const fs::path& to) {
   const Outcome outcome = nextCall();
   if (outcome == Outcome::kWorks) return FileSystem::rename(from, to);

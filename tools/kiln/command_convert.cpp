@@ -13,7 +13,8 @@ struct Arguments {
   std::string input, output, memory = "2G";
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
-  bool overwrite = false;
+  bool overwrite = false, resume = false;
+  int levels = 0;
   SourceArguments source;
 };
 
@@ -24,6 +25,8 @@ void run(const Arguments& a, Context& context) {
   options.brick_size = a.brick_size;
   options.memory_bytes = parseBytes(a.memory);
   options.overwrite = a.overwrite;
+  options.resume = a.resume;
+  if (a.levels > 0) options.most_levels = a.levels;
   options.command = context.command_line;
   options.time = timeNow();
   const ConvertReport report = convert(*source, a.output, options, context.progress);
@@ -53,7 +56,15 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
   command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
       ->capture_default_str();
-  command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
+  command
+      ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
+      ->check(CLI::PositiveNumber);
+  auto* overwrite =
+      command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
+  command
+      ->add_flag("--resume", a->resume,
+                 "go on with an interrupted conversion of the same input with the same options, or begin")
+      ->excludes(overwrite);
   addSourceArguments(*command, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

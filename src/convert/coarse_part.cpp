@@ -1,0 +1,159 @@
+#include "convert/coarse_part.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kiln {
+namespace {
+
+// What a mean is summed in: exactly for integers, with bits to spare for floats.
+template <class T>
+struct SumOf {
+  using type = std::conditional_t<sizeof(T) <= 2, std::int32_t, std::int64_t>;
+};
+template <>
+struct SumOf<float> {
+  using type = double;
+};
+template <>
+struct SumOf<double> {
+  using type = long double;
+};
+
+template <class T, class Sum>
+T meanOf(Sum sum, int count) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return count == 0 ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(sum / static_cast<Sum>(count));
+  } else {
+    const Sum n = 2 * count, twice = 2 * sum + count;  // floor(mean + 1/2), also below zero
+    return static_cast<T>(twice >= 0 ? twice / n : -((-twice + n - 1) / n));
+  }
+}
+
+// One axis of one coarse voxel: the fine voxels below it that the volume has.
+struct Below {
+  std::int64_t lo, hi;
+};
+Below below(std::int64_t coarse, std::int64_t by, std::int64_t end) {
+  return {coarse * by, std::min((coarse + 1) * by, end)};
+}
+
+template <class T>
+class Halver {
+ public:
+  using Sum = typename SumOf<T>::type;
+
+  Halver(const T* voxels, const VoxelBox& box, const VoxelBox& core, const Extent3& by)
+      : voxels_(voxels), box_(box), core_(core), size_(box.extent()), by_(by) {
+    sums_.resize(static_cast<std::size_t>(core.extent().x));
+    counts_.resize(sums_.size());
+  }
+
+  void run(const VoxelBox& coarse, T* out) {
+    for (std::int64_t z = coarse.lo.z; z < coarse.hi.z; ++z) {
+      for (std::int64_t y = coarse.lo.y; y < coarse.hi.y; ++y) {
+        const int rows = sumRows(below(y, by_.y, core_.hi.y), below(z, by_.z, core_.hi.z));
+        for (std::int64_t x = coarse.lo.x; x < coarse.hi.x; ++x) {
+          const Below run = below(x, by_.x, core_.hi.x);
+          Sum sum = 0;
+          int count = 0;
+          for (std::int64_t i = run.lo - core_.lo.x; i < run.hi - core_.lo.x; ++i) {
+            sum += sums_[static_cast<std::size_t>(i)];
+            count += std::is_floating_point_v<T> ? counts_[static_cast<std::size_t>(i)] : rows;
+          }
+          *out++ = meanOf<T>(sum, count);
+        }
+      }
+    }
+  }
+
+ private:
+  // Sums the rows below one coarse row, voxel by voxel along x; returns how many rows there are.
+  int sumRows(const Below& ys, const Below& zs) {
+    std::fill(sums_.begin(), sums_.end(), Sum(0));
+    std::fill(counts_.begin(), counts_.end(), 0);
+    for (std::int64_t z = zs.lo; z < zs.hi; ++z) {
+      for (std::int64_t y = ys.lo; y < ys.hi; ++y) {
+        const T* row = voxels_ + ((z - box_.lo.z) * size_.y + (y - box_.lo.y)) * size_.x + (core_.lo.x - box_.lo.x);
+        for (std::size_t i = 0; i < sums_.size(); ++i) {
+          if constexpr (std::is_floating_point_v<T>) {
+            const bool exists = !std::isnan(row[i]);
+            sums_[i] += exists ? static_cast<Sum>(row[i]) : Sum(0);
+            counts_[i] += exists ? 1 : 0;
+          } else {
+            sums_[i] += row[i];
+          }
+        }
+      }
+    }
+    return static_cast<int>((ys.hi - ys.lo) * (zs.hi - zs.lo));
+  }
+
+  const T* voxels_;
+  VoxelBox box_, core_;
+  Extent3 size_, by_;
+  std::vector<Sum> sums_;
+  std::vector<int> counts_;
+};
+
+// The cells that hold the voxels of a box.
+VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
+
+CoarsePart emptyPart(const BrickFrame& fine, const Extent3& by) {
+  CoarsePart part;
+  part.box = coarseBox(fine.core(), by);
+  part.voxels.resize(static_cast<std::size_t>(part.box.count()) * sizeOf(fine.type));
+  part.cell_box = cellsOf(part.box);
+  part.cells.resize(static_cast<std::size_t>(part.cell_box.count()));
+  return part;
+}
+
+}  // namespace
+
+VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = fine.lo[axis] / by[axis];
+    out.hi[axis] = (fine.hi[axis] + by[axis] - 1) / by[axis];
+  }
+  return out;
+}
+
+CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
+                        const BrickRanges& ranges, const Extent3& by) {
+  CoarsePart part = emptyPart(fine, by);
+  const VoxelBox core = fine.core();
+  withVoxelType(fine.type, [&]<class T>(std::type_identity<T>) {
+    Halver<T>(reinterpret_cast<const T*>(voxels.data()), box, core, by)
+        .run(part.box, reinterpret_cast<T*>(part.voxels.data()));
+  });
+  const std::int64_t edge = fine.brick_size / kCellSize;
+  const VoxelBox fine_cells = cellsOf(core);
+  const Extent3 n = part.cell_box.extent();
+  for (std::int64_t z = fine_cells.lo.z; z < fine_cells.hi.z; ++z) {
+    for (std::int64_t y = fine_cells.lo.y; y < fine_cells.hi.y; ++y) {
+      for (std::int64_t x = fine_cells.lo.x; x < fine_cells.hi.x; ++x) {
+        const VoxelCoord into = {x / by.x - part.cell_box.lo.x, y / by.y - part.cell_box.lo.y,
+                                 z / by.z - part.cell_box.lo.z};
+        const VoxelCoord from = {x - fine_cells.lo.x, y - fine_cells.lo.y, z - fine_cells.lo.z};
+        part.cells[static_cast<std::size_t>((into.z * n.y + into.y) * n.x + into.x)].include(
+            ranges.cells[static_cast<std::size_t>((from.z * edge + from.y) * edge + from.x)]);
+      }
+    }
+  }
+  part.support = ranges.support;
+  return part;
+}
+
+CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by) {
+  CoarsePart part = emptyPart(fine, by);
+  withVoxelType(fine.type, [&]<class T>(std::type_identity<T>) {
+    std::fill_n(reinterpret_cast<T*>(part.voxels.data()), part.box.count(), static_cast<T>(value));
+  });
+  part.support = {value, value};
+  std::fill(part.cells.begin(), part.cells.end(), part.support);
+  return part;
+}
+
+}  // namespace kiln

@@ -1,0 +1,35 @@
+// What one brick gives to the next coarser level: its voxels at half resolution, and what its ranges say.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "store/brick_ranges.h"
+
+namespace kiln {
+
+struct CoarsePart {
+  /// The coarse voxels that the brick's core makes. unit: index coordinates of the coarser level.
+  VoxelBox box;
+  /// shape: box, x fastest, in the volume's type.
+  std::vector<std::byte> voxels;
+  /// The coarse cells that hold them (coarse voxel / 8), and the ranges of the fine cells below; a cell that other
+  /// bricks share holds this one's share.
+  VoxelBox cell_box;
+  std::vector<ValueRange> cells;
+  ValueRange support;
+};
+
+/// Halves a brick along the axes where `by` is 2. A coarse voxel is the mean of the voxels below it that exist (in the
+/// volume, and no NaN), rounded to the nearest value of the type, halves upwards; NaN where none exists. shape:
+/// `voxels` covers `box`, x fastest, which contains the core. thread: safe.
+CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
+                        const BrickRanges& ranges, const Extent3& by);
+
+/// The part of a brick that has one value.
+CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by);
+
+/// The coarse voxels that a box of fine ones makes.
+VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by);
+
+}  // namespace kiln

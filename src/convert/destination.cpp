@@ -1,0 +1,108 @@
+#include "convert/destination.h"
+
+#include <system_error>
+
+#include "base/error.h"
+#include "convert/journal.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
+bool holdsOnlyAStore(const fs::path& directory) {
+  std::error_code error;
+  if (!fs::is_directory(directory, error)) return false;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    const fs::path name = entry.path().filename();
+    if (name != "manifest.json" && name != "index.bin" && name != "bricks" && name != "parts" &&
+        entry.path() != Journal::pathIn(directory) && name.extension() != ".tmp")
+      return false;
+  }
+  return !error;
+}
+
+bool isNothing(const fs::path& path) {
+  std::error_code ignored;
+  return !fs::exists(fs::symlink_status(path, ignored)) ||
+         (fs::is_directory(path, ignored) && fs::is_empty(path, ignored));
+}
+
+bool isUnfinished(const fs::path& directory) {
+  std::error_code ignored;
+  return !isStore(directory) && fs::exists(Journal::pathIn(directory), ignored);
+}
+
+fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+
+}  // namespace
+
+Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk)
+    : out_(withoutTrailingSlash(out)), building_(out_), disk_(disk) {
+  const fs::path partial = out_.string() + ".partial";
+  if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
+    building_ = partial;
+    finished_ = isStore(partial);
+    return;
+  }
+  if (isNothing(out_)) return;
+  if (!overwrite && !resume) {
+    throw Error(ErrorCode::kExists, out_, "",
+                isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
+                                   : "is there already; name another output or give --overwrite");
+  }
+  if (!holdsOnlyAStore(out_)) {
+    throw Error(ErrorCode::kExists, out_, "",
+                "is not a store, so it is neither replaced nor gone on with; name another output");
+  }
+  if (resume && isUnfinished(out_)) return;
+  if (!overwrite) {
+    finished_ = isStore(out_);
+    return;
+  }
+  building_ = partial;
+  if (isNothing(partial)) return;
+  if (!holdsOnlyAStore(partial))
+    throw Error(ErrorCode::kExists, partial, "", "is in the way and is not an unfinished store; move it");
+  disk_.removeAll(partial);
+}
+
+void Destination::clear() {
+  std::error_code ignored;
+  if (fs::exists(building_, ignored)) disk_.removeAll(building_);
+}
+
+void Destination::commit() {
+  std::error_code left;
+  fs::remove(Journal::pathIn(building_), left);
+  fs::remove_all(building_ / "parts", left);
+  if (building_ == out_) return;
+  const fs::path old = out_.string() + ".old";
+  std::error_code ignored;
+  if (fs::exists(out_, ignored)) {
+    disk_.removeAll(old);
+    disk_.rename(out_, old);
+  }
+  try {
+    disk_.rename(building_, out_);
+    // Both names must be on the disk before the old store goes.
+    disk_.syncAll(out_);
+  } catch (...) {
+    if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
+    fs::rename(old, out_, ignored);
+    throw;
+  }
+  try {
+    disk_.removeAll(old);
+  } catch (const Error&) {
+    // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old.
+  }
+}
+
+void Destination::abandon() noexcept {
+  std::error_code ignored;
+  fs::remove_all(building_, ignored);
+}
+
+}  // namespace kiln

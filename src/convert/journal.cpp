@@ -1,0 +1,160 @@
+// The file: "KILNJNL1", then records of a u32 length, the hash of the payload, and the payload. The first is the
+// identity as three strings that end in 0, each other one is a brick.
+#include "convert/journal.h"
+
+#include <cstring>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/hash.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '1'};
+
+struct RecordHead {
+  std::uint32_t bytes;
+  Hash128 hash;
+};
+
+template <class T>
+void append(std::vector<std::byte>& out, const T& value) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
+
+void appendRecord(std::vector<std::byte>& out, std::span<const std::byte> payload) {
+  append(out, static_cast<std::uint32_t>(payload.size()));
+  append(out, hashOf(payload));
+  out.insert(out.end(), payload.begin(), payload.end());
+}
+
+// Takes values from the front of a payload; `ok` stays false once there was too little.
+struct Taker {
+  std::span<const std::byte> left;
+  bool ok = true;
+
+  template <class T>
+  T take() {
+    T value{};
+    if (left.size() < sizeof value) return ok = false, value;
+    std::memcpy(&value, left.data(), sizeof value);
+    left = left.subspan(sizeof value);
+    return value;
+  }
+  std::string text() {
+    const auto* first = reinterpret_cast<const char*>(left.data());
+    const std::size_t length = strnlen(first, left.size());
+    if (length == left.size()) return ok = false, std::string();
+    left = left.subspan(length + 1);
+    return std::string(first, length);
+  }
+};
+
+std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
+  std::vector<std::byte> out;
+  for (const std::string* text : {&identity.volume, &identity.command, &identity.time}) {
+    const auto bytes = std::as_bytes(std::span(text->c_str(), text->size() + 1));
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  }
+  return out;
+}
+
+std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payload) {
+  Taker taker{payload};
+  ConversionIdentity out;
+  out.volume = taker.text();
+  out.command = taker.text();
+  out.time = taker.text();
+  return taker.ok ? std::optional(out) : std::nullopt;
+}
+
+std::vector<std::byte> brickPayload(const FinishedBrick& brick) {
+  std::vector<std::byte> out;
+  append(out, static_cast<std::int32_t>(brick.key.level));
+  append(out, brick.key.brick);
+  appendEntry(out, brick.entry);
+  append(out, brick.counts.nan_count);
+  append(out, static_cast<std::uint32_t>(brick.counts.keys.size()));
+  for (const auto& [key, count] : brick.counts.keys) {
+    append(out, key);
+    append(out, count);
+  }
+  return out;
+}
+
+std::optional<FinishedBrick> brickFrom(std::span<const std::byte> payload) {
+  Taker taker{payload};
+  FinishedBrick out;
+  out.key.level = taker.take<std::int32_t>();
+  out.key.brick = taker.take<BrickCoord>();
+  const auto entry = taker.take<std::array<std::byte, kEntryBytes>>();
+  out.entry = entryFrom(entry);
+  out.counts.nan_count = taker.take<std::uint64_t>();
+  const auto keys = taker.take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < keys && taker.ok; ++i) {
+    const auto key = taker.take<std::uint32_t>();
+    out.counts.keys.emplace_back(key, taker.take<std::uint64_t>());
+  }
+  return taker.ok && taker.left.empty() ? std::optional(std::move(out)) : std::nullopt;
+}
+
+}  // namespace
+
+fs::path Journal::pathIn(const fs::path& directory) { return directory / "journal.bin"; }
+
+Journal::Journal(const fs::path& directory, const JournalContent& content, FileSystem& disk)
+    : path_(pathIn(directory)), disk_(disk) {
+  std::vector<std::byte> file;
+  for (const char c : kMagic) kiln::append(file, c);
+  appendRecord(file, identityPayload(content.identity));
+  for (const FinishedBrick& brick : content.bricks) appendRecord(file, brickPayload(brick));
+  disk_.writeAtomic(path_, file, /*durable=*/false);
+}
+
+void Journal::append(const FinishedBrick& brick) {
+  std::vector<std::byte> record;
+  appendRecord(record, brickPayload(brick));
+  const std::scoped_lock lock(mutex_);
+  disk_.appendFile(path_, record);
+}
+
+std::optional<JournalContent> Journal::read(const fs::path& directory) {
+  std::error_code ignored;
+  if (!fs::exists(pathIn(directory), ignored)) return std::nullopt;
+  const File file(pathIn(directory));
+  char magic[sizeof kMagic];
+  if (file.readSomeAt(0, std::as_writable_bytes(std::span(magic))) < sizeof magic ||
+      std::memcmp(magic, kMagic, sizeof magic) != 0)
+    return std::nullopt;
+  JournalContent out;
+  std::uint64_t at = sizeof magic;
+  for (bool first = true;; first = false) {
+    RecordHead head;
+    std::byte raw[sizeof head.bytes + sizeof head.hash];
+    if (file.readSomeAt(at, raw) < sizeof raw) break;
+    std::memcpy(&head.bytes, raw, sizeof head.bytes);
+    std::memcpy(&head.hash, raw + sizeof head.bytes, sizeof head.hash);
+    at += sizeof raw;
+    if (file.size() < at || file.size() - at < head.bytes) break;
+    std::vector<std::byte> payload(head.bytes);
+    file.readAt(at, payload);
+    at += head.bytes;
+    if (hashOf(payload) != head.hash) break;
+    if (first) {
+      const std::optional<ConversionIdentity> identity = identityFrom(payload);
+      if (!identity) return std::nullopt;
+      out.identity = *identity;
+      continue;
+    }
+    std::optional<FinishedBrick> brick = brickFrom(payload);
+    if (!brick) break;
+    out.bricks.push_back(std::move(*brick));
+  }
+  if (out.identity.volume.empty()) return std::nullopt;
+  return out;
+}
+
+}  // namespace kiln

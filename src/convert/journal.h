@@ -1,0 +1,52 @@
+// What of a conversion is done, written beside the bricks as they are: what a resumed conversion goes on from. It is no
+// part of a store, and is removed when the manifest is there.
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/file.h"
+#include "convert/value_counter.h"
+#include "store/brick_index.h"
+
+namespace kiln {
+
+/// What a conversion makes its store of, as text: two conversions with the same identity write the same bricks.
+struct ConversionIdentity {
+  std::string volume;         // source files with sizes and times, geometry, type, options, library versions
+  std::string command, time;  // of the first run: what the manifest will say
+};
+
+struct FinishedBrick {
+  BrickKey key;
+  BrickEntry entry;
+  ValueCounts counts;  // of the core's voxels; empty above level 0
+};
+
+struct JournalContent {
+  ConversionIdentity identity;
+  std::vector<FinishedBrick> bricks;
+};
+
+class Journal {
+ public:
+  /// Begins a journal in `directory` with what is done already. throws: Error kNoSpace, kIo.
+  Journal(const std::filesystem::path& directory, const JournalContent& content, FileSystem& disk);
+  /// thread: safe. throws: Error kNoSpace, kIo.
+  void append(const FinishedBrick& brick);
+
+  /// The records of an earlier run up to the first that is not whole; nothing where there is no journal or its
+  /// beginning is damaged. Whether the bricks themselves are whole is for the caller to see. throws: Error kIo.
+  static std::optional<JournalContent> read(const std::filesystem::path& directory);
+  static std::filesystem::path pathIn(const std::filesystem::path& directory);
+
+ private:
+  std::filesystem::path path_;
+  FileSystem& disk_;
+  std::mutex mutex_;
+};
+
+}  // namespace kiln

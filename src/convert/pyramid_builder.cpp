@@ -1,0 +1,196 @@
+#include "convert/pyramid_builder.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "grid/pyramid.h"
+
+namespace kiln {
+namespace {
+
+// Calls f(brick) for each brick of a box of bricks.
+template <class F>
+void forEachBrick(const VoxelBox& bricks, F&& f) {
+  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z) {
+    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y) {
+      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
+        f(BrickCoord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)});
+      }
+    }
+  }
+}
+
+// Copies what `from` and `to` have in common. shape: each covers its box, x fastest, elements of `bytes`.
+void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
+                const VoxelBox& to_box, std::size_t bytes) {
+  const VoxelBox common = intersection(from_box, to_box);
+  if (common.empty()) return;
+  const auto at = [&](const VoxelBox& box, std::int64_t y, std::int64_t z) {
+    const Extent3 n = box.extent();
+    return static_cast<std::size_t>(((z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (common.lo.x - box.lo.x)) * bytes;
+  };
+  for (std::int64_t z = common.lo.z; z < common.hi.z; ++z) {
+    for (std::int64_t y = common.lo.y; y < common.hi.y; ++y) {
+      std::memcpy(to.data() + at(to_box, y, z), from.data() + at(from_box, y, z),
+                  static_cast<std::size_t>(common.extent().x) * bytes);
+    }
+  }
+}
+
+}  // namespace
+
+PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk)
+    : writer_(writer), parts_(parts, disk) {
+  const std::vector<LevelInfo>& levels = writer.manifest().levels;
+  levels_.resize(levels.size());
+  for (std::size_t l = 0; l < levels.size(); ++l) levels_[l].by = halvingOf(levels[l].geometry);
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    const auto count = static_cast<std::size_t>(levels[l].bricks.count());
+    levels_[l].awaited.resize(l == 0 ? 0 : count);
+    levels_[l].parents.resize(l + 1 == levels.size() ? 0 : count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const BrickKey key{static_cast<int>(l), brickAt(levels[l].bricks, static_cast<std::int64_t>(i))};
+      if (l > 0) levels_[l].awaited[i] = static_cast<std::uint16_t>(childrenOf(key).count());
+      if (hasNext(key.level)) levels_[l].parents[i] = static_cast<std::uint8_t>(parentsOf(key).count());
+    }
+  }
+}
+
+std::size_t PyramidBuilder::place(const BrickKey& key) const {
+  const Extent3 n = lattice(key.level);
+  return static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
+}
+
+VoxelBox PyramidBuilder::parentsOf(const BrickKey& key) const {
+  const VoxelBox part = coarseBox(writer_.frame(key).core(), levels_[static_cast<std::size_t>(key.level)].by);
+  const VoxelBox reached =
+      intersection(dilated(part, writer_.manifest().apron),
+                   boxOf(writer_.manifest().levels[static_cast<std::size_t>(key.level) + 1].geometry.dims));
+  const std::int64_t b = writer_.manifest().brick_size;
+  return coarseBox(reached, {b, b, b});
+}
+
+VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
+  const VoxelBox stored = writer_.frame(key).stored();
+  const Extent3& by = levels_[static_cast<std::size_t>(key.level) - 1].by;
+  const Extent3& dims = writer_.manifest().levels[static_cast<std::size_t>(key.level) - 1].geometry.dims;
+  const VoxelBox fine = intersection({{stored.lo.x * by.x, stored.lo.y * by.y, stored.lo.z * by.z},
+                                      {stored.hi.x * by.x, stored.hi.y * by.y, stored.hi.z * by.z}},
+                                     boxOf(dims));
+  const std::int64_t b = writer_.manifest().brick_size;
+  return coarseBox(fine, {b, b, b});
+}
+
+// A brick of one value is known by its index entry.
+bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.level) && !writer_.entry(key).constant; }
+
+void PyramidBuilder::putPart(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                             const BrickRanges& ranges) {
+  parts_.put(key,
+             coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by));
+}
+
+std::vector<BrickKey> PyramidBuilder::add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                                          const BrickRanges& ranges) {
+  if (keepsPart(key)) putPart(key, voxels, box, ranges);
+  return arrived(key);
+}
+
+std::vector<BrickKey> PyramidBuilder::arrived(const BrickKey& key) {
+  std::vector<BrickKey> ready;
+  if (!hasNext(key.level)) return ready;
+  const VoxelBox parents = parentsOf(key);
+  const std::scoped_lock lock(mutex_);
+  forEachBrick(parents, [&](const BrickCoord& brick) {
+    const BrickKey parent{key.level + 1, brick};
+    if (--levels_[static_cast<std::size_t>(parent.level)].awaited[place(parent)] == 0) ready.push_back(parent);
+  });
+  return ready;
+}
+
+// `key` needs the parts below it no more.
+void PyramidBuilder::release(const BrickKey& key) {
+  forEachBrick(childrenOf(key), [&](const BrickCoord& brick) {
+    const BrickKey child{key.level - 1, brick};
+    {
+      const std::scoped_lock lock(mutex_);
+      if (--levels_[static_cast<std::size_t>(child.level)].parents[place(child)] > 0) return;
+    }
+    if (keepsPart(child)) parts_.drop(child);
+  });
+}
+
+void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels,
+                            BrickRanges& below) const {
+  const BrickFrame frame = writer_.frame(key), fine = writer_.frame(child);
+  const BrickEntry& entry = writer_.entry(child);
+  const Extent3& by = levels_[static_cast<std::size_t>(child.level)].by;
+  const CoarsePart part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.get(child);
+  copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
+  const VoxelBox core = frame.core();
+  if (intersection(part.box, core).empty()) return;  // the apron has ranges of its own
+  below.support.include(part.support);
+  const std::int64_t edge = frame.brick_size / kCellSize;
+  const Extent3 n = part.cell_box.extent();
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < n.z; ++z) {
+    for (std::int64_t y = 0; y < n.y; ++y) {
+      for (std::int64_t x = 0; x < n.x; ++x, ++i) {
+        const VoxelCoord cell = {part.cell_box.lo.x + x - core.lo.x / kCellSize,
+                                 part.cell_box.lo.y + y - core.lo.y / kCellSize,
+                                 part.cell_box.lo.z + z - core.lo.z / kCellSize};
+        below.cells[static_cast<std::size_t>((cell.z * edge + cell.y) * edge + cell.x)].include(part.cells[i]);
+        below.core.include(part.cells[i]);
+      }
+    }
+  }
+}
+
+PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
+  const BrickFrame frame = writer_.frame(key);
+  const VoxelBox box = frame.stored();
+  std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
+  const auto edge = static_cast<std::size_t>(frame.brick_size / kCellSize);
+  BrickRanges below;
+  below.cells.resize(edge * edge * edge);
+  forEachBrick(childrenOf(key), [&](const BrickCoord& brick) { gather({key.level - 1, brick}, key, voxels, below); });
+  BrickRanges ranges = rangesOf(frame, voxels);
+  for (std::size_t i = 0; i < ranges.cells.size(); ++i) ranges.cells[i].include(below.cells[i]);
+  ranges.core.include(below.core);
+  ranges.support.include(below.support);
+  Built built;
+  built.entry = writer_.put(key, voxels, ranges);
+  release(key);
+  built.ready = add(key, voxels, box, ranges);
+  return built;
+}
+
+std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const BrickKey&)>& finished,
+                                             const std::function<void(const BrickKey&)>& again) {
+  std::vector<BrickKey> ready;
+  for (int level = 0; level < static_cast<int>(levels_.size()); ++level) {
+    for (std::int64_t i = 0; i < lattice(level).count(); ++i) {
+      const BrickKey key{level, brickAt(lattice(level), i)};
+      if (!finished(key)) continue;
+      if (level > 0) release(key);
+      for (const BrickKey& parent : arrived(key)) {
+        if (!finished(parent)) ready.push_back(parent);
+      }
+    }
+  }
+  for (int level = 0; hasNext(level); ++level) {
+    for (std::int64_t i = 0; i < lattice(level).count(); ++i) {
+      const BrickKey key{level, brickAt(lattice(level), i)};
+      if (finished(key) && keepsPart(key) && levels_[static_cast<std::size_t>(level)].parents[place(key)] > 0)
+        again(key);
+    }
+  }
+  return ready;
+}
+
+void PyramidBuilder::addFinished(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                                 const BrickRanges& ranges) {
+  putPart(key, voxels, box, ranges);
+}
+
+}  // namespace kiln

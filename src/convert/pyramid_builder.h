@@ -1,0 +1,64 @@
+// The coarser levels of a store, built while the finer bricks pass by: a parent as soon as every brick that its core
+// and apron touch is there. Each brick leaves its half-resolution part behind, and takes it away with its last parent.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "convert/part_store.h"
+#include "store/store_writer.h"
+
+namespace kiln {
+
+class PyramidBuilder {
+ public:
+  /// `parts` is a folder for this object alone. requires: `writer` and `disk` outlive this.
+  PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk);
+
+  /// A brick has been put. Returns the bricks of the next level that can be built now, each once. shape: as
+  /// coarsePartOf. thread: safe for different keys.
+  std::vector<BrickKey> add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                            const BrickRanges& ranges);
+  struct Built {
+    BrickEntry entry;
+    std::vector<BrickKey> ready;  // as of `add`
+  };
+  /// Builds and puts a brick that `add` or `takeUp` returned. thread: safe for different keys.
+  Built build(const BrickKey& key);
+
+  /// Takes up what an earlier conversion left: `finished(key)` says of every brick of the pyramid whether it is in the
+  /// store being written; `again(key)` is called for each of them whose part is still needed, and must give voxels and
+  /// ranges to `addFinished`. Returns the bricks that can be built. requires: nothing was added yet.
+  std::vector<BrickKey> takeUp(const std::function<bool(const BrickKey&)>& finished,
+                               const std::function<void(const BrickKey&)>& again);
+  /// Only inside of `again`.
+  void addFinished(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                   const BrickRanges& ranges);
+
+ private:
+  struct Level {
+    Extent3 by;                          // from this level to the next
+    std::vector<std::uint16_t> awaited;  // of a brick: bricks of the level below that it still waits for
+    std::vector<std::uint8_t> parents;   // of a brick: those that still need its part
+  };
+  bool hasNext(int level) const { return level + 1 < static_cast<int>(levels_.size()); }
+  Extent3 lattice(int level) const { return writer_.manifest().levels[static_cast<std::size_t>(level)].bricks; }
+  std::size_t place(const BrickKey& key) const;
+  /// The bricks of the next level, or the one below, whose core and apron this one's voxels reach or are made of.
+  VoxelBox parentsOf(const BrickKey& key) const;
+  VoxelBox childrenOf(const BrickKey& key) const;
+  bool keepsPart(const BrickKey& key) const;
+  void putPart(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box, const BrickRanges& ranges);
+  void gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels, BrickRanges& below) const;
+  std::vector<BrickKey> arrived(const BrickKey& key);
+  void release(const BrickKey& key);
+
+  StoreWriter& writer_;
+  PartStore parts_;
+  std::vector<Level> levels_;
+  std::mutex mutex_;
+};
+
+}  // namespace kiln
