@@ -306,21 +306,20 @@ void run(VolumeSource& source, const Manifest& draft, const JournalContent& earl
     conversion.reset();
     destination.commit();
   } catch (const Error& error) {
-    // What this conversion did not begin is not its to remove.
-    if (!begun) throw;
     const std::uint64_t finished = conversion ? conversion->finishedBricks() : report.stored_bricks;
     conversion.reset();
     if (finished == 0 || !mayBeResumed(error.code())) {
       destination.abandon();
       throw;
     }
+    destination.keepForResuming();
     progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished,
                               brickCount(begun->manifest()), destination.building().string(),
                               options.overwrite && options.resume ? "run again" : "run again with --resume"));
     throw;
   } catch (...) {
     conversion.reset();
-    if (begun) destination.abandon();
+    destination.abandon();
     throw;
   }
 }

@@ -74,10 +74,7 @@ void Destination::clear() {
 }
 
 void Destination::commit() {
-  std::error_code left;
-  fs::remove(Journal::pathIn(building_), left);
-  fs::remove_all(building_ / "parts", left);
-  if (building_ == out_) return;
+  if (building_ == out_) return tidy();
   const fs::path old = out_.string() + ".old";
   std::error_code ignored;
   if (fs::exists(out_, ignored)) {
@@ -98,6 +95,18 @@ void Destination::commit() {
   } catch (const Error&) {
     // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old.
   }
+  tidy();
+}
+
+void Destination::tidy() noexcept {
+  std::error_code ignored;
+  fs::remove(Journal::pathIn(out_), ignored);
+  fs::remove_all(out_ / "parts", ignored);
+}
+
+void Destination::keepForResuming() noexcept {
+  std::error_code ignored;
+  fs::remove(building_ / "manifest.json", ignored);
 }
 
 void Destination::abandon() noexcept {

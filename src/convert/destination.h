@@ -25,10 +25,13 @@ class Destination {
   /// The built store loses what only a resumed conversion needs, and takes its name. throws: Error kIo; what was at
   /// `out` is then still there.
   void commit();
+  /// What was built stays, and is no store.
+  void keepForResuming() noexcept;
   /// Removes what was built.
   void abandon() noexcept;
 
  private:
+  void tidy() noexcept;
   std::filesystem::path out_, building_;
   FileSystem& disk_;
   bool finished_ = false;

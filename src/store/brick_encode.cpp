@@ -91,7 +91,7 @@ class Encoder {
         half_(fitsHalf()) {}
 
   openvdb::GridBase::Ptr voxelGrid(const char* name, bool core) const {
-    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index));
+    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index), half_);
     forEachLeaf(core ? core_ : box_, [&](const VoxelCoord& origin, const VoxelBox& part) {
       if (!core && inside(part, core_)) return;
       auto* leaf = grid->tree().touchLeaf(coordOf(origin));
@@ -113,7 +113,12 @@ class Encoder {
     const double s = static_cast<double>(kCellSize);
     glm::dmat4 index_from_cell(s);
     index_from_cell[3] = glm::dvec4(glm::dvec3((s - 1) / 2), 1.0);
-    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell));
+    // On coarser levels cells hold values of voxels below, which need not survive where the brick's own do.
+    const bool half = half_ && std::all_of(cells.begin(), cells.end(), [](const ValueRange& cell) {
+                        return cell.empty() ||
+                               (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
+                      });
+    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
     const int edge = static_cast<int>(frame_.brick_size / kCellSize);
     auto accessor = grid->getAccessor();
     std::size_t i = 0;
@@ -149,11 +154,11 @@ class Encoder {
     }
   }
 
-  typename Grid::Ptr makeGrid(const char* name, openvdb::math::Transform::Ptr transform) const {
+  typename Grid::Ptr makeGrid(const char* name, openvdb::math::Transform::Ptr transform, bool half) const {
     typename Grid::Ptr grid = Grid::create(Value(0));
     grid->setName(name);
     grid->setTransform(std::move(transform));
-    grid->setSaveFloatAsHalf(half_);
+    grid->setSaveFloatAsHalf(half);
     return grid;
   }
 

@@ -99,7 +99,7 @@ TEST_F(Cli, ConvertInfoVerify) {
   EXPECT_EQ(json.out, readTextFile(in("v.kiln") + "/manifest.json"));
   EXPECT_EQ(Json::parse(json.out)["range"], Json::array({1.0, 231.0}));
   const ToolResult verify = expectDone({"verify", in("v.kiln")});
-  EXPECT_NE(verify.out.find("whole, 6 files"), std::string::npos) << verify.out;
+  EXPECT_NE(verify.out.find("whole, 7 files"), std::string::npos) << verify.out;
   EXPECT_EQ(info.err + json.err + verify.err, "");
   expectDone({"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8", "--overwrite", "--brick-size",
               "128"});
@@ -298,7 +298,7 @@ TEST_F(Cli, WrongCommandLines) {
       {{"slice", store, "-o", picture, "--axis", "w"}, "--axis"},
       {{"slice", store, "-o", picture, "--index", "16"}, "index"},
       {{"slice", store, "-o", picture, "--window", "3"}, "--window"},
-      {{"export", store, in("v.vdb"), "--level", "1"}, "--level"},
+      {{"export", store, in("v.vdb"), "--level", "7"}, "--level"},
       {{"convert", raw, in("n.kiln")}, "--dims"},
       {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u12"}, "--type"},
       {{"convert", raw, in("n.kiln"), "--dims", "24,0,16", "--type", "u8"}, "--dims"},
@@ -447,7 +447,7 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
 }
 
 // Known because SIGINT asks the work to stop, and what is not finished is no store.
-TEST_F(Cli, AnInterruptLeavesNothing) {
+TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   constexpr std::size_t kBytes = 256u * 512 * 512;
   std::string data(kBytes, '\0');
   for (std::size_t i = 0; i < kBytes; i += 8) {
@@ -461,15 +461,24 @@ TEST_F(Cli, AnInterruptLeavesNothing) {
     std::error_code ignored;
     return fs::exists(bricks, ignored) && !fs::is_empty(bricks, ignored);
   };
-  const ToolResult result =
-      runTool({"convert", in("big.raw"), in("big.kiln"), "--dims", "256,512,512", "--type", "u8", "--brick-size", "64"},
-              options);
-  fs::remove(in("big.raw"));
+  std::vector<std::string> convert = {"convert", in("big.raw"), in("big.kiln"), "--dims", "256,512,512",
+                                      "--type",  "u8",          "--brick-size", "64"};
+  const ToolResult result = runTool(convert, options);
   if (result.exit_code == 0) GTEST_SKIP() << "it finished first";
   EXPECT_TRUE(result.interrupted);
   EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_EQ(result.errorLines(), std::vector<std::string>{"kiln: interrupted while converting"});
-  EXPECT_EQ(listing(), std::vector<std::string>{});
+  ASSERT_EQ(result.errorLines().size(), 2u) << result.err;
+  EXPECT_NE(result.errorLines()[0].find("--resume"), std::string::npos) << result.err;
+  EXPECT_EQ(result.errorLines()[1], "kiln: interrupted while converting");
+  expectRefused({"info", in("big.kiln")}, 1, {"did not finish"});
+  expectRefused(convert, 1, {"--resume"});
+  convert.push_back("--resume");
+  const ToolResult resumed = expectDone(convert);
+  EXPECT_NE(resumed.err.find("are finished already"), std::string::npos) << resumed.err;
+  expectDone({"verify", in("big.kiln")});
+  EXPECT_NE(expectDone(convert).err.find("finished already"), std::string::npos);
+  fs::remove(in("big.raw"));
+  EXPECT_EQ(listing(), std::vector<std::string>{"big.kiln"});
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 // A conversion whose n-th change of the disk fails, for every n. What is promised (convert.h): afterwards there is no
-// store at the destination that is not whole, and a store that was there is still there.
+// store at the destination that is not whole, a store that was there is still there, and a resumed conversion ends with
+// the bytes of an uninterrupted one.
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <map>
 #include <optional>
 
 #include "base/error.h"
@@ -19,10 +21,13 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kBrickSize = 16;
 
-ConvertOptions options(bool overwrite = false) {
+enum class How { kNew, kOverwrite, kResume };
+
+ConvertOptions options(How how = How::kNew) {
   ConvertOptions out;
   out.brick_size = kBrickSize;
-  out.overwrite = overwrite;
+  out.overwrite = how == How::kOverwrite;
+  out.resume = how == How::kResume;
   return out;
 }
 
@@ -69,25 +74,32 @@ DenseVolume newVolume() { return cheese({{33, 18, 9}, VoxelType::i16}, 1, usualR
 DenseVolume oldVolume() { return cheese({{20, 9, 9}, VoxelType::i16}, 2, usualRange(VoxelType::i16)); }
 
 // One conversion that meets `fault`; the error it ended with, if it did.
-std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, bool overwrite,
-                                 FaultyFileSystem& disk) {
+std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, How how, FaultyFileSystem& disk) {
   DenseSource source(volume);
   Progress silent;
   try {
-    convert(source, out, options(overwrite), silent, disk);
+    convert(source, out, options(how), silent, disk);
     return std::nullopt;
   } catch (const Error& error) {
     return error;
   }
 }
 
+// The files of a conversion that nothing stopped.
+std::map<std::string, std::vector<std::byte>> wholeStore(const DenseVolume& volume) {
+  const fs::path directory = freshDirectory("fault_whole");
+  FaultyFileSystem works;
+  EXPECT_FALSE(convertWith(volume, directory / "volume.kiln", How::kNew, works));
+  return filesOf(directory);
+}
+
 std::uint64_t changesOf(bool overwrite) {
   const fs::path out = freshDirectory("fault_count") / "volume.kiln";
   FaultyFileSystem disk;
-  EXPECT_FALSE(convertWith(oldVolume(), out, false, disk));
+  EXPECT_FALSE(convertWith(oldVolume(), out, How::kNew, disk));
   if (!overwrite) fs::remove_all(out);
   FaultyFileSystem counted;
-  EXPECT_FALSE(convertWith(newVolume(), out, overwrite, counted));
+  EXPECT_FALSE(convertWith(newVolume(), out, overwrite ? How::kOverwrite : How::kNew, counted));
   EXPECT_TRUE(holds(out, newVolume()));
   EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1) << "something was left beside the store";
   return counted.calls();
@@ -129,12 +141,13 @@ TEST_P(ConvertFault, LeavesNoStore) {
   ASSERT_GT(changes, 10u);
   const DenseVolume volume = newVolume();
   const ThreadLimit one(1);
+  const auto whole = wholeStore(volume);
   for (std::uint64_t n = 0; n < changes; ++n) {
     SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
     const fs::path directory = freshDirectory(std::string("fault_new_") + GetParam().name);
     const fs::path out = directory / "volume.kiln";
     FaultyFileSystem disk(faultAt(n));
-    expectError(convertWith(volume, out, false, disk));
+    expectError(convertWith(volume, out, How::kNew, disk));
     EXPECT_TRUE(disk.failed());
     if (GetParam().crash) {
       disk.leaveWreckage();
@@ -142,11 +155,11 @@ TEST_P(ConvertFault, LeavesNoStore) {
       EXPECT_EQ(temporaryFiles(directory), 0);
     }
     EXPECT_FALSE(opens(out));
-    // What is left is no obstacle: the next conversion, told that it may, makes the store.
+    // What is left is no obstacle: the next conversion, told what it may, makes the store.
     FaultyFileSystem works;
-    const std::optional<Error> again = convertWith(volume, out, true, works);
+    const std::optional<Error> again = convertWith(volume, out, n % 4 == 3 ? How::kOverwrite : How::kResume, works);
     EXPECT_FALSE(again) << again->what();
-    EXPECT_TRUE(holds(out, volume));
+    EXPECT_EQ(filesOf(directory), whole);
   }
 }
 
@@ -161,9 +174,9 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     const fs::path directory = freshDirectory(std::string("fault_over_") + GetParam().name);
     const fs::path out = directory / "volume.kiln";
     FaultyFileSystem works;
-    ASSERT_FALSE(convertWith(old_volume, out, false, works));
+    ASSERT_FALSE(convertWith(old_volume, out, How::kNew, works));
     FaultyFileSystem disk(faultAt(n));
-    const std::optional<Error> error = convertWith(new_volume, out, true, disk);
+    const std::optional<Error> error = convertWith(new_volume, out, How::kOverwrite, disk);
     EXPECT_TRUE(disk.failed());
     if (error) {
       expectError(error);
@@ -180,8 +193,14 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     } else if (error) {
       EXPECT_TRUE(holds(out, old_volume));
       EXPECT_EQ(temporaryFiles(directory), 0);
-      EXPECT_FALSE(fs::exists(out.string() + ".partial"));
     }
+    // Both names may hold something now; a resumed conversion, or a new one where nothing was begun, cleans up.
+    FaultyFileSystem again;
+    const bool begun = fs::exists(out.string() + ".partial/journal.bin");
+    const std::optional<Error> second = convertWith(new_volume, out, begun ? How::kResume : How::kOverwrite, again);
+    EXPECT_FALSE(second) << second->what();
+    EXPECT_TRUE(holds(out, new_volume));
+    EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
 }
 
@@ -194,7 +213,7 @@ TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
     SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
     const fs::path directory = freshDirectory(std::string("fault_threads_") + GetParam().name);
     FaultyFileSystem disk(faultAt(n));
-    expectError(convertWith(volume, directory / "volume.kiln", false, disk));
+    expectError(convertWith(volume, directory / "volume.kiln", How::kNew, disk));
     if (GetParam().crash) disk.leaveWreckage();
     EXPECT_FALSE(opens(directory / "volume.kiln"));
     if (!GetParam().crash) {
@@ -216,22 +235,61 @@ class ImpatientProgress : public Progress {
   mutable std::atomic<int> left_;
 };
 
-// Known because convert asks before every brick, and there are six.
-TEST(ConvertStopped, ByTheUserLeavesNothing) {
+// Known because convert asks before every brick, and there are nine in three levels: an interrupt is resumed wherever
+// it came, with the bytes of a conversion that met none.
+TEST(ConvertStopped, ByTheUserIsResumed) {
   const DenseVolume volume = newVolume();
-  for (int polls = 0; polls < 6; ++polls) {
+  const auto whole = wholeStore(volume);
+  for (int polls = 0; polls < 9; ++polls) {
     SCOPED_TRACE(polls);
     const fs::path directory = freshDirectory("fault_cancel");
+    const fs::path out = directory / "volume.kiln";
     DenseSource source(volume);
     ImpatientProgress progress(polls);
     try {
-      convert(source, directory / "volume.kiln", options(), progress);
+      convert(source, out, options(), progress);
       ADD_FAILURE() << "not stopped";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();
     }
-    EXPECT_TRUE(fs::is_empty(directory));
+    EXPECT_EQ(fs::is_empty(directory), polls == 0) << "what is begun is kept, what is not leaves nothing";
+    EXPECT_FALSE(opens(out));
+    Progress silent;
+    convert(source, out, options(How::kResume), silent);
+    EXPECT_EQ(filesOf(directory), whole);
   }
+}
+
+// Known because each is one byte away from what may be resumed: another value somewhere, another brick size, a brick
+// whose file was damaged meanwhile.
+TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
+  const DenseVolume volume = newVolume();
+  const auto whole = wholeStore(volume);
+  const auto interrupted = [&] {
+    const fs::path out = freshDirectory("fault_same") / "volume.kiln";
+    DenseSource source(volume);
+    ImpatientProgress progress(5);
+    EXPECT_THROW(convert(source, out, options(), progress), Error);
+    return out;
+  };
+  const auto resume = [&](const DenseVolume& with, const fs::path& out, std::int64_t brick_size) {
+    DenseSource source(with);
+    Progress silent;
+    ConvertOptions how = options(How::kResume);
+    how.brick_size = brick_size;
+    convert(source, out, how, silent);
+  };
+  const fs::path out = interrupted();
+  EXPECT_THROW(resume(volume, out, 2 * kBrickSize), Error);
+  EXPECT_THROW(resume(oldVolume(), out, kBrickSize), Error);
+  const fs::path brick = out / "bricks/0/1_0_0.vdb";
+  std::vector<std::byte> file = readFile(brick);
+  file[file.size() / 2] ^= std::byte{1};
+  FileSystem::real().writeFile(brick, file, false);
+  resume(volume, out, kBrickSize);
+  EXPECT_EQ(filesOf(out.parent_path()), whole);
+  resume(volume, out, kBrickSize);
+  EXPECT_EQ(filesOf(out.parent_path()), whole) << "a finished store is left as it is";
 }
 
 // The user's old store is as it was, to the byte, wherever the new conversion was stopped.
@@ -242,9 +300,9 @@ TEST(ConvertStopped, ByTheUserKeepsTheOldStore) {
     const fs::path out = makeStore(oldVolume(), "fault_cancel_over", kBrickSize);
     DenseSource source(volume);
     ImpatientProgress progress(polls);
-    EXPECT_THROW(convert(source, out, options(true), progress), Error);
+    EXPECT_THROW(convert(source, out, options(How::kOverwrite), progress), Error);
     EXPECT_TRUE(holds(out, oldVolume()));
-    EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1);
+    EXPECT_EQ(fs::exists(out.string() + ".partial"), polls > 0);
   }
 }
 
@@ -281,7 +339,7 @@ TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
         TruncatedSource source(volume, order, reads);
         Progress silent;
         try {
-          convert(source, out, options(over), silent);
+          convert(source, out, options(over ? How::kOverwrite : How::kNew), silent);
           ADD_FAILURE() << "taken for whole";
         } catch (const Error& error) {
           EXPECT_EQ(error.code(), ErrorCode::kFormat);
@@ -302,7 +360,7 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   Progress silent;
   const auto codeOf = [&](const fs::path& path, bool overwrite) {
     try {
-      convert(other, path, options(overwrite), silent);
+      convert(other, path, options(overwrite ? How::kOverwrite : How::kNew), silent);
     } catch (const Error& error) {
       return error.code();
     }

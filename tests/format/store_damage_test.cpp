@@ -55,7 +55,7 @@ class StoreDamage : public ::testing::Test {
       if (entry.is_regular_file()) files_.push_back(entry.path());
     }
     std::sort(files_.begin(), files_.end());
-    ASSERT_EQ(files_.size(), 2u + 2 * 2);
+    ASSERT_EQ(files_.size(), 2u + 2 * 2 + 1);
   }
 
   bool samePicture(const Image& image) const {
@@ -69,6 +69,7 @@ class StoreDamage : public ::testing::Test {
     try {
       const StoreReader reader(store_);
       for (std::int32_t i = 0; i < 4; ++i) reader.read({0, {i % 2, i / 2, 0}});
+      reader.read({1, {0, 0, 0}});
       EXPECT_TRUE(samePicture(draw(store_, request_))) << "another picture";
       return std::nullopt;
     } catch (const Error& error) {

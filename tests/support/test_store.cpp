@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/file.h"
 #include "base/progress.h"
 #include "convert/convert.h"
 
@@ -31,6 +32,14 @@ fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int6
   Progress silent;
   convert(source, store, options, silent);
   return store;
+}
+
+std::map<std::string, std::vector<std::byte>> filesOf(const fs::path& directory) {
+  std::map<std::string, std::vector<std::byte>> out;
+  for (const auto& entry : fs::recursive_directory_iterator(directory)) {
+    if (entry.is_regular_file()) out[fs::relative(entry.path(), directory).string()] = readFile(entry.path());
+  }
+  return out;
 }
 
 }  // namespace kiln::test

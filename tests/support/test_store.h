@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "support/procedural.h"
 
@@ -15,5 +17,8 @@ std::filesystem::path freshDirectory(const std::string& name);
 
 /// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.
 std::filesystem::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size = 32);
+
+/// Every file below `directory`, by its path from there.
+std::map<std::string, std::vector<std::byte>> filesOf(const std::filesystem::path& directory);
 
 }  // namespace kiln::test
