@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "output/image_file.h"
 #include "store/store_reader.h"
 #include "support/procedural.h"
+#include "support/random_scene.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
 #include "support/vdb_files.h"
@@ -480,6 +482,59 @@ TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   fs::remove(in("big.raw"));
   EXPECT_EQ(listing(), std::vector<std::string>{"big.kiln"});
 }
+
+// The files of a store, without what says when it was made.
+std::map<std::string, std::vector<std::byte>> filesWithoutTime(const fs::path& store) {
+  auto files = filesOf(store);
+  Json manifest = Json::parse(readTextFile(store / "manifest.json"));
+  manifest.erase("checksum");
+  manifest["source"].erase("time");
+  manifest["source"].erase("command");
+  const std::string text = manifest.dump();
+  const auto bytes = std::as_bytes(std::span(text));
+  files["manifest.json"].assign(bytes.begin(), bytes.end());
+  return files;
+}
+
+// Kills conversions at seeded instants between their first moment and their last, and resumes them. Known because
+// nothing but the brick files, which are compared, decides what a store holds.
+class CliKilled : public Cli {
+ protected:
+  void expectResumable(int instants) {
+    std::string data(96 * 96 * 96, '\0');
+    for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<char>(hashBits(9, i / 5) % 50);
+    write(in("v.raw"), data);
+    const auto arguments = [&](const char* out) {
+      return std::vector<std::string>{"convert", in("v.raw"), in(out),        "--dims", "96,96,96",
+                                      "--type",  "u8",        "--brick-size", "16"};
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    expectDone(arguments("whole.kiln"));
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const auto whole = filesWithoutTime(in("whole.kiln"));
+    Random random(20);
+    int unfinished = 0;
+    for (int i = 0; i < instants; ++i) {
+      ToolOptions options;
+      options.seconds = seconds * static_cast<double>(random.between(1, 1000)) / 1000;
+      SCOPED_TRACE("killed after " + std::to_string(options.seconds) + " s");
+      fs::remove_all(in("killed.kiln"));
+      std::vector<std::string> convert = arguments("killed.kiln");
+      unfinished += runTool(convert, options).timed_out && !fs::exists(in("killed.kiln") + "/manifest.json");
+      if (fs::exists(in("killed.kiln"))) {
+        const ToolResult info = runTool({"info", in("killed.kiln")});
+        EXPECT_EQ(info.exit_code == 0, fs::exists(in("killed.kiln") + "/manifest.json")) << info.err;
+      }
+      convert.push_back("--resume");
+      expectDone(convert);
+      EXPECT_TRUE(filesWithoutTime(in("killed.kiln")) == whole);
+    }
+    EXPECT_GT(unfinished, 0) << "every conversion was faster than its death";
+  }
+};
+
+TEST_F(CliKilled, ConversionsAreResumed) { expectResumable(4); }
+TEST_F(CliKilled, NightlyConversionsAreResumed) { expectResumable(20); }
 
 }  // namespace
 }  // namespace kiln::test
