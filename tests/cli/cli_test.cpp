@@ -483,6 +483,20 @@ TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   EXPECT_EQ(listing(), std::vector<std::string>{"big.kiln"});
 }
 
+// Known because a half has 11 bits: 4097 lies between 4096 and 4100, and so do all its odd neighbours; 10 does not.
+TEST_F(Cli, HalfIsLossyAndSaysSo) {
+  const std::uint16_t values[] = {10, 4097, 65535, 2049};
+  write(in("v.raw"), {reinterpret_cast<const char*>(values), sizeof values});
+  const std::vector<std::string> raw = {"convert", in("v.raw"), in("v.kiln"), "--dims", "4,1,1", "--type", "u16"};
+  std::vector<std::string> half = raw;
+  half.push_back("--half");
+  EXPECT_NE(expectDone(half).out.find("no value changed by more than 31"), std::string::npos);
+  const BrickBlock block = StoreReader(in("v.kiln")).read({0, {0, 0, 0}});
+  const std::uint16_t* found = block.data<std::uint16_t>() + block.offsetOf({0, 0, 0});
+  EXPECT_EQ(std::vector(found, found + 4), (std::vector<std::uint16_t>{10, 4096, 65504, 2048}));
+  expectRefused({"convert", in("v.raw"), in("w.kiln"), "--dims", "2,1,1", "--type", "u32", "--half"}, 2, {"--half"});
+}
+
 // The files of a store, without what says when it was made.
 std::map<std::string, std::vector<std::byte>> filesWithoutTime(const fs::path& store) {
   auto files = filesOf(store);

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "commands.h"
 #include "convert/convert.h"
+#include "convert/half_source.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -13,14 +14,20 @@ struct Arguments {
   std::string input, output, memory = "2G";
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
-  bool overwrite = false, resume = false;
+  bool overwrite = false, resume = false, half = false;
   int levels = 0;
   SourceArguments source;
 };
 
 void run(const Arguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
-  const std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
+  std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
+  const HalfSource* rounded = nullptr;
+  if (a.half) {
+    auto half = std::make_unique<HalfSource>(std::move(source));
+    rounded = half.get();
+    source = std::move(half);
+  }
   ConvertOptions options;
   options.brick_size = a.brick_size;
   options.memory_bytes = parseBytes(a.memory);
@@ -37,6 +44,7 @@ void run(const Arguments& a, Context& context) {
   fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
              report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds,
              static_cast<double>(report.voxels) / 1e6 / report.seconds, formatBytes(report.buffer_bytes));
+  if (rounded != nullptr) fmt::print("rounded to half: no value changed by more than {:g}\n", rounded->largestError());
   if (report.nan_count > 0) fmt::print("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
@@ -59,6 +67,7 @@ void addConvert(CLI::App& app, Context& context) {
   command
       ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--half", a->half, "round values to 16-bit floats: smaller bricks; the largest error is printed");
   auto* overwrite =
       command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
   command
