@@ -45,12 +45,13 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
   if (step_ != step) {
     step_ = step;
     begin_ = last_ = now;
+    done_before_ = done;  // a resumed conversion begins in the middle
     return;
   }
   if (now - last_ < (terminal_ ? 200ms : 10s)) return;
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - begin_).count();
-  const double rate = static_cast<double>(done) / seconds;
+  const double rate = static_cast<double>(done - done_before_) / seconds;
   const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
   const std::string line = fmt::format("{}: {:.0f} % of {}{}, {}{}/s, {:.0f} s left", step,
                                        100.0 * static_cast<double>(done) / static_cast<double>(total),

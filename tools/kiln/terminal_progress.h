@@ -25,6 +25,7 @@ class TerminalProgress : public Progress {
   bool terminal_;
   std::string step_;
   Clock::time_point begin_, last_;
+  std::uint64_t done_before_ = 0;
   bool drawn_ = false;
 };
 
