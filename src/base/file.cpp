@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -30,12 +32,16 @@ class Descriptor {
   int fd_;
 };
 
-void writeAll(const Descriptor& file, const fs::path& path, std::span<const std::byte> data) {
+// At the file's own place where `offset` is not given.
+void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
+              std::optional<std::uint64_t> offset = {}) {
   std::size_t done = 0;
   while (done < data.size()) {
-    const ssize_t put = ::write(file.get(), data.data() + done, data.size() - done);
+    const auto rest = data.subspan(done);
+    const ssize_t put = offset ? ::pwrite(file, rest.data(), rest.size(), static_cast<off_t>(*offset + done))
+                               : ::write(file, rest.data(), rest.size());
     if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(done));
+    if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(offset.value_or(0) + done));
     done += static_cast<std::size_t>(put);
   }
 }
@@ -130,7 +136,7 @@ void FileSystem::makeDirectories(const fs::path& path) {
 void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, bool durable) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
-  writeAll(file, path, data);
+  writeAll(file.get(), path, data);
   if (durable && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
@@ -138,7 +144,7 @@ void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data
 void FileSystem::appendFile(const fs::path& path, std::span<const std::byte> data) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (file.get() < 0) throw systemError(errno, path, "opening the file");
-  writeAll(file, path, data);
+  writeAll(file.get(), path, data);
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
 
@@ -162,6 +168,19 @@ void FileSystem::removeAll(const fs::path& path) {
   std::error_code error;
   fs::remove_all(path, error);
   if (error) throw systemError(error.value(), path, "removing");
+}
+
+File FileSystem::makeScratch(const fs::path& directory) {
+  // Where the process ends between the two calls, the name is one that an unfinished store may hold.
+  constexpr std::string_view kSuffix = ".tmp";
+  std::string name = (directory / "scratch_XXXXXX").string() + std::string(kSuffix);
+  File file(directory, ::mkostemps(name.data(), static_cast<int>(kSuffix.size()), O_CLOEXEC));
+  if (file.descriptor_ < 0 || ::unlink(name.c_str()) != 0) throw systemError(errno, directory, "making a scratch file");
+  return file;
+}
+
+void FileSystem::writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data) {
+  writeAll(scratch.descriptor_, scratch.path_, data, offset);
 }
 
 }  // namespace kiln

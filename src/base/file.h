@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace kiln {
@@ -31,6 +32,9 @@ class File {
   std::size_t readSomeAt(std::uint64_t offset, std::span<std::byte> out) const;
 
  private:
+  friend class FileSystem;
+  File(std::filesystem::path path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
@@ -65,6 +69,12 @@ class FileSystem {
   /// wait, where a sync of each of thousands of files would be thousands.
   virtual void syncAll(const std::filesystem::path& path);
   virtual void removeAll(const std::filesystem::path& path);
+
+  /// A new and empty file on the disk of `directory`, for `writeAt` and reading. It has no name any more, so nothing of
+  /// it is left once it is closed, however the process ends. throws: Error kNoSpace, kIo, naming `directory`.
+  virtual File makeScratch(const std::filesystem::path& directory);
+  /// Writes `data` from `offset` of a file that `makeScratch` made. thread: safe for bytes that no other call touches.
+  virtual void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data);
 };
 
 }  // namespace kiln

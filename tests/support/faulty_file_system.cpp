@@ -75,6 +75,16 @@ void FaultyFileSystem::removeAll(const fs::path& path) {
   FileSystem::removeAll(path);
 }
 
+File FaultyFileSystem::makeScratch(const fs::path& directory) {
+  failIfTold(directory, "making a scratch file (injected)");
+  return FileSystem::makeScratch(directory);
+}
+
+void FaultyFileSystem::writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data) {
+  failIfTold(scratch.path(), "writing to a scratch file (injected)");
+  FileSystem::writeAt(scratch, offset, data);
+}
+
 void FaultyFileSystem::leaveWreckage() {
   const std::lock_guard lock(mutex_);
   for (const auto& [path, content] : wreckage_) {

@@ -44,6 +44,8 @@ class FaultyFileSystem : public FileSystem {
   void syncFile(const std::filesystem::path& path) override;
   void syncAll(const std::filesystem::path& path) override;
   void removeAll(const std::filesystem::path& path) override;
+  File makeScratch(const std::filesystem::path& directory) override;
+  void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data) override;
 
  private:
   enum class Outcome { kWorks, kFails, kDead };
