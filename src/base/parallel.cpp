@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <exception>
@@ -65,7 +66,8 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
         observe(&begin);
         for (std::size_t i = range.begin(); i != range.end() && !failure.happened(); ++i) {
           try {
-            body(i);
+            // A thread that waits for a loop inside of the body would else take another body from this one.
+            tbb::this_task_arena::isolate([&] { body(i); });
           } catch (...) {
             failure.keep(std::current_exception());
           }

@@ -9,7 +9,8 @@ namespace kiln {
 
 /// Calls body(i) once for each i in [0, count), in any order and on any thread, and waits for all.
 /// throws: the first exception a body threw; the items not yet begun are then dropped.
-/// thread: what a body wrote is visible to the caller afterwards.
+/// thread: what a body wrote is visible to the caller afterwards. A body may wait for what another one has begun: the
+/// thread of a body begins no other before its end, whatever loops of their own a body and its libraries run.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// While it lives, at most `threads` threads run Kiln's loops; 0 leaves the machine's number.
