@@ -9,13 +9,13 @@
 #include <mutex>
 #include <optional>
 
-#include "base/memory.h"
 #include "base/parallel.h"
 #include "convert/destination.h"
 #include "convert/foreign_cache.h"
+#include "convert/forward_window.h"
 #include "convert/journal.h"
+#include "convert/plan.h"
 #include "convert/pyramid_builder.h"
-#include "convert/slab_window.h"
 #include "convert/value_counter.h"
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
@@ -24,44 +24,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-// How the memory is used: one window of slices where the source is a stream, and a lane of buffers a thread; a source
-// that decodes more than it is asked for may keep that in what is left.
-struct Plan {
-  std::uint64_t window_bytes = 0;
-  std::uint64_t lane_bytes = 0;
-  std::size_t lanes = 1;
-  std::uint64_t kept_bytes = 0;
-  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + kept_bytes; }
-};
-
-Plan planMemory(const VolumeSource& source, const ConvertOptions& options) {
-  const SourceInfo& info = source.info();
-  Plan plan;
-  const std::int64_t padded = options.brick_size + 2 * kApron;
-  if (source.order() == ReadOrder::kForwardSlices) plan.window_bytes = SlabWindow::bytesFor(info, padded);
-  const Extent3& dims = info.geometry.dims;
-  const auto voxels =
-      static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
-  // A lane holds the box as read or put together from parts, a part, its grids (8 bytes a voxel at most), the file, and
-  // the counts by value.
-  const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
-  plan.lane_bytes = voxels * (3 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20) + source.decodeBytes();
-  const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
-  if (smallest > options.memory_bytes) {
-    throw Error(ErrorCode::kBudget, info.files.empty() ? fs::path() : info.files.front(), "--memory",
-                fmt::format("{} is too little: {} is the smallest that works here ({} of slices, {} a thread)",
-                            formatBytes(options.memory_bytes), formatBytes(smallest), formatBytes(plan.window_bytes),
-                            formatBytes(plan.lane_bytes)));
-  }
-  const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
-  plan.lanes = static_cast<std::size_t>(std::min<std::uint64_t>(fitting, ThreadLimit::active()));
-  if (source.decodeBytes() > 0) {
-    const std::uint64_t volume_bytes = static_cast<std::uint64_t>(dims.count()) * sizeOf(info.type);
-    plan.kept_bytes = std::min(options.memory_bytes - plan.total(), volume_bytes);
-  }
-  return plan;
-}
 
 Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   Manifest manifest;
@@ -96,12 +58,12 @@ std::string identityOf(const SourceInfo& info, Manifest draft) {
   return out + manifestText(draft);
 }
 
-// Converts one layer of bricks after the other; within a layer the lanes take bricks as they come free, and build the
-// coarser bricks that a finished one makes possible.
+// The lanes take bricks in the order of the lattice as they come free, and build the coarser bricks that a finished one
+// makes possible.
 class Conversion {
  public:
   Conversion(VolumeSource& source, StoreWriter& writer, const fs::path& directory, const JournalContent& earlier,
-             const Plan& plan, FileSystem& disk, Progress& progress)
+             const ConversionPlan& plan, FileSystem& disk, Progress& progress)
       : source_(source),
         writer_(writer),
         directory_(directory),
@@ -109,7 +71,13 @@ class Conversion {
         pyramid_(writer, directory / "parts", disk),
         counters_(plan.lanes, ValueCounter(source.info().type)),
         totals_(counters_) {
-    if (source.order() == ReadOrder::kForwardSlices) window_.emplace(source);
+    if (plan.window_slices > 0) {
+      const SourceInfo& info = source.info();
+      window_.emplace(source,
+                      plan.window_on_disk ? sliceRingOnDisk(info, plan.window_slices, directory, disk)
+                                          : sliceRingInMemory(info, plan.window_slices),
+                      writer.manifest().brick_size, progress);
+    }
     for (const LevelInfo& level : writer.manifest().levels)
       finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
     JournalContent kept{earlier.identity, wholeBricksOf(earlier)};
@@ -119,22 +87,17 @@ class Conversion {
   void run() {
     takeUp();
     const Extent3 lattice = writer_.manifest().levels.front().bricks;
-    const std::int64_t in_layer = lattice.x * lattice.y;
-    for (std::int64_t z = 0; z < lattice.z; ++z) {
-      const std::int64_t first = z * in_layer, end = first + in_layer;
-      if (window_) {
-        const VoxelBox layer = writer_.frame({0, brickAt(lattice, first)}).stored();
-        window_->advance(layer.lo.z, layer.hi.z);
+    std::atomic<std::int64_t> next = 0;
+    parallelFor(counters_.size(), [&](std::size_t lane) {
+      const auto convertBrick = [&](std::int64_t i) {
+        if (!finished_[0][static_cast<std::size_t>(i)]) build(brick({0, brickAt(lattice, i)}, lane));
+      };
+      if (window_) return window_->work(convertBrick);
+      for (std::int64_t i = next++; i < lattice.count(); i = next++) {
+        progress_.throwIfCancelled("converting");
+        convertBrick(i);
       }
-      std::atomic<std::int64_t> next = first;
-      parallelFor(counters_.size(), [&](std::size_t lane) {
-        for (std::int64_t i = next++; i < end; i = next++) {
-          progress_.throwIfCancelled("converting");
-          const BrickKey key{0, brickAt(lattice, i)};
-          if (!finished_[0][static_cast<std::size_t>(i)]) build(brick(key, lane));
-        }
-      });
-    }
+    });
     source_.finish();
     for (std::size_t lane = 1; lane < totals_.size(); ++lane) totals_[0].add(totals_[lane].take());
   }
@@ -233,7 +196,7 @@ class Conversion {
   const fs::path directory_;
   Progress& progress_;
   PyramidBuilder pyramid_;
-  std::optional<SlabWindow> window_;
+  std::optional<ForwardWindow> window_;
   std::vector<ValueCounter> counters_, totals_;  // of a brick, and of all; by lane
   std::vector<std::vector<char>> finished_;      // by level and brick: what an earlier conversion left
   std::optional<Journal> journal_;
@@ -286,7 +249,7 @@ void finishEarlier(Destination& destination, const fs::path& out, const SourceIn
   report.nan_count = reader.manifest().nan_count;
 }
 
-void run(VolumeSource& source, const Manifest& draft, const JournalContent& earlier, const Plan& plan,
+void run(VolumeSource& source, const Manifest& draft, const JournalContent& earlier, const ConversionPlan& plan,
          Destination& destination, const ConvertOptions& options, Progress& progress, FileSystem& disk,
          ConvertReport& report) {
   std::optional<StoreWriter> begun;
@@ -336,7 +299,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   }
   const SourceInfo& info = source.info();
   for (const std::string& note : info.notes) progress.note(note);
-  const Plan plan = planMemory(source, options);
+  const ConversionPlan plan = planConversion(source, options);
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;
   Destination destination(out, options.overwrite, options.resume, disk);

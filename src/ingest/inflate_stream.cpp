@@ -102,8 +102,9 @@ std::size_t InflateStream::readSome(std::span<std::byte> out, const std::string&
 void InflateStream::read(std::span<std::byte> out, const std::string& where) {
   const std::size_t got = readSome(out, where);
   if (got < out.size()) {
-    fail(where, "the compressed data end " + std::to_string(out.size() - got) +
-                    " bytes before the end of this slice; the header's dimensions are too large or data are missing");
+    fail(where,
+         "the compressed data end here, before the last voxel; the header's dimensions are too large or data are "
+         "missing");
   }
 }
 

@@ -1,5 +1,5 @@
 // Voxels in linear order, by two roads: a raw file is gathered by pread, any box from any thread; a compressed stream
-// goes forward slice by slice and never holds more than the slices that were asked for and one chunk.
+// goes forward and holds one chunk beside what was asked for.
 // Invariant: all sizes are checked against 63 bits and the file before the first voxel is read, so that no offset
 // computed later can overflow.
 #include "ingest/linear_source.h"
@@ -97,34 +97,45 @@ class StreamSource : public VolumeSource {
         skip_bytes_(data.skip_decompressed_bytes) {}
 
   const SourceInfo& info() const override { return info_; }
-  ReadOrder order() const override { return ReadOrder::kForwardSlices; }
+  ReadOrder order() const override { return ReadOrder::kForward; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   void finish() override;
+  std::uint64_t decodeBytes() const override { return InflateStream::kHeldBytes + (map_.copies() ? 0 : kChunkBytes); }
 
  private:
   std::uint64_t sliceVoxels() const { return info_.geometry.dims.x * info_.geometry.dims.y; }
-  void readSlice(std::byte* out);
+  std::uint64_t leftInSlice() const { return sliceVoxels() - next_voxel_ % sliceVoxels(); }
+  std::string place() const { return "slice " + std::to_string(next_voxel_ / sliceVoxels()); }
+  void readRun(std::uint64_t voxels, std::byte* out);
   void skipPrefix() { stream_.skip(std::exchange(skip_bytes_, 0), "before slice 0"); }
 
   SourceInfo info_;
   ValueMap map_;
   InflateStream stream_;
   std::uint64_t skip_bytes_;
-  std::int64_t next_z_ = 0;
+  std::uint64_t next_voxel_ = 0;  // in the order of the file
 };
 
 void StreamSource::read(const VoxelBox& box, std::span<std::byte> out) {
-  [[maybe_unused]] const Extent3 dims = info_.geometry.dims;
-  assert(box.lo == (VoxelCoord{0, 0, next_z_}) && box.hi.x == dims.x && box.hi.y == dims.y && box.hi.z <= dims.z);
+  [[maybe_unused]] const Extent3 dims = info_.geometry.dims, n = box.extent();
+  assert(intersection(box, boxOf(dims)) == box && n.x == dims.x && (n.y == dims.y || n.z == 1));
+  assert(static_cast<std::uint64_t>((box.lo.z * dims.y + box.lo.y) * dims.x) == next_voxel_);
   assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
   skipPrefix();
   std::byte* to = out.data();
-  for (; next_z_ < box.hi.z; ++next_z_, to += sliceVoxels() * sizeOf(map_.to)) readSlice(to);
+  // Slice by slice, as an error names the one where it is.
+  for (std::uint64_t left = static_cast<std::uint64_t>(box.count()); left > 0;) {
+    const std::uint64_t now = std::min(left, leftInSlice());
+    readRun(now, to);
+    to += now * sizeOf(map_.to);
+    left -= now;
+  }
 }
 
-void StreamSource::readSlice(std::byte* out) {
-  const std::string where = "slice " + std::to_string(next_z_);
-  const std::size_t voxels = static_cast<std::size_t>(sliceVoxels()), size = sizeOf(map_.from);
+void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
+  const std::string where = place();
+  const std::size_t size = sizeOf(map_.from);
+  next_voxel_ += voxels;
   if (map_.copies()) {
     stream_.read({out, voxels * size}, where);
     map_.order(out, voxels);
@@ -142,8 +153,10 @@ void StreamSource::readSlice(std::byte* out) {
 
 void StreamSource::finish() {
   skipPrefix();
-  for (; next_z_ < info_.geometry.dims.z; ++next_z_) {
-    stream_.skip(sliceVoxels() * sizeOf(map_.from), "slice " + std::to_string(next_z_));
+  for (const std::uint64_t end = sliceVoxels() * info_.geometry.dims.z; next_voxel_ < end;) {
+    const std::uint64_t now = leftInSlice();
+    stream_.skip(now * sizeOf(map_.from), place());
+    next_voxel_ += now;
   }
   stream_.finish();
 }

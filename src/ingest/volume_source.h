@@ -44,8 +44,8 @@ struct SourceInfo {
 };
 
 enum class ReadOrder {
-  kAnyBox,         // boxes in any order, from any thread
-  kForwardSlices,  // whole slices z, z+1, … once, from one thread: a compressed stream
+  kAnyBox,   // boxes in any order, from any thread
+  kForward,  // each voxel once, in the order of the file, by one thread at a time: a compressed stream
 };
 
 class VolumeSource {
@@ -54,15 +54,15 @@ class VolumeSource {
   virtual const SourceInfo& info() const = 0;
   virtual ReadOrder order() const = 0;
   /// Fills `out` with the voxels of `box`. shape: x fastest, then y, then z, densely packed, in `info().type` and the
-  /// machine's byte order. requires: box inside the volume; for kForwardSlices whole slices that start where the last
-  /// read ended. throws: Error kFormat (truncated or corrupt data, with the byte or slice), kIo.
+  /// machine's byte order. requires: box inside the volume; for kForward whole slices, or whole rows of one slice, that
+  /// start where the last read ended. throws: Error kFormat (truncated or corrupt data, with the byte or slice), kIo.
   virtual void read(const VoxelBox& box, std::span<std::byte> out) = 0;
   /// After the last voxel: throws where a stream's own checksum or length does not agree with what was read.
   virtual void finish() {}
   /// What one read holds for a moment beside its `out`: a strip, a tile or a slice that is packed as one. unit: bytes.
   virtual std::uint64_t decodeBytes() const { return 0; }
-  /// Lets the source keep up to `bytes` of what it decoded, as neighbouring boxes share it. requires: no read under
-  /// way.
+  /// Lets the source keep up to `bytes` of what it decoded, as neighbouring boxes share it; of no use to kForward.
+  /// requires: no read under way.
   virtual void keepDecoded(std::uint64_t /*bytes*/) {}
 };
 

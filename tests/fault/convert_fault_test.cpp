@@ -330,7 +330,7 @@ class TruncatedSource : public VolumeSource {
 // Known because the source never gives all voxels, or takes them back at the end.
 TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
   const DenseVolume volume = newVolume();
-  for (const ReadOrder order : {ReadOrder::kAnyBox, ReadOrder::kForwardSlices}) {
+  for (const ReadOrder order : {ReadOrder::kAnyBox, ReadOrder::kForward}) {
     for (const int reads : {0, 1, 2, 5, 11, 1000}) {
       for (const bool over : {false, true}) {
         SCOPED_TRACE(std::to_string(reads) + (over ? " over" : ""));

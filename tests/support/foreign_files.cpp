@@ -44,6 +44,16 @@ VoxelBox randomBox(const Extent3& dims, std::mt19937_64& random) {
   return box;
 }
 
+// Whole slices from `at` on, or rows of its slice.
+VoxelBox randomRun(const Extent3& dims, const VoxelCoord& at, std::mt19937_64& random) {
+  const auto upTo = [&](std::int64_t n) {
+    return 1 + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
+  };
+  if (at.y == 0 && random() % 2 == 0)
+    return {at, {dims.x, dims.y, at.z + upTo(std::min<std::int64_t>(dims.z - at.z, 3))}};
+  return {at, {dims.x, at.y + upTo(dims.y - at.y), at.z + 1}};
+}
+
 std::vector<std::byte> readBox(VolumeSource& source, const VoxelBox& box) {
   std::vector<std::byte> out(static_cast<std::size_t>(box.count()) * sizeOf(source.info().type), std::byte{0xee});
   source.read(box, out);
@@ -149,11 +159,11 @@ void expectReadsBack(const ForeignVolume& volume, const std::function<std::uniqu
       EXPECT_TRUE(readBox(*parts, box) == volume.box(box)) << "box " << i;
     }
   } else {
-    for (std::int64_t z = 0; z < volume.dims.z;) {
-      const std::int64_t end = std::min(volume.dims.z, z + 1 + static_cast<std::int64_t>(random() % 3));
-      const VoxelBox box = {{0, 0, z}, {volume.dims.x, volume.dims.y, end}};
-      EXPECT_TRUE(readBox(*parts, box) == volume.box(box)) << "slice " << z;
-      z = end;
+    for (VoxelCoord at; at.z < volume.dims.z;) {
+      const VoxelBox box = randomRun(volume.dims, at, random);
+      EXPECT_TRUE(readBox(*parts, box) == volume.box(box)) << "slice " << at.z << ", row " << at.y;
+      at.y = box.hi.y % volume.dims.y;
+      at.z = at.y == 0 ? box.hi.z : at.z;
     }
   }
   parts->finish();

@@ -58,8 +58,8 @@ inline constexpr VoxelType kAllTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelT
 
 /// All voxels of a source in one read, and `finish`. throws: Error as the source does.
 std::vector<std::byte> readWhole(VolumeSource& source);
-/// A failed expectation where the source does not give back exactly `volume`: as a whole, and by random boxes or slice
-/// groups. requires: nothing has been read from the source that `open` returns.
+/// A failed expectation where the source does not give back exactly `volume`: as a whole, and by random boxes, or
+/// slices and rows in their order. requires: nothing has been read from the source that `open` returns.
 void expectReadsBack(const ForeignVolume& volume, const std::function<std::unique_ptr<VolumeSource>()>& open,
                      std::uint64_t seed);
 /// A failed expectation where opening and reading `path` does not fail with `code` and one line that holds `part`.

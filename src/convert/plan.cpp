@@ -1,0 +1,72 @@
+#include "convert/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "convert/forward_window.h"
+
+namespace kiln {
+namespace {
+
+std::uint64_t usefulLanes(const VolumeSource& source) {
+  // What one thread inflates keeps a few busy; more would take memory from the window, and wait.
+  constexpr std::uint64_t kLanesOfStream = 8;
+  const std::uint64_t threads = ThreadLimit::active();
+  return source.order() == ReadOrder::kForward ? std::min(threads, kLanesOfStream) : threads;
+}
+
+// A lane holds the box as read or put together from parts, a part, its grids (8 bytes a voxel at most), the file, and
+// the counts by value.
+std::uint64_t laneBytes(const VolumeSource& source, const ConvertOptions& options) {
+  const SourceInfo& info = source.info();
+  const Extent3& dims = info.geometry.dims;
+  const std::int64_t padded = options.brick_size + 2 * kApron;
+  const auto voxels =
+      static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
+  const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
+  return voxels * (3 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20);
+}
+
+// As many slices as lanes can read ahead into: the layer of bricks in the making, and the one after it.
+void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertOptions& options) {
+  const SourceInfo& info = source.info();
+  const std::int64_t least = ForwardWindow::slicesOfLayer(info.geometry.dims, options.brick_size);
+  const std::int64_t best = std::min(least + options.brick_size, info.geometry.dims.z);
+  const std::uint64_t other_bytes = source.decodeBytes() + usefulLanes(source) * plan.lane_bytes;
+  const std::uint64_t left_bytes = options.memory_bytes - std::min(other_bytes, options.memory_bytes);
+  const auto fitting = static_cast<std::int64_t>(left_bytes / sliceBytes(info));
+  plan.window_on_disk = fitting < least;
+  plan.window_slices = plan.window_on_disk ? best : std::min(fitting, best);
+  const std::uint64_t slices_bytes = static_cast<std::uint64_t>(plan.window_slices) * sliceBytes(info);
+  plan.scratch_bytes = plan.window_on_disk ? slices_bytes : 0;
+  plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
+}
+
+}  // namespace
+
+ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& options) {
+  const SourceInfo& info = source.info();
+  const bool forward = source.order() == ReadOrder::kForward;
+  ConversionPlan plan;
+  plan.lane_bytes = laneBytes(source, options) + (forward ? 0 : source.decodeBytes());
+  if (forward) planWindow(plan, source, options);
+  const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
+  if (smallest > options.memory_bytes) {
+    throw Error(ErrorCode::kBudget, info.files.empty() ? std::filesystem::path() : info.files.front(), "--memory",
+                fmt::format("{} is too little: {} is the smallest that works here ({} to read, {} a thread)",
+                            formatBytes(options.memory_bytes), formatBytes(smallest), formatBytes(plan.window_bytes),
+                            formatBytes(plan.lane_bytes)));
+  }
+  const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
+  plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
+  if (!forward && source.decodeBytes() > 0) {
+    const std::uint64_t volume_bytes = static_cast<std::uint64_t>(info.geometry.dims.count()) * sizeOf(info.type);
+    plan.kept_bytes = std::min(options.memory_bytes - plan.total(), volume_bytes);
+  }
+  return plan;
+}
+
+}  // namespace kiln

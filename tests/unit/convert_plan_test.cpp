@@ -1,0 +1,85 @@
+// What a conversion plans to hold, for sources of which nothing is read. Known by the sums in ARCHITECTURE.md.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "convert/plan.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr std::uint64_t kMiB = 1 << 20;
+
+class PlannedSource : public VolumeSource {
+ public:
+  PlannedSource(const Extent3& dims, ReadOrder order) : order_(order) {
+    info_.geometry.dims = dims;
+    info_.type = VoxelType::u16;
+  }
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return order_; }
+  void read(const VoxelBox&, std::span<std::byte>) override { ADD_FAILURE() << "planning reads nothing"; }
+  std::uint64_t decodeBytes() const override { return 3 * kMiB; }
+
+ private:
+  SourceInfo info_;
+  ReadOrder order_;
+};
+
+ConversionPlan planOf(const Extent3& dims, std::uint64_t memory_bytes, ReadOrder order = ReadOrder::kForward) {
+  ConvertOptions options;
+  options.memory_bytes = memory_bytes;
+  return planConversion(PlannedSource(dims, order), options);
+}
+
+std::uint64_t smallestFor(const Extent3& dims) {
+  std::uint64_t fails = 0, works = 1ull << 40;
+  while (works - fails > 1) {
+    const std::uint64_t middle = fails + (works - fails) / 2;
+    try {
+      EXPECT_LE(planOf(dims, middle).total(), middle);
+      works = middle;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kBudget);
+      fails = middle;
+    }
+  }
+  return works;
+}
+
+TEST(ConversionPlan, TheSmallestMemoryOfAStreamDoesNotDependOnItsSlices) {
+  EXPECT_EQ(smallestFor({512, 512, 1000}), smallestFor({65536, 65536, 1000}));
+  EXPECT_LT(smallestFor({1 << 20, 1 << 20, 1 << 20}), 64 * kMiB);  // but a row, here 2 MiB, is read at once
+}
+
+TEST(ConversionPlan, SlicesAreInMemoryWhereTheyFitBesideTheLanes) {
+  const ThreadLimit threads(2);
+  const Extent3 dims = {1024, 1024, 1000};  // slices of 2 MiB; a layer of bricks covers 140
+  const ConversionPlan ample = planOf(dims, 4096 * kMiB), tight = planOf(dims, 450 * kMiB),
+                       small = planOf(dims, 300 * kMiB);
+  EXPECT_FALSE(ample.window_on_disk);
+  EXPECT_EQ(ample.window_slices, 140 + 128);
+  EXPECT_EQ(ample.window_bytes, 268 * 2 * kMiB + 3 * kMiB);
+  EXPECT_EQ(ample.scratch_bytes, 0u);
+  EXPECT_FALSE(tight.window_on_disk);
+  EXPECT_GE(tight.window_slices, 140);
+  EXPECT_LT(tight.window_slices, 268);
+  EXPECT_TRUE(small.window_on_disk);
+  EXPECT_EQ(small.window_slices, 268);
+  EXPECT_EQ(small.window_bytes, 256 * 1024 + 3 * kMiB);
+  EXPECT_EQ(small.scratch_bytes, 268 * 2 * kMiB);
+  for (const ConversionPlan& plan : {ample, tight, small}) EXPECT_EQ(plan.lanes, 2u);
+  EXPECT_EQ(planOf({1024, 1024, 90}, 4096 * kMiB).window_slices, 90);
+}
+
+TEST(ConversionPlan, SourcesThatGiveBoxesHaveNoWindow) {
+  const ThreadLimit threads(2);
+  const ConversionPlan plan = planOf({1024, 1024, 1000}, 400 * kMiB, ReadOrder::kAnyBox);
+  EXPECT_EQ(plan.window_slices, 0);
+  EXPECT_EQ(plan.window_bytes + plan.scratch_bytes, 0u);
+  EXPECT_EQ(plan.lanes, 2u);
+  EXPECT_EQ(plan.total(), 400 * kMiB);  // the rest keeps what is decoded
+}
+
+}  // namespace
+}  // namespace kiln::test
