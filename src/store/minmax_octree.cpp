@@ -1,34 +1,81 @@
 #include "store/minmax_octree.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace kiln {
 namespace {
 
-// Least and greatest of a region, without NaN: `v < lo` is false for it.
+// Least and greatest of some voxels, without NaN: `v < lo` is false for it. Of zeros of both signs the first counts.
+template <class T>
+class Extremes {
+ public:
+  void include(const T* values, std::int64_t count) {
+    if constexpr (std::is_floating_point_v<T>) {
+      for (std::int64_t i = 0; i < count; ++i) {
+        if (!std::isnan(values[i])) include(values[i]);
+      }
+    } else {  // many at once
+      T lo = lo_, hi = hi_;
+      for (std::int64_t i = 0; i < count; ++i) {
+        lo = std::min(lo, values[i]);
+        hi = std::max(hi, values[i]);
+      }
+      lo_ = lo, hi_ = hi, any_ |= count > 0;
+    }
+  }
+  ValueRange range() const {
+    if (!any_) return {};
+    return {static_cast<double>(lo_), static_cast<double>(hi_)};
+  }
+
+ private:
+  void include(T value) {
+    lo_ = any_ ? std::min(lo_, value) : value;
+    hi_ = any_ ? std::max(hi_, value) : value;
+    any_ = true;
+  }
+  T lo_ = std::numeric_limits<T>::max(), hi_ = std::numeric_limits<T>::lowest();
+  bool any_ = false;
+};
+
 template <class T>
 ValueRange rangeOfTyped(const T* voxels, const VoxelBox& box, const VoxelBox& region) {
   const Extent3 size = box.extent();
-  bool any = false;
-  T lo{}, hi{};
+  Extremes<T> extremes;
   for (std::int64_t z = region.lo.z; z < region.hi.z; ++z) {
     for (std::int64_t y = region.lo.y; y < region.hi.y; ++y) {
-      const T* row = voxels + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x - box.lo.x;
-      for (std::int64_t x = region.lo.x; x < region.hi.x; ++x) {
-        const T value = row[x];
-        if constexpr (std::is_floating_point_v<T>) {
-          if (std::isnan(value)) continue;
-        }
-        lo = any ? std::min(lo, value) : value;
-        hi = any ? std::max(hi, value) : value;
-        any = true;
+      const T* const row = voxels + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x - box.lo.x;
+      extremes.include(row + region.lo.x, region.hi.x - region.lo.x);
+    }
+  }
+  return extremes.range();
+}
+
+// A row of whole cells of whole numbers: the extremes of the cells' columns, all at once, then of each cell's eight.
+template <class T>
+void rangesOfCellRow(const T* first, std::int64_t row, std::int64_t slice, int cells, ValueRange* out) {
+  std::vector<T> columns(2 * static_cast<std::size_t>(cells) * kCellSize);
+  const std::int64_t width = cells * kCellSize;
+  T *const lo = columns.data(), *const hi = lo + width;
+  std::copy_n(first, width, lo);
+  std::copy_n(first, width, hi);
+  for (std::int64_t z = 0; z < kCellSize; ++z) {
+    for (std::int64_t y = 0; y < kCellSize; ++y) {
+      const T* const from = first + z * slice + y * row;
+      for (std::int64_t x = 0; x < width; ++x) {
+        lo[x] = std::min(lo[x], from[x]);
+        hi[x] = std::max(hi[x], from[x]);
       }
     }
   }
-  if (!any) return {};
-  return {static_cast<double>(lo), static_cast<double>(hi)};
+  for (int cell = 0; cell < cells; ++cell) {
+    out[cell] = {static_cast<double>(*std::min_element(lo + cell * kCellSize, lo + (cell + 1) * kCellSize)),
+                 static_cast<double>(*std::max_element(hi + cell * kCellSize, hi + (cell + 1) * kCellSize))};
+  }
 }
 
 }  // namespace
@@ -61,16 +108,30 @@ std::size_t MinMaxOctree::bytes() const {
 std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                    const VoxelBox& core, int edge) {
   std::vector<ValueRange> out(static_cast<std::size_t>(edge) * edge * edge);
-  std::size_t cell = 0;
-  for (int z = 0; z < edge; ++z) {
-    for (int y = 0; y < edge; ++y) {
-      for (int x = 0; x < edge; ++x, ++cell) {
-        const VoxelCoord lo = {core.lo.x + x * kCellSize, core.lo.y + y * kCellSize, core.lo.z + z * kCellSize};
-        const VoxelBox region = intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, core);
-        if (!region.empty()) out[cell] = rangeOf(voxels, type, box, region);
+  const Extent3 size = box.extent(), n = core.extent();
+  withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    const T* const data = reinterpret_cast<const T*>(voxels.data());
+    ValueRange* row = out.data();
+    for (int z = 0; z < edge; ++z) {
+      for (int y = 0; y < edge; ++y, row += edge) {
+        const VoxelCoord lo = {core.lo.x, core.lo.y + y * kCellSize, core.lo.z + z * kCellSize};
+        int x = 0;
+        if constexpr (std::is_integral_v<T>) {
+          if ((y + 1) * kCellSize <= n.y && (z + 1) * kCellSize <= n.z) {
+            x = static_cast<int>(n.x / kCellSize);
+            const std::int64_t at = ((lo.z - box.lo.z) * size.y + (lo.y - box.lo.y)) * size.x + (lo.x - box.lo.x);
+            rangesOfCellRow(data + at, size.x, size.x * size.y, x, row);
+          }
+        }
+        for (; x < edge; ++x) {
+          const VoxelCoord from = {lo.x + x * kCellSize, lo.y, lo.z};
+          const VoxelBox cell = {from, {from.x + kCellSize, from.y + kCellSize, from.z + kCellSize}};
+          const VoxelBox region = intersection(cell, core);
+          if (!region.empty()) row[x] = rangeOfTyped(data, box, region);
+        }
       }
     }
-  }
+  });
   return out;
 }
 
