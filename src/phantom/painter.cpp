@@ -1,13 +1,17 @@
-// Two roads by what is near: a block that one solid holds whole takes that part's inner tissue from it; elsewhere the
-// distances of the near shapes are computed for 512 voxels at a time, from the part of highest precedence down, until
-// nothing shines through.
+// What is known of a block decides how much is computed for its voxels. The distance to each near shape has bounds over
+// the block, and so has each surface that the shapes join to. A layer whose surface is everywhere half a voxel away
+// covers all of the block or nothing of it, by arithmetic exactly; only where one is nearer are distances computed, for
+// 512 voxels at a time, and of those shapes only that the joined surface is not exactly the same without. Parts are
+// painted from the highest precedence down, until nothing shines through.
 // A shape is near where the block comes closer to the box around it than its reach; beyond, it has no say (shape.h:
 // `smoothMin` is exactly the least there).
 #include "phantom/painter.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "phantom/labyrinth.h"
+#include "phantom/vectors.h"
 
 namespace kiln::phantom {
 namespace {
@@ -24,7 +28,7 @@ void distances(const Shape& shape, Work& work) noexcept {
   }
 }
 
-void distances(const Shape& shape, Work& work) noexcept {
+KILN_VECTORS void distances(const Shape& shape, Work& work) noexcept {
   switch (shape.kind) {
     case ShapeKind::kCone:
       return distances<ShapeKind::kCone>(shape, work);
@@ -38,7 +42,7 @@ void distances(const Shape& shape, Work& work) noexcept {
 }
 
 // union = join(union, d), at `depth` below the surface.
-void join(const Shape& shape, float depth, bool first, Work& work, float* surface) noexcept {
+KILN_VECTORS void join(const Shape& shape, float depth, bool first, Work& work, float* surface) noexcept {
   const float* const d = work.d;
   const float blend = shape.blend, inverse = blend > 0 ? 1 / blend : 0.f;
   if (first) {
@@ -58,7 +62,8 @@ void join(const Shape& shape, float depth, bool first, Work& work, float* surfac
 
 // Gives what is left of each voxel to a tissue by its coverage: all where the voxel's centre is half a voxel or more
 // inside the surface, nothing where it is half a voxel outside, linear between.
-void give(float tissue_value, const float* surface, float offset, float inverse_blur, Work& work) noexcept {
+KILN_VECTORS void give(float tissue_value, const float* surface, float offset, float inverse_blur,
+                       Work& work) noexcept {
   work.rows([&](int at) {
     for (int i = at; i < at + kEdge; ++i) {
       const float covered = std::min(std::max(0.5f - (surface[i] + offset) * inverse_blur, 0.f), 1.f);
@@ -69,7 +74,7 @@ void give(float tissue_value, const float* surface, float offset, float inverse_
 }
 
 // Cuts a part's folds into the union of its shapes.
-void fold(const Folds& folds, float shell, Work& work) noexcept {
+KILN_VECTORS void fold(const Folds& folds, float shell, Work& work) noexcept {
   const Labyrinth labyrinth(folds);
   for (int k = work.lo_z; k < work.hi_z; ++k) {
     for (int j = work.lo_y; j < work.hi_y; ++j) {
@@ -83,7 +88,7 @@ void fold(const Folds& folds, float shell, Work& work) noexcept {
   }
 }
 
-bool nothingLeft(Work& work) noexcept {
+KILN_VECTORS bool nothingLeft(Work& work) noexcept {
   float most = 0;
   work.rows([&](int at) {
     for (int i = at; i < at + kEdge; ++i) most = std::max(most, work.left[i]);
@@ -91,10 +96,101 @@ bool nothingLeft(Work& work) noexcept {
   return most == 0;
 }
 
-// How far below a solid's surface nothing but the part's inner tissue is.
-float crust(const Part& part, const Shape& shape) {
-  return (part.layered() ? shape.shell : static_cast<float>(part.layers.rind_mm)) +
-         static_cast<float>(part.folds.depth_mm);
+// All that is left to one tissue, after which nothing is asked of it.
+KILN_VECTORS void giveRest(float tissue_value, Work& work) noexcept {
+  work.rows([&](int at) {
+    for (int i = at; i < at + kEdge; ++i) work.value[i] += work.left[i] * tissue_value;
+  });
+}
+
+KILN_VECTORS void clear(Work& work) noexcept {
+  work.rows([&](int at) {
+    for (int i = at; i < at + kEdge; ++i) {
+      work.value[i] = 0;
+      work.left[i] = 1;
+    }
+  });
+}
+
+constexpr float kRoundingMm = 0.02f;
+
+Bounds operator+(const Bounds& b, float mm) { return {b.lo + mm, b.hi + mm}; }
+
+// Distances of all kinds but the stretched cone grow no faster than the way.
+Bounds boundsAround(float at_centre, const Ball& ball) {
+  const float most = ball.radius + kRoundingMm;
+  return {at_centre - most, at_centre + most};
+}
+
+// Those of a stretched cone do so in its own space, and are stretched back by a quotient that has bounds, too.
+Bounds boundsOfStretched(const Shape& s, const Ball& ball) {
+  float local[3], radius2 = 0, out_lo = -1e9f, out_hi = -1e9f;
+  for (int j = 0; j < 3; ++j) {
+    const float* const row = s.row[j];
+    local[j] = row[0] * ball.centre[0] + (row[1] * ball.centre[1] + (row[2] * ball.centre[2] + row[3]));
+    const float half =
+        std::abs(row[0]) * ball.half[0] + std::abs(row[1]) * ball.half[1] + std::abs(row[2]) * ball.half[2];
+    radius2 += half * half;
+    const float from_middle = std::abs(ball.centre[j] - s.centre[j]) - s.extent[j];
+    out_lo = std::max(out_lo, from_middle - ball.half[j]);
+    out_hi = std::max(out_hi, from_middle + ball.half[j]);
+  }
+  const float rho2 = local[0] * local[0] + local[1] * local[1];
+  const float t = std::min(std::max(local[2] - std::sqrt(rho2) * s.slope, 0.f), s.length), rise = local[2] - t;
+  const float d = std::sqrt(rho2 + rise * rise) - s.radius + s.cosine * t;
+  const float radius = std::sqrt(radius2), lo = d - radius, hi = d + radius;
+  // (f + tiny) / (g + tiny), where f is the length from the axis and the stretches bound g / f.
+  const float most = std::max(s.stretch[0], std::max(s.stretch[1], s.stretch[2]));
+  const float least = std::min(s.stretch[0], std::min(s.stretch[1], s.stretch[2]));
+  const float f = std::max(lo + std::min(s.radius, s.radius - s.cosine * s.length), 0.f);
+  const float quotient_lo = most < 1 ? (f + s.tiny) / (most * f + s.tiny) : 1 / most;
+  const float quotient_hi = std::max(1 / least, 1.f);
+  return {std::max(lo * (lo < 0 ? quotient_hi : quotient_lo), out_lo) - kRoundingMm,
+          std::max(hi * (hi < 0 ? quotient_lo : quotient_hi), out_hi) + kRoundingMm};
+}
+
+// The bounds of the joined surface from those of what it is joined from: smoothMin rises with both.
+Bounds joined(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
+  if (shape.carves) {
+    return {joined(shape, before.lo, d.hi, depth), joined(shape, before.hi, d.lo, depth)};
+  }
+  return {joined(shape, before.lo, d.lo, depth), joined(shape, before.hi, d.hi, depth)};
+}
+
+// Whether the surface is the same without the shape, bit for bit.
+bool isIdle(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
+  if (shape.carves) return d.lo - depth + before.lo >= shape.blend;
+  return d.lo + depth - before.hi >= shape.blend;
+}
+
+// Whether the surface is the shape's alone, bit for bit.
+bool isAlone(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
+  return !shape.carves && before.lo - (d.hi + depth) >= shape.blend;
+}
+
+// A part's surfaces in a block, and the first shape that they depend on.
+struct Surfaces {
+  Bounds outer, inner;
+  std::size_t first;
+};
+std::optional<Surfaces> surfacesOf(const Part& part, std::span<const NearShape> near, std::span<const Shape> shapes) {
+  std::optional<Surfaces> out;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const Shape& shape = shapes[near[i].index];
+    const Bounds& d = near[i].distance;
+    if (!out && shape.carves) continue;  // nothing there to take from
+    if (!out || (isAlone(shape, out->outer, d, 0) && isAlone(shape, out->inner, d, shape.shell))) {
+      out = {d, d + shape.shell, i};
+    } else {
+      out->outer = joined(shape, out->outer, d, 0);
+      out->inner = joined(shape, out->inner, d, shape.shell);
+    }
+  }
+  if (out && part.folds.depth_mm > 0) {  // they cut from the surface to their depth
+    out->outer.hi += static_cast<float>(part.folds.depth_mm);
+    out->inner = out->outer + shapes[part.first].shell;
+  }
+  return out;
 }
 
 }  // namespace
@@ -112,109 +208,115 @@ Ball Painter::ballAround(const VoxelBox& box) const {
   return ball;
 }
 
-bool Painter::isNear(std::size_t index, const Ball& ball) const {
+bool Painter::isInReach(std::size_t index, const Ball& ball) const {
   const Shape& shape = figure_.shapes()[index];
   const float reach = figure_.reaches()[index] + blur_;
   for (int i = 0; i < 3; ++i) {
     if (std::abs(ball.centre[i] - shape.centre[i]) > ball.half[i] + shape.extent[i] + reach) return false;
   }
-  // The distance of an unstretched shape grows no faster than the way to it.
-  if (shape.kind == ShapeKind::kStretchedCone) return true;
-  return distanceTo(shape, ball.centre[0], ball.centre[1], ball.centre[2]) < ball.radius + reach + 0.01f;
+  return true;
 }
 
-void Painter::choose(const VoxelBox& box, const NearShapes* from, NearShapes& out) const {
+std::optional<Bounds> Painter::boundsIfNear(std::size_t index, const Ball& ball) const {
+  if (!isInReach(index, ball)) return std::nullopt;
+  const Shape& shape = figure_.shapes()[index];
+  if (shape.kind == ShapeKind::kStretchedCone) return boundsOfStretched(shape, ball);
+  const float d = distanceTo(shape, ball.centre[0], ball.centre[1], ball.centre[2]);
+  if (!(d < ball.radius + figure_.reaches()[index] + blur_ + 0.01f)) return std::nullopt;
+  return boundsAround(d, ball);
+}
+
+void Painter::choose(const VoxelBox& box, NearShapes& out) const {
+  const Ball ball = ballAround(box);
+  const std::span<const Part> parts = figure_.parts();
+  out.clear();
+  for (PartId id = parts.size(); id-- > 0;) {
+    const std::size_t first = out.shapes.size();
+    for (std::size_t i = parts[id].first; i < parts[id].first + parts[id].count; ++i) {
+      if (isInReach(i, ball)) out.shapes.push_back({static_cast<std::uint32_t>(i), {}});
+    }
+    if (out.shapes.size() > first) out.parts.push_back({id, first, out.shapes.size() - first});
+  }
+}
+
+void Painter::choose(const VoxelBox& box, const NearShapes& from, NearShapes& out) const {
   const Ball ball = ballAround(box);
   out.clear();
-  const auto add = [&](PartId part, std::size_t count, auto&& shapeAt) {
+  for (const NearPart& p : from.parts) {
     const std::size_t first = out.shapes.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      if (isNear(shapeAt(i), ball)) out.shapes.push_back(static_cast<std::uint32_t>(shapeAt(i)));
+    for (std::size_t i = p.first; i < p.first + p.count; ++i) {
+      const std::uint32_t index = from.shapes[i].index;
+      if (const auto distance = boundsIfNear(index, ball)) out.shapes.push_back({index, *distance});
     }
-    if (out.shapes.size() > first) out.parts.push_back({part, first, out.shapes.size() - first});
-  };
-  if (from) {
-    for (const NearPart& p : from->parts)
-      add(p.part, p.count, [&](std::size_t i) { return from->shapes[p.first + i]; });
-    return;
+    if (out.shapes.size() > first) out.parts.push_back({p.part, first, out.shapes.size() - first});
   }
-  const std::span<const Part> parts = figure_.parts();
-  for (PartId id = parts.size(); id-- > 0;)
-    add(id, parts[id].count, [&](std::size_t i) { return parts[id].first + i; });
 }
 
-// Whether one solid alone makes the part's inner tissue of the whole block: the union only goes deeper.
-bool Painter::holdsBlock(const Part& part, const NearShapes& near, const NearPart& chosen, const Ball& ball,
-                         Work& work) const noexcept {
-  const Shape* deepest = nullptr;
-  float depth = -(1.2f * ball.radius + blur_);
-  for (std::size_t i = chosen.first; i < chosen.first + chosen.count; ++i) {
-    const Shape& shape = figure_.shapes()[near.shapes[i]];
-    if (shape.carves) return false;
-    const float d = distanceTo(shape, ball.centre[0], ball.centre[1], ball.centre[2]) + crust(part, shape);
-    if (d < depth) {
-      depth = d;
-      deepest = &shape;
-    }
-  }
-  if (!deepest) return false;
-  distances(*deepest, work);
-  float highest = -1e9f;
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) highest = std::max(highest, work.d[i]);
-  });
-  return highest + crust(part, *deepest) < -blur_;
-}
-
-void Painter::paintPart(const NearShapes& near, const NearPart& chosen, const Ball& ball, Work& work) const noexcept {
-  const Part& part = figure_.parts()[chosen.part];
-  const Layers& layers = part.layers;
-  if (holdsBlock(part, near, chosen, ball, work)) {
-    const float value = values_.of(layers.inner);
-    work.rows([&](int at) {
-      for (int i = at; i < at + kEdge; ++i) {
-        work.value[i] += work.left[i] * value;
-        work.left[i] = 0;
-      }
-    });
-    return;
-  }
+// Joins the near shapes voxel by voxel, from the first that the surfaces depend on.
+void Painter::computeSurfaces(const Part& part, std::span<const NearShape> near, bool inner,
+                              Work& work) const noexcept {
+  Bounds outer_bounds{}, inner_bounds{};
   bool first = true;
-  for (std::size_t i = chosen.first; i < chosen.first + chosen.count; ++i) {
-    const Shape& shape = figure_.shapes()[near.shapes[i]];
-    if (first && shape.carves) continue;  // nothing there to take from
+  for (const NearShape& n : near) {
+    const Shape& shape = figure_.shapes()[n.index];
+    const bool idle_outer = !first && isIdle(shape, outer_bounds, n.distance, 0);
+    const bool idle_inner = !first && isIdle(shape, inner_bounds, n.distance, shape.shell);
+    if (idle_outer && idle_inner) continue;
     distances(shape, work);
     join(shape, 0, first, work, work.outer);
-    if (part.layered()) join(shape, shape.shell, first, work, work.inner);
+    if (inner) join(shape, shape.shell, first, work, work.inner);
+    outer_bounds = first ? n.distance : joined(shape, outer_bounds, n.distance, 0);
+    inner_bounds = first ? n.distance + shape.shell : joined(shape, inner_bounds, n.distance, shape.shell);
     first = false;
   }
-  if (first) return;
   if (part.folds.depth_mm > 0) fold(part.folds, figure_.shapes()[part.first].shell, work);
-  if (part.layered()) give(values_.of(layers.inner), work.inner, 0, inverse_blur_, work);
-  if (layers.rind_mm > 0) {
-    give(values_.of(layers.outer), work.outer, static_cast<float>(layers.rind_mm), inverse_blur_, work);
-    give(values_.of(layers.rind), work.outer, 0, inverse_blur_, work);
-  } else {
-    give(values_.of(layers.outer), work.outer, 0, inverse_blur_, work);
-  }
 }
 
-void Painter::paint(const VoxelBox& block, const NearShapes& near, Work& work) const noexcept {
-  const Ball ball = ballAround(block);
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) {
-      work.value[i] = 0;
-      work.left[i] = 1;
-    }
-  });
-  for (const NearPart& chosen : near.parts) {
-    paintPart(near, chosen, ball, work);
-    if (nothingLeft(work)) return;
+std::optional<Tissue> Painter::paintPart(const NearShapes& near, const NearPart& chosen, Work& work) const noexcept {
+  const Part& part = figure_.parts()[chosen.part];
+  const std::span<const NearShape> shapes = std::span(near.shapes).subspan(chosen.first, chosen.count);
+  const std::optional<Surfaces> surfaces = surfacesOf(part, shapes, figure_.shapes());
+  if (!surfaces) return std::nullopt;
+  // From the deepest layer outwards, each as far below its surface.
+  struct Layer {
+    Tissue tissue;
+    bool inner;  // of the two surfaces
+    float below_mm;
+    bool asked;
+  };
+  const auto rind_mm = static_cast<float>(part.layers.rind_mm);
+  const Layer layers[] = {{part.layers.inner, true, 0, part.layered()},
+                          {part.layers.outer, false, rind_mm, true},
+                          {part.layers.rind, false, 0, rind_mm > 0}};
+  const auto boundsOf = [&](const Layer& layer) {
+    return (layer.inner ? surfaces->inner : surfaces->outer) + layer.below_mm;
+  };
+  const auto coversNothing = [&](const Layer& layer) { return !layer.asked || boundsOf(layer).lo > 0.5f * blur_; };
+  const auto coversAll = [&](const Layer& layer) { return boundsOf(layer).hi < -0.5f * blur_; };
+  bool computed = false;
+  for (const Layer& layer : layers) {
+    if (coversNothing(layer)) continue;
+    if (coversAll(layer)) return layer.tissue;
+    if (!computed) computeSurfaces(part, shapes.subspan(surfaces->first), part.layered(), work);
+    computed = true;
+    if (std::exchange(work.blank, false)) clear(work);
+    give(values_.of(layer.tissue), layer.inner ? work.inner : work.outer, layer.below_mm, inverse_blur_, work);
   }
-  const float air = values_.of(Tissue::kAir);
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) work.value[i] += work.left[i] * air;
-  });
+  return computed && nothingLeft(work) ? std::optional(Tissue::kAir) : std::nullopt;
+}
+
+std::optional<float> Painter::paint(const NearShapes& near, Work& work) const noexcept {
+  work.blank = true;
+  Tissue rest = Tissue::kAir;
+  for (const NearPart& chosen : near.parts) {
+    if (const std::optional<Tissue> all = paintPart(near, chosen, work)) {
+      rest = *all;
+      break;
+    }
+  }
+  if (work.blank) return values_.of(rest);
+  giveRest(values_.of(rest), work);
+  return std::nullopt;
 }
 
 }  // namespace kiln::phantom

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "phantom/sampler.h"
@@ -12,14 +14,23 @@ namespace kiln::phantom {
 inline constexpr int kEdge = 8;
 inline constexpr int kBlockVoxels = kEdge * kEdge * kEdge;
 
+// Between what bounds a distance is at all voxel centres of a box; a little wider than rounding. unit: mm.
+struct Bounds {
+  float lo, hi;
+};
+
 // The shapes that matter somewhere, part by part from the highest precedence down.
+struct NearShape {
+  std::uint32_t index;  // in the figure
+  Bounds distance;
+};
 struct NearPart {
   PartId part;
   std::size_t first, count;  // in `shapes`
 };
 struct NearShapes {
   std::vector<NearPart> parts;
-  std::vector<std::uint32_t> shapes;
+  std::vector<NearShape> shapes;
   void clear() {
     parts.clear();
     shapes.clear();
@@ -40,6 +51,7 @@ struct Work {
   alignas(64) float inner[kBlockVoxels];
   alignas(64) float value[kBlockVoxels];
   alignas(64) float left[kBlockVoxels];  // the share of the voxel not yet given to a tissue
+  bool blank;                            // nothing was given yet, and `value` and `left` are not set
 
   // Calls f(offset) for each row asked for.
   template <class F>
@@ -55,17 +67,22 @@ class Painter {
   Painter(const Figure& figure, const Lattice& lattice, const ValueTable& values)
       : figure_(figure), lattice_(lattice), values_(values), blur_(lattice.blurMm()), inverse_blur_(1 / blur_) {}
 
-  // Of the shapes in `from` (all where it is null), those near the box that spans [lo, hi) of voxels.
-  void choose(const VoxelBox& box, const NearShapes* from, NearShapes& out) const;
-  // Clean values of one block into work.value.
-  void paint(const VoxelBox& block, const NearShapes& near, Work& work) const noexcept;
+  // The shapes in reach of the box, by the boxes around them, without bounds.
+  void choose(const VoxelBox& box, NearShapes& out) const;
+  // Of the shapes in `from`, those near the box. requires: `from` was chosen for a box around this one; where that was
+  // for its bounds, too, for one of this one's proportions.
+  void choose(const VoxelBox& box, const NearShapes& from, NearShapes& out) const;
+  // Clean values of the block that `near` was chosen for: the one that all of its voxels have, else in work.value.
+  std::optional<float> paint(const NearShapes& near, Work& work) const noexcept;
 
  private:
   Ball ballAround(const VoxelBox& box) const;
-  bool isNear(std::size_t shape, const Ball& ball) const;
-  bool holdsBlock(const Part& part, const NearShapes& near, const NearPart& chosen, const Ball& ball,
-                  Work& work) const noexcept;
-  void paintPart(const NearShapes& near, const NearPart& chosen, const Ball& ball, Work& work) const noexcept;
+  bool isInReach(std::size_t shape, const Ball& ball) const;
+  // The bounds of the distance where the shape is near.
+  std::optional<Bounds> boundsIfNear(std::size_t shape, const Ball& ball) const;
+  // The tissue that takes all that is left, where there is one.
+  std::optional<Tissue> paintPart(const NearShapes& near, const NearPart& chosen, Work& work) const noexcept;
+  void computeSurfaces(const Part& part, std::span<const NearShape> near, bool inner, Work& work) const noexcept;
 
   const Figure& figure_;
   const Lattice& lattice_;

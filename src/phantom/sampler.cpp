@@ -6,6 +6,7 @@
 
 #include "phantom/noise.h"
 #include "phantom/painter.h"
+#include "phantom/vectors.h"
 
 namespace kiln::phantom {
 namespace {
@@ -21,6 +22,44 @@ struct Finish {
     return static_cast<T>(static_cast<std::int32_t>(std::min(std::max(clean + noise, 0.f), highest) + 0.5f));
   }
 };
+
+// A row of `count` voxels of one clean value, from x = first.
+template <class T>
+void finishEven(Finish finish, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count, T* to) noexcept {
+  for (std::uint32_t i = 0; i < count; ++i) to[i] = finish.operator()<T>(clean, noise, first + i);
+}
+// A row of a block.
+template <class T>
+void finishRow(Finish finish, const float* clean, NoiseRow noise, std::uint32_t first, T* to) noexcept {
+  for (std::uint32_t i = 0; i < kEdge; ++i) to[i] = finish.operator()<T>(clean[i], noise, first + i);
+}
+// The same by the vectors that there are.
+KILN_VECTORS void finish(Finish how, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count,
+                         std::uint8_t* to) noexcept {
+  finishEven(how, clean, noise, first, count, to);
+}
+KILN_VECTORS void finish(Finish how, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count,
+                         std::uint16_t* to) noexcept {
+  finishEven(how, clean, noise, first, count, to);
+}
+KILN_VECTORS void finish(Finish how, const float* clean, NoiseRow noise, std::uint32_t first,
+                         std::uint8_t* to) noexcept {
+  finishRow(how, clean, noise, first, to);
+}
+KILN_VECTORS void finish(Finish how, const float* clean, NoiseRow noise, std::uint32_t first,
+                         std::uint16_t* to) noexcept {
+  finishRow(how, clean, noise, first, to);
+}
+
+// The regions that meet the box, as one box.
+VoxelBox regionsAround(const VoxelBox& box) {
+  VoxelBox out = box;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = box.lo[axis] / kRegionEdge * kRegionEdge;
+    out.hi[axis] = (box.hi[axis] + kRegionEdge - 1) / kRegionEdge * kRegionEdge;
+  }
+  return out;
+}
 
 // Calls f for each cube of `edge`, aligned to multiples of it, that meets the box.
 template <class F>
@@ -48,7 +87,8 @@ class Canvas {
         air_(values.of(Tissue::kAir)),
         seed_(seed) {}
 
-  void paintAir(const VoxelBox& part) const;
+  void paintAir(const VoxelBox& part) const { paintEven(part, air_); }
+  void paintEven(const VoxelBox& part, float clean) const;
   // The block's voxels that are in the box.
   void paintBlock(const VoxelBox& block, const Painter& painter, const NearShapes& near, Work& work) const;
 
@@ -67,13 +107,11 @@ class Canvas {
 };
 
 template <class T>
-void Canvas<T>::paintAir(const VoxelBox& part) const {
+void Canvas<T>::paintEven(const VoxelBox& part, float clean) const {
   const auto first = static_cast<std::uint32_t>(part.lo.x), count = static_cast<std::uint32_t>(part.extent().x);
   for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
     for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      const NoiseRow noise = noiseRow(seed_, y, z);
-      T* const to = row(part.lo.x, y, z);
-      for (std::uint32_t i = 0; i < count; ++i) to[i] = finish_.template operator()<T>(air_, noise, first + i);
+      finish(finish_, clean, noiseRow(seed_, y, z), first, count, row(part.lo.x, y, z));
     }
   }
 }
@@ -87,15 +125,15 @@ void Canvas<T>::paintBlock(const VoxelBox& block, const Painter& painter, const 
   }
   work.lo_y = static_cast<int>(part.lo.y - block.lo.y), work.hi_y = static_cast<int>(part.hi.y - block.lo.y);
   work.lo_z = static_cast<int>(part.lo.z - block.lo.z), work.hi_z = static_cast<int>(part.hi.z - block.lo.z);
-  painter.paint(block, near, work);
+  if (const std::optional<float> even = painter.paint(near, work)) return paintEven(part, *even);
   work.rows([&](int at) {
     const std::int64_t y = block.lo.y + at / kEdge % kEdge, z = block.lo.z + at / kEdge / kEdge;
-    const NoiseRow noise = noiseRow(seed_, y, z);
+    const auto first = static_cast<std::uint32_t>(block.lo.x);
+    T* const to = row(part.lo.x, y, z);
+    if (part.extent().x == kEdge) return finish(finish_, work.value + at, noiseRow(seed_, y, z), first, to);
     T voxels[kEdge];
-    for (std::uint32_t i = 0; i < kEdge; ++i) {
-      voxels[i] = finish_.template operator()<T>(work.value[at + i], noise, static_cast<std::uint32_t>(block.lo.x) + i);
-    }
-    std::copy(voxels + (part.lo.x - block.lo.x), voxels + (part.hi.x - block.lo.x), row(part.lo.x, y, z));
+    finish(finish_, work.value + at, noiseRow(seed_, y, z), first, voxels);
+    std::copy(voxels + (part.lo.x - block.lo.x), voxels + (part.hi.x - block.lo.x), to);
   });
 }
 
@@ -114,14 +152,15 @@ void Sampler::sample(const VoxelBox& box, T* out) const {
   if (box.empty()) return;
   const Canvas<T> canvas(box, out, lattice_, values_, seed_);
   const Painter painter(figure_, lattice_, values_);
-  NearShapes of_region, of_block;
+  NearShapes of_box, of_region, of_block;
   Work work;
+  painter.choose(regionsAround(box), of_box);
   forCubes(box, kRegionEdge, [&](const VoxelBox& region) {
     const VoxelBox part = intersection(region, box);
-    painter.choose(region, nullptr, of_region);
+    painter.choose(region, of_box, of_region);
     if (of_region.parts.empty()) return canvas.paintAir(part);
     forCubes(part, kEdge, [&](const VoxelBox& block) {
-      painter.choose(block, &of_region, of_block);
+      painter.choose(block, of_region, of_block);
       if (of_block.parts.empty()) return canvas.paintAir(intersection(block, box));
       canvas.paintBlock(block, painter, of_block, work);
     });
