@@ -9,24 +9,9 @@
 #include "base/memory.h"
 
 namespace kiln {
-namespace {
-
-std::uint64_t largestReadBytes(const StoreReader& store) {
-  std::uint64_t largest = 0;
-  const BrickIndex& index = store.index();
-  for (int level = 0; level < index.levels(); ++level) {
-    const Extent3& lattice = index.lattice(level);
-    for (std::int64_t i = 0; i < lattice.count(); ++i)
-      largest = std::max<std::uint64_t>(largest, store.readBytes({level, brickAt(lattice, i)}));
-  }
-  return largest;
-}
-
-}  // namespace
-
 BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers)
     : store_(store), budget_bytes_(budget_bytes) {
-  const std::uint64_t smallest = largestReadBytes(store);
+  const std::uint64_t smallest = store.largestReadBytes();
   if (smallest > budget_bytes) {
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
                 fmt::format("{} is too little: reading one brick takes {}; give at least that",

@@ -6,15 +6,25 @@ namespace {
 // Every interpolated value in the core lies in the range of the voxels this near: cubic interpolation reaches 2.
 constexpr std::int64_t kSupport = 2;
 
+BrickRanges rangesIn(const VoxelBox& core, int edge, VoxelType type, std::span<const std::byte> voxels,
+                     const VoxelBox& box) {
+  BrickRanges out;
+  out.cells = cellRanges(voxels, type, box, core, edge);
+  for (const ValueRange& cell : out.cells) out.core.include(cell);
+  out.support = rangeOf(voxels, type, box, intersection(dilated(core, kSupport), box));
+  return out;
+}
+
 }  // namespace
 
 BrickRanges rangesOf(const BrickFrame& frame, std::span<const std::byte> voxels) {
-  const VoxelBox core = frame.core(), box = frame.stored();
-  BrickRanges out;
-  out.cells = cellRanges(voxels, frame.type, box, core, static_cast<int>(frame.brick_size / kCellSize));
-  for (const ValueRange& cell : out.cells) out.core.include(cell);
-  out.support = rangeOf(voxels, frame.type, box, intersection(dilated(core, kSupport), box));
-  return out;
+  const int edge = static_cast<int>(frame.brick_size / kCellSize);
+  return rangesIn(frame.core(), edge, frame.type, voxels, frame.stored());
+}
+
+// What the extent has beyond the volume repeats voxels of it, and changes no range.
+BrickRanges rangesOf(const BrickBlock& block) {
+  return rangesIn(block.core, block.octree.edge(0), block.type, block.voxels, block.extent);
 }
 
 }  // namespace kiln

@@ -17,5 +17,7 @@ struct BrickRanges {
 
 /// The ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.
 BrickRanges rangesOf(const BrickFrame& frame, std::span<const std::byte> voxels);
+/// The same of a decoded brick.
+BrickRanges rangesOf(const BrickBlock& block);
 
 }  // namespace kiln

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/file.h"
 #include "store/store_writer.h"
@@ -12,9 +14,19 @@ namespace {
 
 constexpr std::uint64_t kLargestManifest = 64ull << 20;
 
+File opened(const fs::path& path, std::uint64_t bytes) {
+  try {
+    return File(path);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNotFound) throw;
+    throw Error(ErrorCode::kNotFound, path, "",
+                fmt::format("is missing, expected {} bytes; restore the file or convert the source again", bytes));
+  }
+}
+
 // Reads a file and checks its bytes before anything interprets them, its size before memory is taken for it.
 std::vector<std::byte> readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
-  const File file(path);
+  const File file = opened(path, bytes);
   if (file.size() != bytes) {
     throw Error(
         ErrorCode::kDamaged, path, "",
@@ -71,27 +83,14 @@ std::size_t StoreReader::readBytes(const BrickKey& key) const {
   return decodeBytes(frame(key)) + index_.at(key).file_bytes;
 }
 
-std::uint64_t StoreReader::verify() const {
-  std::uint64_t files = 2;  // the manifest and the index passed on opening
-  for (int l = 0; l < index_.levels(); ++l) {
-    const Extent3& lattice = index_.lattice(l);
-    for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      const BrickKey key{l, brickAt(lattice, i)};
-      if (index_.at(key).constant) continue;
-      const BrickBlock block = read(key);
-      const int edge = block.octree.edge(0);
-      const std::vector<ValueRange> cells = cellRanges(block.voxels, block.type, block.extent, block.core, edge);
-      for (std::size_t c = 0; c < cells.size(); ++c) {
-        // A coarser cell also covers the finer ones below it.
-        const ValueRange& stored = block.octree.cells()[c];
-        if (l == 0 ? cells[c] == stored : stored.contains(cells[c])) continue;
-        throw Error(ErrorCode::kDamaged, directory_ / brickPath(key), fmt::format("cell {}", c),
-                    "the min-max octree disagrees with the voxels; convert the source again");
-      }
-      ++files;
-    }
+std::uint64_t StoreReader::largestReadBytes() const {
+  std::uint64_t largest = 0;
+  for (int level = 0; level < index_.levels(); ++level) {
+    const Extent3& lattice = index_.lattice(level);
+    for (std::int64_t i = 0; i < lattice.count(); ++i)
+      largest = std::max<std::uint64_t>(largest, readBytes({level, brickAt(lattice, i)}));
   }
-  return files;
+  return largest;
 }
 
 bool isStore(const fs::path& directory) {

@@ -26,9 +26,8 @@ class StoreReader {
   /// The memory that `read` holds at its peak, the result included. unit: bytes.
   std::size_t readBytes(const BrickKey& key) const;
 
-  /// Checks every file of the store against the index, and every brick's octree against its voxels.
-  /// Returns how many files were checked. throws: as `read`, at the first damage.
-  std::uint64_t verify() const;
+  /// The most of these over all bricks: less memory than this reads no picture. unit: bytes.
+  std::uint64_t largestReadBytes() const;
 
  private:
   std::vector<std::byte> readFileOf(const BrickKey& key) const;

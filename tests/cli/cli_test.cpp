@@ -376,6 +376,7 @@ TEST_F(Cli, TooLittleMemory) {
   makeRampStore();
   expectRefused({"convert", in("v.raw"), in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--memory", "100"}, 1,
                 {"--memory", "smallest", "MiB"});
+  expectRefused({"verify", in("v.kiln"), "--memory", "100"}, 1, {"--memory", "KiB"});
   const ToolResult result =
       expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--memory", "100"}, 1, {"memory"});
   EXPECT_TRUE(result.err.find("KiB") != std::string::npos || result.err.find("MiB") != std::string::npos) << result.err;
@@ -439,7 +440,18 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
   data[data.size() / 2] ^= std::byte{4};
   write(brick, textOf(data));
   expectDone({"info", in("v.kiln")});
-  expectRefused({"verify", in("v.kiln")}, 1, {brick, "checksum"});
+  const std::string other = in("v.kiln") + "/bricks/0/0_1_0.vdb";
+  const std::vector<std::byte> whole = readFile(other);
+  fs::remove(other);
+  const ToolResult verify = runTool({"verify", in("v.kiln"), "--threads", "1"});
+  EXPECT_EQ(verify.exit_code, 1);
+  EXPECT_EQ(verify.out, "");
+  const std::vector<std::string> lines = verify.errorLines();
+  ASSERT_EQ(lines.size(), 3u) << verify.err;
+  EXPECT_EQ(lines[0].find("kiln: " + brick + ": checksum "), 0u) << lines[0];
+  EXPECT_EQ(lines[1].find("kiln: " + other + ": is missing, expected "), 0u) << lines[1];
+  EXPECT_EQ(lines[2], "kiln: " + in("v.kiln") + ": 2 of 6 files damaged");
+  write(other, textOf(whole));
   expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none"}, 1,
                 {brick, "checksum"});
   expectRefused({"export", in("v.kiln"), in("v.vdb")}, 1, {brick, "checksum"});

@@ -35,7 +35,7 @@ ConvertOptions options(How how = How::kNew) {
 bool holds(const fs::path& path, const DenseVolume& volume) {
   try {
     const StoreReader store(path);
-    store.verify();
+    wholeFiles(path);
     if (store.manifest().geometry().dims != volume.geometry.dims) return false;
     const Extent3& n = store.index().lattice(0);
     for (std::int64_t i = 0; i < n.count(); ++i) {

@@ -83,7 +83,7 @@ TEST_P(RealData, ComesBackAsItWas) {
   }
   convert(*source, directory / "store.kiln", {}, silent);
   const StoreReader store(directory / "store.kiln");
-  EXPECT_GT(store.verify(), 2u);
+  EXPECT_GT(wholeFiles(store.path()), 2u);
   EXPECT_EQ(store.manifest().geometry().world_from_index, info.geometry.world_from_index);
   exportVdb(store, 0, directory / "export.vdb", silent);
 

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/progress.h"
 #include "convert/convert.h"
+#include "store/verify.h"
 
 namespace kiln::test {
 namespace fs = std::filesystem;
@@ -40,6 +41,13 @@ std::map<std::string, std::vector<std::byte>> filesOf(const fs::path& directory)
     if (entry.is_regular_file()) out[fs::relative(entry.path(), directory).string()] = readFile(entry.path());
   }
   return out;
+}
+
+std::uint64_t wholeFiles(const fs::path& store) {
+  Progress silent;
+  return verify(
+             StoreReader(store), 1ull << 30, [](const Error& damage) { throw damage; }, silent)
+      .files;
 }
 
 }  // namespace kiln::test

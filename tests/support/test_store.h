@@ -21,4 +21,7 @@ std::filesystem::path makeStore(const DenseVolume& volume, const std::string& na
 /// Every file below `directory`, by its path from there.
 std::map<std::string, std::vector<std::byte>> filesOf(const std::filesystem::path& directory);
 
+/// How many files of the store there are, each of them whole. throws: Error, the first damage that `verify` finds.
+std::uint64_t wholeFiles(const std::filesystem::path& store);
+
 }  // namespace kiln::test

@@ -1,21 +1,41 @@
 #include <fmt/format.h>
 
+#include "base/memory.h"
+#include "base/parallel.h"
 #include "commands.h"
-#include "store/store_reader.h"
+#include "store/verify.h"
 
 namespace kiln::tool {
+namespace {
+
+struct Arguments {
+  std::string store, memory = "2G";
+  unsigned threads = 0;
+};
+
+void run(const Arguments& a, Context& context) {
+  const ThreadLimit threads(a.threads);
+  const StoreReader store(a.store);
+  const VerifyReport report = verify(
+      store, parseBytes(a.memory), [&](const Error& damage) { context.progress.note(damage.what()); },
+      context.progress);
+  context.progress.clear();
+  if (report.damaged > 0)
+    throw Error(ErrorCode::kDamaged, store.path(), "",
+                fmt::format("{} of {} files damaged", report.damaged, report.files));
+  fmt::print("{}: whole, {} files checked\n", a.store, report.files);
+}
+
+}  // namespace
 
 void addVerify(CLI::App& app, Context& context) {
-  auto path = std::make_shared<std::string>();
+  auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "verify", "check every file of a store against its checksum, and every octree against its voxels");
-  command->add_option("STORE", *path, "the store")->required();
-  command->callback([path, &context] {
-    context.action = [path] {
-      const std::uint64_t files = StoreReader(*path).verify();
-      fmt::print("{}: whole, {} files checked\n", *path, files);
-    };
-  });
+  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("--memory", a->memory, "the most memory for bricks")->capture_default_str()->type_name("BYTES");
+  command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 
 }  // namespace kiln::tool

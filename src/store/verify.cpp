@@ -1,0 +1,194 @@
+#include "store/verify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <mutex>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "store/brick_ranges.h"
+#include "store/store_writer.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kRemedy = "; convert the source again";
+
+std::string textOf(const ValueRange& range) {
+  return range.empty() ? "no value" : fmt::format("[{}, {}]", range.lo, range.hi);
+}
+
+// Whether a range that is said is right for voxels of that range: at a coarser level it has what lies below, too.
+bool covers(int level, const ValueRange& said, const ValueRange& voxels) {
+  return level == 0 ? said == voxels : said.contains(voxels);
+}
+
+class Verification {
+ public:
+  Verification(const StoreReader& store, const std::function<void(const Error&)>& damaged, Progress& progress)
+      : store_(store), damaged_(damaged), progress_(progress) {}
+
+  VerifyReport run(std::size_t lanes) {
+    checkWithoutBricks("index.bin", [&] { checkConstants(); });
+    checkWithoutBricks("manifest.json", [&] { checkManifest(); });
+    forEachEntry([&](const BrickKey&, const BrickEntry& entry) { total_ += entry.constant ? 0 : 1; });
+    for (int level = 0; level < store_.index().levels(); ++level) {
+      const Extent3& lattice = store_.index().lattice(level);
+      std::atomic<std::int64_t> next = 0;
+      parallelFor(lanes, [&](std::size_t) {
+        for (std::int64_t i = next++; i < lattice.count(); i = next++) {
+          const BrickKey key{level, brickAt(lattice, i)};
+          if (!store_.index().at(key).constant) brick(key);
+        }
+      });
+    }
+    noteStrangers();
+    return report_;
+  }
+
+ private:
+  template <class Check>
+  void checkWithoutBricks(const char* file, Check&& check) {
+    ++report_.files;
+    try {
+      check();
+    } catch (const Error& error) {
+      report(Error(ErrorCode::kDamaged, store_.path() / file, "", error.what()));
+    }
+  }
+
+  void report(const Error& error) {
+    ++report_.damaged;
+    damaged_(error);
+  }
+
+  void checkConstants() const {
+    forEachEntry([&](const BrickKey& key, const BrickEntry& entry) {
+      if (!entry.constant) return;
+      if (entry.core.lo == entry.core.hi && covers(key.level, entry.support, entry.core) && entry.file_bytes == 0)
+        return;
+      throw Error(ErrorCode::kDamaged, brickPath(key), "",
+                  fmt::format("is constant, but has range {}, support {} and {} bytes{}", textOf(entry.core),
+                              textOf(entry.support), entry.file_bytes, kRemedy));
+    });
+  }
+
+  void checkManifest() const {
+    const Manifest& manifest = store_.manifest();
+    ValueRange range;
+    std::vector<LevelInfo> found(manifest.levels.size());
+    forEachEntry([&](const BrickKey& key, const BrickEntry& entry) {
+      if (key.level == 0) range.include(entry.core);
+      LevelInfo& level = found[static_cast<std::size_t>(key.level)];
+      level.stored_bricks += entry.constant ? 0 : 1;
+      level.stored_bytes += entry.file_bytes;
+    });
+    if (range != manifest.range)
+      throw Error(ErrorCode::kDamaged, fmt::format("range: {}, but the bricks of the index have {}{}",
+                                                   textOf(manifest.range), textOf(range), kRemedy));
+    for (std::size_t l = 0; l < found.size(); ++l) {
+      const LevelInfo& said = manifest.levels[l];
+      if (found[l].stored_bricks == said.stored_bricks && found[l].stored_bytes == said.stored_bytes) continue;
+      throw Error(
+          ErrorCode::kDamaged,
+          fmt::format("levels[{}]: {} files of {} bytes, but the index has {} of {} bytes{}", l, said.stored_bricks,
+                      said.stored_bytes, found[l].stored_bricks, found[l].stored_bytes, kRemedy));
+    }
+  }
+
+  template <class F>
+  void forEachEntry(F&& f) const {
+    const BrickIndex& index = store_.index();
+    for (int level = 0; level < index.levels(); ++level) {
+      const Extent3& lattice = index.lattice(level);
+      for (std::int64_t i = 0; i < lattice.count(); ++i) {
+        const BrickKey key{level, brickAt(lattice, i)};
+        f(key, index.at(key));
+      }
+    }
+  }
+
+  void brick(const BrickKey& key) {
+    progress_.throwIfCancelled("verifying");
+    std::optional<Error> found;
+    try {
+      const BrickBlock block = store_.read(key);
+      checkRanges(block, store_.index().at(key));
+    } catch (const Error& error) {
+      found = error;
+    }
+    const std::scoped_lock lock(mutex_);
+    ++report_.files;
+    if (found) report(*found);
+    progress_.advance("verifying", "bricks", ++done_, total_);
+  }
+
+  void checkRanges(const BrickBlock& block, const BrickEntry& entry) const {
+    const int level = block.key.level;
+    const auto contradict = [&](const std::string& place, const ValueRange& said, const ValueRange& found) {
+      throw Error(ErrorCode::kDamaged, store_.path() / brickPath(block.key), place,
+                  fmt::format("has {}, expected {}{}", textOf(said), textOf(found), kRemedy));
+    };
+    const BrickRanges own = rangesOf(block);
+    for (std::size_t c = 0; c < own.cells.size(); ++c) {
+      const ValueRange& said = block.octree.cells()[c];
+      if (!covers(level, said, own.cells[c]))
+        contradict(fmt::format("cell {} of the min-max octree", c), said, own.cells[c]);
+    }
+    // At a coarser level the octree's root has what lies below, too, and so must the index.
+    const ValueRange& core = block.octree.at(block.octree.depth() - 1, 0, 0, 0);
+    if (!covers(level, entry.core, core)) contradict("core range in the index", entry.core, core);
+    if (!covers(level, entry.support, own.support) || !entry.support.contains(entry.core))
+      contradict("support range in the index", entry.support, own.support);
+  }
+
+  bool isOurs(const fs::path& file) const {
+    if (file == "manifest.json" || file == "index.bin") return true;
+    BrickKey key;
+    const bool named =
+        std::sscanf(file.c_str(), "bricks/%d/%d_%d_%d.vdb", &key.level, &key.brick.x, &key.brick.y, &key.brick.z) == 4;
+    return named && brickPath(key) == file && store_.index().contains(key) && !store_.index().at(key).constant;
+  }
+
+  void noteStrangers() {
+    std::uint64_t strangers = 0;
+    fs::path first;
+    std::error_code unreadable;
+    for (auto entry = fs::recursive_directory_iterator(store_.path(), unreadable);
+         !unreadable && entry != fs::recursive_directory_iterator(); entry.increment(unreadable)) {
+      if (entry->is_directory(unreadable)) continue;
+      const fs::path file = entry->path().lexically_relative(store_.path());
+      if (!isOurs(file) && strangers++ == 0) first = entry->path();
+    }
+    if (strangers == 1) progress_.note(first.string() + ": is no part of the store");
+    if (strangers > 1)
+      progress_.note(fmt::format("{}: and {} more are no part of the store", first.string(), strangers - 1));
+  }
+
+  const StoreReader& store_;
+  const std::function<void(const Error&)>& damaged_;
+  Progress& progress_;
+  std::mutex mutex_;  // guards all below
+  VerifyReport report_;
+  std::uint64_t done_ = 0, total_ = 0;
+};
+
+}  // namespace
+
+VerifyReport verify(const StoreReader& store, std::uint64_t memory_bytes,
+                    const std::function<void(const Error&)>& damaged, Progress& progress) {
+  const std::uint64_t brick_bytes = store.largestReadBytes();
+  if (brick_bytes > memory_bytes)
+    throw Error(ErrorCode::kBudget, store.path(), "--memory",
+                fmt::format("{} is too little: checking one brick takes {}; give at least that",
+                            formatBytes(memory_bytes), formatBytes(brick_bytes)));
+  const std::uint64_t lanes = std::min<std::uint64_t>(memory_bytes / brick_bytes, ThreadLimit::active());
+  return Verification(store, damaged, progress).run(static_cast<std::size_t>(lanes));
+}
+
+}  // namespace kiln
