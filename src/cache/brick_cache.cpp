@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
-#include "base/error.h"
 #include "base/memory.h"
 
 namespace kiln {
-BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers)
-    : store_(store), budget_bytes_(budget_bytes) {
+BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers, SkipHandler skip)
+    : store_(store), budget_bytes_(budget_bytes), skip_(std::move(skip)) {
   const std::uint64_t smallest = store.largestReadBytes();
   if (smallest > budget_bytes) {
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
@@ -34,7 +34,7 @@ bool BrickCache::announced(const BrickKey& key) const {
 }
 
 void BrickCache::erase(Slots::iterator slot) {
-  if (!slot->second.asked_for && slot->second.state == State::kReady) ++counts_.unused;
+  if (!slot->second.asked_for) ++counts_.unused;
   held_bytes_ -= slot->second.charged_bytes;
   recency_.erase(slot->second.recency);
   slots_.erase(slot);
@@ -85,6 +85,7 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
   done.state = block ? State::kReady : State::kFailed;
   done.block = std::move(block);
   done.failure = failure;
+  if (failure) recency_.erase(done.recency);
   if (done.block) {
     const BrickEntry& entry = store_.index().at(key);
     ++(entry.constant ? counts_.constants : counts_.reads);
@@ -100,7 +101,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
   auto slot = slots_.find(key);
   if (slot != slots_.end()) {
     ++counts_.hits;
-    recency_.splice(recency_.begin(), recency_, slot->second.recency);
+    if (slot->second.state != State::kFailed) recency_.splice(recency_.begin(), recency_, slot->second.recency);
     slot->second.awaited = true;
     changed_.wait(lock, [&] { return slot->second.state != State::kReading; });
     slot->second.awaited = false;
@@ -118,14 +119,22 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
     slot = begin(key);
     read(slot, lock);
   }
-  slot->second.asked_for = true;
+  const bool first = !std::exchange(slot->second.asked_for, true);
   counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  if (slot->second.state == State::kFailed) {
-    const std::exception_ptr failure = slot->second.failure;
-    erase(slot);
+  return slot->second.state == State::kFailed ? skip(slot->second, first, lock) : slot->second.block;
+}
+
+std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool first, Lock& lock) {
+  const std::exception_ptr failure = failed.failure;
+  if (skip_) ++counts_.skipped;
+  lock.unlock();
+  try {
     std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    if (!skip_) throw;
+    if (first) skip_(error);
   }
-  return slot->second.block;
+  return nullptr;
 }
 
 void BrickCache::announce(std::span<const BrickKey> next) {

@@ -1,12 +1,14 @@
 // Decoded bricks in memory, never more than the user said, and read ahead of the frame. Every byte a brick costs is
 // charged before it is read, those that its decoding needs for a moment included; the least recently used brick that
-// nobody holds and nobody has announced makes room. A brick is read once however often it is asked for and announced.
+// nobody holds and nobody has announced makes room. A brick is read once however often it is asked for and announced;
+// one that cannot be read is not tried again.
 #pragma once
 
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -15,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/error.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -25,19 +28,24 @@ struct CacheCounts {
   std::uint64_t constants = 0;   // bricks made without a file
   std::uint64_t hits = 0;        // bricks that were there, or on their way, when they were asked for
   std::uint64_t unused = 0;      // bricks read ahead that made room again before anyone asked
+  std::uint64_t skipped = 0;     // times that `get` gave nothing, because the brick cannot be read
   double load_seconds = 0;       // that `get` took
 };
 
 class BrickCache {
  public:
-  /// `readers` threads read what is announced; 0 reads nothing ahead. throws: Error kBudget where the largest brick
-  /// does not fit, naming the smallest budget that works.
-  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0);
+  /// Told of a brick that is damaged, missing or cannot be read, once for each, when it is first asked for.
+  using SkipHandler = std::function<void(const Error&)>;
+
+  /// `readers` threads read what is announced; 0 reads nothing ahead. With `skip`, a brick that cannot be read is no
+  /// error. throws: Error kBudget where the largest brick does not fit, naming the smallest budget that works.
+  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {});
   ~BrickCache();
   BrickCache(const BrickCache&) = delete;
   BrickCache& operator=(const BrickCache&) = delete;
 
-  /// The brick, from memory or from disk; it stays while the caller holds it. thread: one caller at a time.
+  /// The brick, from memory or from disk; it stays while the caller holds it. Null where it cannot be read and such
+  /// bricks are skipped. thread: one caller at a time.
   /// throws: Error kBudget where held bricks leave no room, and what StoreReader::read throws.
   std::shared_ptr<const BrickBlock> get(const BrickKey& key);
 
@@ -65,7 +73,7 @@ class BrickCache {
     bool awaited = false;  // `get` is waiting for it: it stays
     std::shared_ptr<const BrickBlock> block;
     std::exception_ptr failure;
-    std::list<BrickKey>::iterator recency;
+    std::list<BrickKey>::iterator recency;  // not where it has failed: that costs nothing and stays
   };
   using Slots = std::map<BrickKey, Slot>;
   using Lock = std::unique_lock<std::mutex>;
@@ -74,11 +82,13 @@ class BrickCache {
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const BrickKey& key);
   void read(Slots::iterator slot, Lock& lock);
+  std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
   void erase(Slots::iterator slot);
   void readAhead();
 
   const StoreReader& store_;
   const std::uint64_t budget_bytes_;
+  const SkipHandler skip_;
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;

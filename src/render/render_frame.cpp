@@ -103,7 +103,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
     if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
-    counts.add(drawBrick(frame, *block, image, rect, request));
+    if (block) counts.add(drawBrick(frame, *block, image, rect, request));
   };
   bricks.run(projector, whole, *visibility, draw, walked, request.node_log);
   cache.settle();
@@ -119,6 +119,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   statistics.bricks_hidden = walked.hidden;
   statistics.bricks_read = after.reads - before.reads;
   statistics.bricks_unused = after.unused - before.unused;
+  statistics.bricks_damaged = after.skipped - before.skipped;
   statistics.bricks_read_bytes = after.read_bytes - before.read_bytes;
   statistics.load_s = after.load_seconds - before.load_seconds;
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -26,8 +26,8 @@ struct FrameRequest {
 
 /// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on
 /// an exact visibility method. With one tile for the frame it is Lee and Ihm's algorithm to the letter: one sequential
-/// walk, every node tested with all of its projected area. throws: what BrickCache::get throws, Error kCancelled,
-/// kUsage (level).
+/// walk, every node tested with all of its projected area. A brick that the cache skips is drawn as nothing. throws:
+/// what BrickCache::get throws, Error kCancelled, kUsage (level).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

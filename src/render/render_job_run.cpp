@@ -1,5 +1,7 @@
 #include "render/render_job_run.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 
 #include "base/memory.h"
@@ -28,8 +30,11 @@ FrameRequest requestOf(const RenderJob& job, const Camera& camera, const Transfe
   return request;
 }
 
-void writePicture(const RenderJob& job, const RenderResult& result, const View& view) {
+void writePicture(RenderJob job, const RenderResult& result, const View& view) {
+  const std::uint64_t damaged = result.statistics.frames.back().bricks_damaged;
+  job.picture.skip_damaged = damaged > 0;  // a whole picture's header does not depend on it
   ImageMetadata metadata;
+  if (damaged > 0) metadata.text["kiln:damagedBricks"] = std::to_string(damaged);
   metadata.world_to_camera = exrWorldToCamera(view);
   metadata.world_to_ndc = exrWorldToNdc(view);
   metadata.text["kiln:job"] = resolvedJobText(job, result.camera, result.transfer_function);
@@ -62,7 +67,10 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   const StoreReader store(job.volume);
   // One thread reads nothing ahead, so that its statistics repeat.
   const unsigned readers = ThreadLimit::active() > 1 ? ThreadLimit::active() : 0;
-  BrickCache cache(store, job.speed.memory_bytes, readers);
+  BrickCache::SkipHandler skip;
+  if (job.picture.skip_damaged)
+    skip = [&](const Error& damage) { progress.note(std::string("warning: drawn without ") + damage.what()); };
+  BrickCache cache(store, job.speed.memory_bytes, readers, skip);
   RenderResult result;
   result.camera = cameraFor(job.picture, store);
   result.transfer_function = transferFunctionFor(job.picture, store);
@@ -78,6 +86,10 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
     statistics.render_s += frame.wall_s - frame.load_s;
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
   }
+  if (const std::uint64_t damaged = statistics.frames.back().bricks_damaged)
+    progress.note(
+        fmt::format("warning: {} damaged brick{} missing from the picture; kiln verify names all of the store's",
+                    damaged, damaged == 1 ? " is" : "s are"));
   if (!job.output.path.empty()) {
     const auto begin = std::chrono::steady_clock::now();
     writePicture(job, result, request.view);

@@ -17,7 +17,7 @@ struct RenderResult {
 };
 
 /// Draws the job's picture `repeat` times (the first with a cold cache) and writes the last to the job's output, if it
-/// names one. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+/// names one. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
 /// The camera, the transfer function and the rest of a picture, resolved for a volume.

@@ -14,6 +14,7 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"read", frame.bricks_read},
             {"hidden", frame.bricks_hidden},
             {"unused", frame.bricks_unused},
+            {"damaged", frame.bricks_damaged},
             {"read_bytes", frame.bricks_read_bytes}}}};
 }
 

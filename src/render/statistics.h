@@ -12,7 +12,7 @@ struct FrameStatistics {
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
-                bricks_read_bytes = 0;
+                bricks_damaged = 0, bricks_read_bytes = 0;
 };
 
 struct RenderStatistics {

@@ -152,7 +152,7 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "shading", "visibility",
-                     "lattice", "level", "memory", "threads", "tile", "exr", "png"});
+                     "lattice", "level", "skipDamaged", "memory", "threads", "tile", "exr", "png"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");
@@ -164,6 +164,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root);
+  job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   readOutput(root, job.output);
   return job;

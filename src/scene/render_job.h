@@ -69,6 +69,7 @@ struct PictureOptions {
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
   int level = 0;
+  bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
 /// How fast it appears.

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "output/compare.h"
 #include "output/image_file.h"
 #include "store/store_reader.h"
 #include "support/procedural.h"
@@ -458,6 +459,43 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
   fs::remove(in("v.kiln") + "/manifest.json");
   expectRefused({"info", in("v.kiln")}, 1, {in("v.kiln"), "did not finish"});
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
+}
+
+// Known because one brick is missing: the picture is another, and what is missing is said once however often the frame
+// is drawn and whoever reads.
+TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
+  makeRampStore();
+  const auto draw = [&](const std::string& picture, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"render", in("v.kiln"), "-o",           in(picture),
+                                          "--size", "40x40",      "--visibility", "none"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return expectDone(arguments);
+  };
+  draw("whole.exr", {});
+  EXPECT_EQ(draw("same.exr", {"--skip-damaged"}).err, "");
+  EXPECT_EQ(readFile(in("same.exr")), readFile(in("whole.exr")));
+  const std::string brick = in("v.kiln") + "/bricks/0/1_0_0.vdb";
+  fs::remove(brick);
+  for (const char* threads : {"1", "2"}) {
+    const ToolResult result =
+        draw("part.exr", {"--skip-damaged", "--repeat", "3", "--threads", threads, "--stats", in("s.json")});
+    const std::vector<std::string> lines = result.errorLines();
+    ASSERT_EQ(lines.size(), 2u) << result.err;
+    EXPECT_EQ(lines[0].find("kiln: warning: drawn without " + brick + ": is missing, expected "), 0u) << lines[0];
+    EXPECT_EQ(lines[1].find("kiln: warning: 1 damaged brick is missing from the picture"), 0u) << lines[1];
+    const Json stats = Json::parse(readTextFile(in("s.json")));
+    EXPECT_EQ(stats["bricks"]["damaged"], 1);
+    for (const Json& frame : stats["frames"]) EXPECT_EQ(frame["bricks"]["damaged"], 1);
+    EXPECT_EQ(readImageText(in("part.exr")).at("kiln:damagedBricks"), "1");
+  }
+  EXPECT_GT(compareImages(readImage(in("whole.exr")), readImage(in("part.exr"))).differing, 0u);
+  write(in("job.json"), R"({"kiln": 1, "volume": "v.kiln", "output": "p.exr", "skipDamaged": true,
+    "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}})");
+  EXPECT_EQ(expectDone({"render", in("job.json")}).errorLines().size(), 2u);
+  EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
+  // What cannot be drawn around: the index.
+  fs::remove(in("v.kiln") + "/index.bin");
+  expectRefused({"render", in("job.json")}, 1, {"index.bin", "is missing"});
 }
 
 // Known because SIGINT asks the work to stop, and what is not finished is no store.

@@ -236,6 +236,37 @@ TEST_F(StoreDamage, ADirectoryInAFilesPlaceIsNamed) {
   }
 }
 
+// Known because without gradients a sample is drawn by its own value: a brick drawn as nothing is a brick of a value
+// that the transfer function does not show.
+TEST_F(StoreDamage, ASkippedBrickIsDrawnAsNothing) {
+  const ValueRange range = volume_.range();
+  volume_.set(39, 32, 20, range.hi);  // in a brick that stays: the classes of values are the same without the others
+  store_ = makeStore(volume_, "damage_with");
+  request_.transfer_function = {0, {{range.lo, {1, 1, 1}, 0}, {range.hi, {1, 0.5, 0}, 0.9}}};
+  request_.shading.phong = false;
+  for (const std::int32_t x : {0, 1}) {
+    DenseVolume without = volume_;
+    for (std::int64_t k = 0; k < 21; ++k) {
+      for (std::int64_t j = 0; j < 32; ++j) {
+        for (std::int64_t i = 32 * x; i < std::min<std::int64_t>(32 * x + 32, 40); ++i) without.set(i, j, k, range.lo);
+      }
+    }
+    ASSERT_EQ(without.range(), range);
+    picture_ = draw(makeStore(without, "damage_without"), request_);
+    const Bytes whole = readFile(brick(x, 0));
+    overwrite(brick(x, 0), std::span(whole).first(whole.size() / 2));
+    const StoreReader reader(store_);
+    std::vector<fs::path> told;
+    BrickCache cache(reader, 1u << 30, 2, [&](const Error& damage) { told.push_back(damage.path()); });
+    Progress silent;
+    FrameStatistics statistics;
+    EXPECT_TRUE(samePicture(renderFrame(reader, cache, request_, silent, statistics))) << "brick " << x;
+    EXPECT_EQ(told, std::vector<fs::path>{brick(x, 0)});
+    EXPECT_EQ(statistics.bricks_damaged, 1u);
+    overwrite(brick(x, 0), whole);
+  }
+}
+
 // Known because the manifest alone is no volume.
 TEST_F(StoreDamage, AManifestWithoutBricksIsFound) {
   fs::remove_all(store_ / "bricks");

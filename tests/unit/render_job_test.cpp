@@ -52,6 +52,8 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_EQ(job.speed.threads, 3u);
   EXPECT_TRUE(job.output.exr_float);
   EXPECT_EQ(job.output.png_bits, 16);
+  EXPECT_FALSE(job.picture.skip_damaged);
+  EXPECT_TRUE(parseJob(R"({"volume": "a.kiln", "skipDamaged": true})", "job.json").picture.skip_damaged);
 }
 
 TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
@@ -111,6 +113,7 @@ const Wrong kWrong[] = {
     {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
     {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
     {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
+    {R"("skipDamaged": "yes")", ErrorCode::kUsage, "job.json: skipDamaged: expected"},
     {R"("camera": {"azimuth": true})", ErrorCode::kUsage, "camera.azimuth"},
     {R"("camera": {"elevation": 91})", ErrorCode::kUsage, "camera.elevation"},
     {R"("camera": {"zoom": 0})", ErrorCode::kUsage, "camera.zoom"},
@@ -215,6 +218,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.shading.specular, b.picture.shading.specular);
   EXPECT_EQ(a.picture.shading.power, b.picture.shading.power);
   EXPECT_EQ(a.picture.level, b.picture.level);
+  EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
 // Values with no short decimal form, so that a rounded one would be seen.
@@ -222,6 +226,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   RenderJob job = parseJob(kExample, "job.json");
   job.picture.shading.phong = false;
   job.picture.opacity_threshold = 1 / 1.1;
+  job.picture.skip_damaged = true;
   const TransferFunction function{1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}};
   Camera camera;
   camera.eye = {1 / 3.0, -1e5 / 7, 2};

@@ -23,7 +23,7 @@ struct Arguments {
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
-  bool nodes_only = false;
+  bool nodes_only = false, skip_damaged = false;
   int repeat = 1;
   SourceArguments source;
 };
@@ -84,6 +84,7 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
   if (a.lattice && *a.lattice != "voxel")
     throw Error(ErrorCode::kUsage,
                 fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
+  if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level && *a.level != "auto") {
     picture.level = static_cast<int>(parseTriple(*a.level + ",0,0", "--level").x);
   }
@@ -194,6 +195,8 @@ void addRender(CLI::App& app, Context& context) {
                       "alpha at which a pixel takes no more light; 0.998 if not given");
   command->add_option("--lattice", a->lattice, "voxel");
   command->add_option("--level", a->level, "auto or the number of a level; 0 is finest");
+  command->add_flag("--skip-damaged", a->skip_damaged,
+                    "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
   command->add_option("--memory", a->memory, "the most memory for bricks; 2G if not given")->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all");
   command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
