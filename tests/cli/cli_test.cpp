@@ -96,11 +96,20 @@ class Cli : public ::testing::Test {
 TEST_F(Cli, ConvertInfoVerify) {
   makeRampStore();
   const ToolResult info = expectDone({"info", in("v.kiln")});
-  for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3", "v.raw"})
+  for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3: 4 stored in ", " 0 constant", "v.raw",
+                           "% of the 7.50 KiB of its voxels", "histogram"})
     EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
   const ToolResult json = expectDone({"info", in("v.kiln"), "--json"});
-  EXPECT_EQ(json.out, readTextFile(in("v.kiln") + "/manifest.json"));
-  EXPECT_EQ(Json::parse(json.out)["range"], Json::array({1.0, 231.0}));
+  Json printed = Json::parse(json.out);
+  EXPECT_EQ(printed["range"], Json::array({1.0, 231.0}));
+  std::uint64_t disk_bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(in("v.kiln")))
+    disk_bytes += entry.is_regular_file() ? entry.file_size() : 0;
+  EXPECT_EQ(printed["storage"]["rawBytes"], 24 * 20 * 16);
+  EXPECT_EQ(printed["storage"]["diskBytes"], disk_bytes);
+  EXPECT_EQ(printed["storage"]["constantBricks"], Json::array({0}));
+  printed.erase("storage");
+  EXPECT_EQ(printed, Json::parse(readTextFile(in("v.kiln") + "/manifest.json")));
   const ToolResult verify = expectDone({"verify", in("v.kiln")});
   EXPECT_NE(verify.out.find("whole, 7 files"), std::string::npos) << verify.out;
   EXPECT_EQ(info.err + json.err + verify.err, "");

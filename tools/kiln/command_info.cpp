@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "base/file.h"
 #include "base/memory.h"
 #include "commands.h"
+#include "histogram_text.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -32,14 +35,59 @@ const char* frameName(PatientFrame frame) {
   return "unknown";
 }
 
+// What the store's files take, and which bricks need none.
+struct Storage {
+  std::uint64_t raw_bytes = 0;                 // of level 0 in memory
+  std::uint64_t disk_bytes = 0;                // of all files
+  std::vector<std::uint64_t> constant_bricks;  // a level each
+
+  double ratio() const { return static_cast<double>(disk_bytes) / static_cast<double>(raw_bytes); }
+};
+
+Storage storageOf(const StoreReader& store) {
+  const Manifest& m = store.manifest();
+  Storage out;
+  out.raw_bytes = static_cast<std::uint64_t>(m.geometry().dims.count()) * sizeOf(m.type);
+  out.disk_bytes = File(store.path() / "manifest.json").size() + m.index_bytes;
+  for (const LevelInfo& level : m.levels) {
+    out.disk_bytes += level.stored_bytes;
+    out.constant_bricks.push_back(static_cast<std::uint64_t>(level.bricks.count()) - level.stored_bricks);
+  }
+  return out;
+}
+
+void printLevels(const Manifest& m, const Storage& storage) {
+  for (std::size_t i = 0; i < m.levels.size(); ++i) {
+    const LevelInfo& level = m.levels[i];
+    const Extent3& dims = level.geometry.dims;
+    fmt::print("level {:<6} {} x {} x {} voxels, {} bricks of {}^3: {} stored in {}, {} constant\n", i, dims.x, dims.y,
+               dims.z, level.bricks.count(), m.brick_size, level.stored_bricks, formatBytes(level.stored_bytes),
+               storage.constant_bricks[i]);
+  }
+  fmt::print("on disk      {}, {:.1f} % of the {} of its voxels in memory\n", formatBytes(storage.disk_bytes),
+             100 * storage.ratio(), formatBytes(storage.raw_bytes));
+}
+
+// The manifest, and what follows from it and the index.
+std::string textForPrograms(const StoreReader& store) {
+  const Storage storage = storageOf(store);
+  auto out = nlohmann::ordered_json::parse(readTextFile(store.path() / "manifest.json"));
+  out["storage"] = {{"rawBytes", storage.raw_bytes},
+                    {"diskBytes", storage.disk_bytes},
+                    {"ratio", storage.ratio()},
+                    {"constantBricks", storage.constant_bricks}};
+  return out.dump(1) + "\n";
+}
+
 void printForPeople(const StoreReader& store) {
   const Manifest& m = store.manifest();
+  const Storage storage = storageOf(store);
   const VolumeGeometry& g = m.geometry();
   const glm::dvec3 spacing = g.spacing();
   const std::string unit = g.unit.empty() ? "world units" : g.unit;
   fmt::print("store        {} (format {})\n", store.path().string(), kFormatVersion);
   fmt::print("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
-             formatBytes(static_cast<std::uint64_t>(g.dims.count()) * sizeOf(m.type)));
+             formatBytes(storage.raw_bytes));
   fmt::print("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
   fmt::print("affine       ");
   for (int row = 0; row < 3; ++row) {
@@ -54,12 +102,10 @@ void printForPeople(const StoreReader& store) {
                className(m.volume_class));
   }
   if (m.nan_count > 0) fmt::print("NaN          {} voxels\n", m.nan_count);
-  for (std::size_t i = 0; i < m.levels.size(); ++i) {
-    const LevelInfo& level = m.levels[i];
-    fmt::print("level {}      {} x {} x {} voxels, {} bricks of {}^3, {} stored in {}\n", i, level.geometry.dims.x,
-               level.geometry.dims.y, level.geometry.dims.z, level.bricks.count(), m.brick_size, level.stored_bricks,
-               formatBytes(level.stored_bytes));
-  }
+  if (const std::string histogram = histogramText(m.histogram, !isFloating(m.type), "             ");
+      !histogram.empty())
+    fmt::print("histogram    length of a bar: logarithm of the count\n{}", histogram);
+  printLevels(m, storage);
   fmt::print("codec        {}, blosc\n", m.container_version);
   // A directory of slices comes first, then its slices.
   const std::vector<std::string>& files = m.source.files;
@@ -77,12 +123,12 @@ void addInfo(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("info", "say what a store holds");
   command->add_option("STORE", *path, "the store")->required();
-  command->add_flag("--json", *json, "the manifest as JSON, for programs");
+  command->add_flag("--json", *json, "the manifest as JSON, for programs, and what the store takes on disk");
   command->callback([path, json, &context] {
     context.action = [path, json] {
       const StoreReader store(*path);  // checks before anything is printed
       if (*json) {
-        fmt::print("{}", readTextFile(store.path() / "manifest.json"));
+        fmt::print("{}", textForPrograms(store));
       } else {
         printForPeople(store);
       }
