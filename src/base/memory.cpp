@@ -55,4 +55,9 @@ std::string formatBytes(std::uint64_t bytes) {
   return fmt::format("{:.{}f} {}", amount, amount < 10 ? 2 : 1, kUnits[unit]);
 }
 
+std::string roundedUpBytes(std::uint64_t bytes) {
+  constexpr std::uint64_t kMega = 1u << 20;
+  return fmt::format("{}M", bytes / kMega + (bytes % kMega > 0 ? 1 : 0));
+}
+
 }  // namespace kiln

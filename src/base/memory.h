@@ -17,4 +17,7 @@ std::uint64_t parseBytes(std::string_view text);
 /// For people: "1.50 GiB", "32.0 MiB", "17 bytes".
 std::string formatBytes(std::uint64_t bytes);
 
+/// As an argument that asks for no less: "38M", whole megabytes.
+std::string roundedUpBytes(std::uint64_t bytes);
+
 }  // namespace kiln

@@ -63,15 +63,15 @@ void BrickWalk::run(const Projector& projector, const PixelRect& image, const Vi
   node({projector, image, visibility, draw, counts, log}, top, {0, 0, 0});
 }
 
-std::vector<BrickInView> BrickWalk::inView(const Projector& projector, const PixelRect& image) const {
+std::vector<BrickInView> BrickWalk::inView(const Projector& projector, const PixelRect& image,
+                                           BrickWalkCounts& counts) const {
   std::vector<BrickInView> out;
-  BrickWalkCounts ignored;
   run(
       projector, image, *makeNoVisibility(),
       [&](const BrickKey& key, const PixelRect& rect) {
         out.push_back({key, rect});
       },
-      ignored, nullptr);
+      counts, nullptr);
   return out;
 }
 

@@ -36,8 +36,8 @@ class BrickWalk {
            const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
            NodeLog* log) const;
 
-  /// The bricks that `run` would draw if nothing hid anything, in its order.
-  std::vector<BrickInView> inView(const Projector& projector, const PixelRect& image) const;
+  /// The bricks that `run` would draw if nothing hid anything, in its order, and its counts.
+  std::vector<BrickInView> inView(const Projector& projector, const PixelRect& image, BrickWalkCounts& counts) const;
 
  private:
   struct Layer {

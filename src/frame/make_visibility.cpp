@@ -1,5 +1,8 @@
 #include "frame/make_visibility.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace kiln {
 
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {
@@ -16,6 +19,26 @@ std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, con
       break;
   }
   return makeNoVisibility();
+}
+
+std::uint64_t visibilityBytes(VisibilityMethod method, const ImageSize& size) {
+  const auto width = static_cast<std::uint64_t>(size.width), height = static_cast<std::uint64_t>(size.height);
+  const auto units = [&](std::uint64_t edge) { return ((width + edge - 1) / edge) * ((height + edge - 1) / edge); };
+  switch (method) {
+    case VisibilityMethod::kMask:
+      return sizeof(std::uint64_t) * (units(8) + units(64) + units(512));
+    case VisibilityMethod::kRangeTree:
+      return 4 * std::bit_ceil(width) * std::bit_ceil(height);
+    case VisibilityMethod::kQuadtree:
+    case VisibilityMethod::kOverlay: {
+      std::uint64_t out = 0;
+      for (std::uint64_t edge = 1; edge < 2 * std::max(width, height); edge *= 2) out += units(edge);
+      return out;
+    }
+    case VisibilityMethod::kNone:
+      break;
+  }
+  return 0;
 }
 
 }  // namespace kiln

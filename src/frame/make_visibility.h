@@ -1,6 +1,8 @@
 // The image-space structure that a job's words name.
 #pragma once
 
+#include <cstdint>
+
 #include "occlusion/visibility.h"
 #include "scene/camera.h"
 #include "scene/render_job.h"
@@ -9,5 +11,8 @@ namespace kiln {
 
 /// One structure for all bricks of a frame. requires: tile_px as SpeedOptions has it.
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px);
+
+/// What `makeVisibility` takes, or a little more. unit: bytes.
+std::uint64_t visibilityBytes(VisibilityMethod method, const ImageSize& size);
 
 }  // namespace kiln

@@ -69,7 +69,20 @@ void requireRequest(const StoreReader& store, const FrameRequest& request) {
   }
 }
 
+Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
+  const double unit =
+      request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
+  return Classifier(request.transfer_function, unit, store.manifest().type, store.manifest().range);
+}
+
 }  // namespace
+
+std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts) {
+  requireRequest(store, request);
+  const Projector projector(store.level(request.level).geometry, request.view, request.visibility.area);
+  const BrickWalk bricks(store, request.level, classifierFor(store, request));
+  return bricks.inView(projector, {0, 0, request.view.size.width, request.view.size.height}, counts);
+}
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics) {
@@ -77,11 +90,9 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   requireRequest(store, request);
   const Manifest& manifest = store.manifest();
   const VolumeGeometry& volume = store.level(request.level).geometry;
-  const double unit =
-      request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
   const CacheCounts before = cache.counts();
 
-  const Classifier classifier(request.transfer_function, unit, manifest.type, manifest.range);
+  const Classifier classifier = classifierFor(store, request);
   const Projector projector(volume, request.view, request.visibility.area);
   const BrickWalk bricks(store, request.level, classifier);
   const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size, request.tile_px);
@@ -98,7 +109,10 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   BrickWalkCounts walked;
   const PixelRect whole{0, 0, image.width, image.height};
   std::optional<Lookahead> lookahead;
-  if (cache.readsAhead()) lookahead.emplace(bricks.inView(projector, whole), *visibility);
+  if (cache.readsAhead()) {
+    BrickWalkCounts ignored;
+    lookahead.emplace(bricks.inView(projector, whole, ignored), *visibility);
+  }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);

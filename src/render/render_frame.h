@@ -4,6 +4,7 @@
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
+#include "frame/brick_walk.h"
 #include "frame/node_log.h"
 #include "output/image.h"
 #include "render/statistics.h"
@@ -23,6 +24,9 @@ struct FrameRequest {
   int tile_px = 64;             // as SpeedOptions has it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0
 };
+
+/// The bricks that a frame asks for if nothing hides anything, front to back.
+std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts);
 
 /// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on
 /// an exact visibility method. With one tile for the frame it is Lee and Ihm's algorithm to the letter: one sequential

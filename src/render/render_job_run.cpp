@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "output/image_file.h"
-#include "render/render_frame.h"
+#include "render/frame_memory.h"
 #include "scene/presets.h"
 
 namespace kiln {
@@ -15,19 +15,6 @@ namespace {
 
 double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-FrameRequest requestOf(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
-  FrameRequest request;
-  request.view = resolve(camera, job.picture.size);
-  request.transfer_function = transfer_function;
-  request.shading = job.picture.shading;
-  request.background = job.picture.background;
-  request.opacity_threshold = job.picture.opacity_threshold;
-  request.level = job.picture.level;
-  request.visibility = job.speed.visibility;
-  request.tile_px = job.speed.tile_px;
-  return request;
 }
 
 void writePicture(RenderJob job, const RenderResult& result, const View& view) {
@@ -61,20 +48,34 @@ TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreR
   return out;
 }
 
+FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
+  FrameRequest request;
+  request.view = resolve(camera, job.picture.size);
+  request.transfer_function = transfer_function;
+  request.shading = job.picture.shading;
+  request.background = job.picture.background;
+  request.opacity_threshold = job.picture.opacity_threshold;
+  request.level = job.picture.level;
+  request.visibility = job.speed.visibility;
+  request.tile_px = job.speed.tile_px;
+  return request;
+}
+
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
   if (!job.output.path.empty()) requireImagePath(job.output.path);
   const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
+  const FrameMemory memory = frameMemory(store, job);
   // One thread reads nothing ahead, so that its statistics repeat.
   const unsigned readers = ThreadLimit::active() > 1 ? ThreadLimit::active() : 0;
   BrickCache::SkipHandler skip;
   if (job.picture.skip_damaged)
     skip = [&](const Error& damage) { progress.note(std::string("warning: drawn without ") + damage.what()); };
-  BrickCache cache(store, job.speed.memory_bytes, readers, skip);
+  BrickCache cache(store, cacheBytes(memory, job.speed.memory_bytes, store.path()), readers, skip);
   RenderResult result;
   result.camera = cameraFor(job.picture, store);
   result.transfer_function = transferFunctionFor(job.picture, store);
-  const FrameRequest request = requestOf(job, result.camera, result.transfer_function);
+  const FrameRequest request = frameRequest(job, result.camera, result.transfer_function);
 
   RenderStatistics& statistics = result.statistics;
   for (int i = 0; i < repeat; ++i) {
@@ -95,10 +96,12 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
     writePicture(job, result, request.view);
     statistics.output_s = secondsSince(begin);
   }
-  statistics.budget_bytes = cache.budgetBytes();
+  statistics.budget_bytes = job.speed.memory_bytes;
+  statistics.cache_bytes = cache.budgetBytes();
   statistics.peak_cache_bytes = cache.peakBytes();
-  statistics.framebuffer_bytes = result.image.rgba.size() * sizeof(float);
-  statistics.index_bytes = store.index().size() * sizeof(BrickEntry);
+  statistics.framebuffer_bytes = memory.image;
+  statistics.visibility_bytes = memory.visibility;
+  statistics.index_bytes = memory.index;
   statistics.peak_rss_bytes = peakResidentBytes();
   return result;
 }

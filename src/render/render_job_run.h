@@ -3,6 +3,7 @@
 
 #include "base/progress.h"
 #include "output/image.h"
+#include "render/render_frame.h"
 #include "render/statistics.h"
 #include "scene/render_job.h"
 #include "store/store_reader.h"
@@ -17,11 +18,13 @@ struct RenderResult {
 };
 
 /// Draws the job's picture `repeat` times (the first with a cold cache) and writes the last to the job's output, if it
-/// names one. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+/// names one. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws: Error kUsage,
+/// kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
 /// The camera, the transfer function and the rest of a picture, resolved for a volume.
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
+FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
 }  // namespace kiln

@@ -17,7 +17,9 @@ struct FrameStatistics {
 
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
-  std::uint64_t budget_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, index_bytes = 0, peak_rss_bytes = 0;
+  std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility and index
+  std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
+  std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
 };
 

@@ -57,15 +57,32 @@ Findings findingsOf(const fs::path& store, std::uint64_t memory_bytes = kPlenty)
   return out;
 }
 
+// The voxels of a block that a store keeps. shape: frame.stored(), x fastest.
+std::vector<std::byte> storedVoxels(const BrickBlock& block, const BrickFrame& frame) {
+  const VoxelBox box = frame.stored();
+  const std::size_t row_bytes = static_cast<std::size_t>(box.extent().x) * sizeOf(block.type);
+  std::vector<std::byte> out;
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      const auto from =
+          block.voxels.begin() + block.offsetOf({box.lo.x, y, z}) * static_cast<std::int64_t>(sizeOf(block.type));
+      out.insert(out.end(), from, from + static_cast<std::int64_t>(row_bytes));
+    }
+  }
+  return out;
+}
+
 class Verify : public ::testing::Test {
  protected:
   void SetUp() override {
-    store_ = makeStore(cheese({{40, 33, 21}, VoxelType::i16}, 11, usualRange(VoxelType::i16)), "store", 16);
+    store_ = makeStore(cheese({{40, 20, 21}, VoxelType::i16}, 11, usualRange(VoxelType::i16)), "store", 16);
     const StoreReader reader(store_);
-    const Extent3& lattice = reader.index().lattice(0);
-    for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      const BrickKey key{0, brickAt(lattice, i)};
-      if (!reader.index().at(key).constant) bricks_.push_back(store_ / brickPath(key));
+    for (int level = 0; level < reader.index().levels(); ++level) {
+      const Extent3& lattice = reader.index().lattice(level);
+      for (std::int64_t i = 0; i < lattice.count(); ++i) {
+        const BrickKey key{level, brickAt(lattice, i)};
+        if (!reader.index().at(key).constant) bricks_.push_back(store_ / brickPath(key));
+      }
     }
     largest_ = reader.largestReadBytes();
   }
@@ -161,6 +178,53 @@ TEST_F(Verify, RangesThatTheVoxelsContradictAreFound) {
     index.at(key).core.hi = index.at(key).core.lo;
   });
   expectOne(brickPath(key), "core range in the index: has [");
+}
+
+// Known because coarser levels cover what lies below: their ranges may be wider than their voxels, not narrower.
+TEST_F(Verify, RangesOfCoarserLevelsMustContain) {
+  const BrickKey key{1, {0, 0, 0}};
+  rewrite([&](BrickIndex& index, Manifest&) {
+    index.at(key).core.hi += 1;
+    index.at(key).support.hi += 2;
+  });
+  EXPECT_EQ(findingsOf(store_).report.damaged, 0u);
+  rewrite([&](BrickIndex& index, Manifest&) { index.at(key).support.hi -= 2; });
+  expectOne(brickPath(key), "support range in the index: has [");
+  rewrite([&](BrickIndex& index, Manifest&) { index.at(key).core.hi = index.at(key).core.lo; });
+  expectOne(brickPath(key), "core range in the index: has [");
+}
+
+// Known because the store is written with ranges that the test has made up.
+TEST_F(Verify, CellsThatTheVoxelsContradictAreFound) {
+  const auto verified = [&](int level, double wider) {
+    Manifest draft = StoreReader(store_).manifest();
+    draft.range = {};
+    for (LevelInfo& info : draft.levels) info.stored_bricks = info.stored_bytes = 0;
+    const StoreReader reader(store_);
+    const fs::path other = store_.parent_path() / "other.kiln";
+    fs::remove_all(other);
+    StoreWriter writer(other, draft, FileSystem::real());
+    for (int l = 0; l < reader.index().levels(); ++l) {
+      const Extent3& lattice = reader.index().lattice(l);
+      for (std::int64_t i = 0; i < lattice.count(); ++i) {
+        const BrickKey key{l, brickAt(lattice, i)};
+        const BrickBlock block = reader.read(key);
+        BrickRanges ranges = rangesOf(block);
+        if (key == BrickKey{level, {0, 0, 0}}) ranges.cells[3].hi += wider;
+        writer.put(key, storedVoxels(block, reader.frame(key)), ranges);
+      }
+    }
+    writer.finish(draft.histogram, 0);
+    return findingsOf(other);
+  };
+  for (const double wider : {-1.0, 1.0}) {
+    const Findings found = verified(0, wider);
+    ASSERT_EQ(found.sentences.size(), 1u);
+    EXPECT_NE(found.sentences[0].find("bricks/0/0_0_0.vdb: cell 3 of the min-max octree: has ["), std::string::npos);
+  }
+  const Findings narrower = verified(1, -1);
+  ASSERT_EQ(narrower.sentences.size(), 1u);
+  EXPECT_NE(narrower.sentences[0].find("bricks/1/0_0_0.vdb: cell 3"), std::string::npos);
 }
 
 TEST_F(Verify, AManifestThatTheIndexContradictsIsFound) {

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "convert/foreign_cache.h"
 #include "output/image_file.h"
+#include "render/dry_run.h"
 #include "render/render_job_run.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
@@ -23,7 +24,7 @@ struct Arguments {
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
-  bool nodes_only = false, skip_damaged = false;
+  bool nodes_only = false, skip_damaged = false, dry_run = false;
   int repeat = 1;
   SourceArguments source;
 };
@@ -103,7 +104,7 @@ void applySpeed(const Arguments& a, SpeedOptions& speed) {
 
 void applyOutput(const Arguments& a, OutputOptions& output) {
   if (!a.output.empty()) output.path = a.output;
-  if (output.path.empty()) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
+  if (output.path.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
   if (a.exr_type) {
     if (*a.exr_type != "half" && *a.exr_type != "float")
       throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
@@ -126,13 +127,36 @@ RenderJob jobOf(const Arguments& a) {
   applyPicture(a, job.picture);
   applySpeed(a, job.speed);
   applyOutput(a, job.output);
-  requireImagePath(job.output.path);
+  if (!job.output.path.empty()) requireImagePath(job.output.path);
   return job;
+}
+
+// Says what the render would cost, and fails where the memory given is too little.
+void sayCost(const Arguments& a, const RenderJob& job) {
+  const DryRun cost = dryRun(job);
+  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
+  fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
+             cost.bricks_total, cost.bricks_interesting, cost.bricks_in_view);
+  fmt::print("disk         a frame reads at most {} files, {}; it does not read what is hidden behind opaque parts\n",
+             cost.files_in_view, formatBytes(cost.file_bytes_in_view));
+  const FrameMemory& memory = cost.memory;
+  fmt::print("memory       {} of image ({} x {} pixels), {} of visibility, {} of index, {} to read one brick\n",
+             formatBytes(memory.image), job.picture.size.width, job.picture.size.height, formatBytes(memory.visibility),
+             formatBytes(memory.index), formatBytes(memory.brick));
+  fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
+  const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
+  fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
+             a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
+             formatBytes(cost.decoded_bytes_in_view));
 }
 
 void run(const Arguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   RenderJob job = jobOf(a);
+  if (a.dry_run) {
+    sayCost(a, job);
+    return;
+  }
   ConvertOptions conversion;
   conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
   conversion.command = context.command_line;
@@ -147,7 +171,7 @@ void run(const Arguments& a, Context& context) {
       "cache {} of {}, resident {}\n",
       job.output.path.string(), job.picture.size.width, job.picture.size.height, frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
-      frame.voxels_splats, formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.budget_bytes),
+      frame.voxels_splats, formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.cache_bytes),
       formatBytes(result.statistics.peak_rss_bytes));
 }
 
@@ -197,8 +221,10 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--level", a->level, "auto or the number of a level; 0 is finest");
   command->add_flag("--skip-damaged", a->skip_damaged,
                     "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
-  command->add_option("--memory", a->memory, "the most memory for bricks; 2G if not given")->type_name("BYTES");
+  command->add_option("--memory", a->memory, "the most memory for image, index and bricks; 2G if not given")
+      ->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all");
+  command->add_flag("--dry-run", a->dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
   command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
   command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")
       ->capture_default_str();

@@ -1,0 +1,59 @@
+#include "render/dry_run.h"
+
+#include <nlohmann/json.hpp>
+
+#include "frame/brick_walk.h"
+#include "render/render_job_run.h"
+
+namespace kiln {
+namespace {
+
+// A decoded brick with its apron, as the cache keeps it.
+std::uint64_t decodedBytes(const BrickFrame& brick) {
+  const auto edge = static_cast<std::uint64_t>(brick.brick_size / kCellSize);
+  const std::uint64_t octree = edge * edge * edge * 8 / 7 * sizeof(ValueRange);
+  return static_cast<std::uint64_t>(dilated(brick.core(), brick.apron).count()) * sizeOf(brick.type) + octree;
+}
+
+}  // namespace
+
+DryRun dryRun(const RenderJob& job) {
+  const StoreReader store(job.volume);
+  const Camera camera = cameraFor(job.picture, store);
+  const FrameRequest request = frameRequest(job, camera, transferFunctionFor(job.picture, store));
+  DryRun out;
+  out.memory = frameMemory(store, job);
+  out.budget_bytes = job.speed.memory_bytes;
+  BrickWalkCounts counts;
+  for (const BrickInView& seen : bricksInView(store, request, counts)) {
+    const BrickEntry& entry = store.index().at(seen.key);
+    ++out.bricks_in_view;
+    out.files_in_view += entry.constant ? 0 : 1;
+    out.file_bytes_in_view += entry.file_bytes;
+    out.decoded_bytes_in_view += decodedBytes(store.frame(seen.key));
+  }
+  out.bricks_interesting = counts.interesting;
+  out.bricks_total = static_cast<std::uint64_t>(store.index().lattice(request.level).count());
+  return out;
+}
+
+std::string dryRunText(const DryRun& run) {
+  const nlohmann::ordered_json out = {{"dry_run", true},
+                                      {"bricks",
+                                       {{"total", run.bricks_total},
+                                        {"interesting", run.bricks_interesting},
+                                        {"in_view", run.bricks_in_view},
+                                        {"files_in_view", run.files_in_view},
+                                        {"file_bytes_in_view", run.file_bytes_in_view},
+                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
+                                      {"memory",
+                                       {{"budget_bytes", run.budget_bytes},
+                                        {"smallest_bytes", run.memory.smallest()},
+                                        {"framebuffer_bytes", run.memory.image},
+                                        {"visibility_bytes", run.memory.visibility},
+                                        {"index_bytes", run.memory.index},
+                                        {"brick_bytes", run.memory.brick}}}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace kiln

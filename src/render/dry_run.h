@@ -1,0 +1,30 @@
+// What a render would cost, without drawing: nothing is read but the manifest and the index.
+#pragma once
+
+#include <string>
+
+#include "render/frame_memory.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+struct DryRun {
+  std::uint64_t bricks_total = 0;
+  std::uint64_t bricks_interesting = 0;  // hold something the transfer function shows
+  std::uint64_t bricks_in_view = 0;      // of these, in the image: a frame asks for no others
+  std::uint64_t files_in_view = 0;       // of these, not constant
+  /// Of these files: the most that a frame reads. What is hidden behind opaque parts is not read. unit: bytes.
+  std::uint64_t file_bytes_in_view = 0;
+  /// What all bricks in view take in memory, decoded. unit: bytes.
+  std::uint64_t decoded_bytes_in_view = 0;
+  FrameMemory memory;
+  std::uint64_t budget_bytes = 0;
+};
+
+/// throws: Error kUsage, kNotFound, kFormat, kDamaged (manifest and index); not kBudget: the answer says what works.
+DryRun dryRun(const RenderJob& job);
+
+/// JSON for `--stats`: the keys of a render's statistics where they mean the same.
+std::string dryRunText(const DryRun& run);
+
+}  // namespace kiln

@@ -1,0 +1,30 @@
+// The account of a frame: everything that grows with the picture or the store is charged to the number that the user
+// gives, and the bricks get what is left.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "scene/render_job.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+/// unit: bytes.
+struct FrameMemory {
+  std::uint64_t image = 0;       // RGBA in floats
+  std::uint64_t visibility = 0;  // the structure of the visibility method
+  std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
+  std::uint64_t brick = 0;       // reading one, the largest of the store
+
+  std::uint64_t besideBricks() const { return image + visibility + index; }
+  /// The least budget that draws the frame.
+  std::uint64_t smallest() const { return besideBricks() + brick; }
+};
+
+FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
+
+/// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.
+std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);
+
+}  // namespace kiln
