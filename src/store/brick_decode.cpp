@@ -1,11 +1,15 @@
 // A brick file, or the one value of a brick that has no file, to voxels. The file has passed its checksum, so what is
 // wrong with it is its writer's defect, and an error all the same.
 #include <fmt/format.h>
-#include <openvdb/io/Stream.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 
 #include <algorithm>
+#include <array>
 #include <istream>
+#include <memory>
 #include <streambuf>
+#include <string_view>
 
 #include "base/error.h"
 #include "store/brick_file.h"
@@ -33,47 +37,123 @@ class MemoryReader : public std::streambuf {
   }
 };
 
+// The parts of a file one after the other, as Archive::readGrid takes them, but for the leaves' values.
+class ArchiveReader : public openvdb::io::Archive {
+ public:
+  // Calls take(grid) for each grid; its topology is there, and the stream stands at the values of its first leaf.
+  template <class Take>
+  void read(std::istream& in, const openvdb::MetaMap& expected, const std::filesystem::path& path, Take&& take) {
+    readHeader(in);
+    // OpenVDB's own readers ask the stream for these.
+    auto versions = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(in, versions, /*transfer=*/false);
+    setFormatVersion(in);
+    setLibraryVersion(in);
+    setDataCompression(in);
+    openvdb::MetaMap found;
+    found.readMeta(in);
+    if (!(found == expected))
+      throw Error(ErrorCode::kDamaged, path, "metadata", "the file is another brick's; convert the source again");
+    const std::int32_t count = readGridCount(in);
+    for (std::int32_t i = 0; i < count; ++i) {
+      openvdb::io::GridDescriptor descriptor;
+      const openvdb::GridBase::Ptr grid = descriptor.read(in);
+      readGridCompression(in);
+      openvdb::io::setGridBackgroundValuePtr(in, nullptr);
+      grid->readMeta(in);
+      openvdb::io::setGridClass(in, grid->getGridClass());
+      grid->readTransform(in);
+      grid->readTopology(in);
+      grid->setName(openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName()));
+      take(*grid);
+    }
+    openvdb::io::clearStreamMetadataPtr(in);
+  }
+};
+
+// Calls f(leaf) for each leaf of a grid, with its values. They are read for one leaf at a time: a tree of all of them
+// would take more memory than the brick.
+template <class Grid, class F>
+void forEachLeaf(Grid& grid, std::istream& in, F&& f) {
+  typename Grid::TreeType::LeafNodeType::Buffer values(openvdb::PartialCreate(), grid.background());
+  for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+    leaf->swap(values);
+    leaf->readBuffers(in, grid.saveFloatAsHalf());
+    f(*leaf);
+    leaf->swap(values);
+  }
+}
+
 template <class T>
 class Decoder {
  public:
   using Grid = GridFor<T>;
 
-  Decoder(const BrickFrame& frame, const std::filesystem::path& path, BrickBlock& block)
-      : core_(frame.core()), stored_(frame.stored()), path_(path), block_(block) {}
+  Decoder(const BrickFrame& frame, const std::filesystem::path& path, std::istream& in, BrickBlock& block)
+      : core_(frame.core()),
+        stored_(frame.stored()),
+        edge_(static_cast<int>(frame.brick_size / kCellSize)),
+        cells_(static_cast<std::size_t>(edge_) * edge_ * edge_),
+        path_(path),
+        in_(in),
+        block_(block) {}
 
-  void take(const openvdb::GridBase& base, bool core) {
-    const auto* grid = dynamic_cast<const Grid*>(&base);
+  void take(openvdb::GridBase& base) {
+    auto* const grid = dynamic_cast<Grid*>(&base);
     if (grid == nullptr) fail(base.getName() + " holds " + base.valueType());
+    const auto known = std::find(kGrids.begin(), kGrids.end(), base.getName());
+    if (known == kGrids.end()) fail(base.getName() + " is no grid of a brick");
+    const auto which = static_cast<std::size_t>(known - kGrids.begin());
+    if (std::exchange(taken_[which], true)) fail(base.getName() + " is there twice");
+    if (which < 2)
+      takeVoxels(*grid, which == 0);
+    else
+      takeCells(*grid, which == 2);
+  }
+
+  // To be called when all grids are taken.
+  void finish() {
+    for (std::size_t i = 0; i < kGrids.size(); ++i) {
+      if (!taken_[i]) fail("the grid " + std::string(kGrids[i]) + " is missing");
+    }
+    clampEdges();
+    block_.octree = MinMaxOctree(std::move(cells_), edge_);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 4> kGrids = {kCoreGrid, kApronGrid, kCellMinGrid, kCellMaxGrid};
+
+  void takeVoxels(Grid& grid, bool core) {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
     std::int64_t count = 0;
-    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
-      const openvdb::Coord& origin = leaf->origin();
-      for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
+    forEachLeaf(grid, in_, [&](const auto& leaf) {
+      const openvdb::Coord& origin = leaf.origin();
+      for (auto voxel = leaf.cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Index n = voxel.pos();
         const VoxelCoord v = {origin.x() + (n >> 6), origin.y() + ((n >> 3) & 7), origin.z() + (n & 7)};
         if (!stored_.contains(v) || core_.contains(v) != core)
-          fail(base.getName() + " has a voxel outside of its place");
+          fail(grid.getName() + " has a voxel outside of its place");
         voxels[block_.offsetOf(v)] = static_cast<T>(*voxel);
         ++count;
       }
-    }
+    });
     const std::int64_t expected = core ? core_.count() : stored_.count() - core_.count();
-    if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", base.getName(), count, expected));
+    if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", grid.getName(), count, expected));
   }
 
-  void takeCells(const openvdb::GridBase& base, std::vector<ValueRange>& cells, int edge, bool least) {
-    const auto* grid = dynamic_cast<const Grid*>(&base);
-    if (grid == nullptr) fail(base.getName() + " holds " + base.valueType());
-    for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel) {
-      const openvdb::Coord c = voxel.getCoord();
-      const std::int64_t x = c.x() - core_.lo.x / kCellSize;
-      const std::int64_t y = c.y() - core_.lo.y / kCellSize;
-      const std::int64_t z = c.z() - core_.lo.z / kCellSize;
-      if (!voxel.isVoxelValue() || !boxOf({edge, edge, edge}).contains({x, y, z}))
-        fail(base.getName() + " has a cell outside of its place");
-      ValueRange& range = cells[static_cast<std::size_t>((z * edge + y) * edge + x)];
-      (least ? range.lo : range.hi) = static_cast<double>(*voxel);
-    }
+  void takeCells(Grid& grid, bool least) {
+    forEachLeaf(grid, in_, [&](const auto& leaf) {
+      for (auto voxel = leaf.cbeginValueOn(); voxel; ++voxel) {
+        const openvdb::Coord c = voxel.getCoord();
+        const std::int64_t x = c.x() - core_.lo.x / kCellSize;
+        const std::int64_t y = c.y() - core_.lo.y / kCellSize;
+        const std::int64_t z = c.z() - core_.lo.z / kCellSize;
+        if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
+          fail(grid.getName() + " has a cell outside of its place");
+        ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
+        (least ? range.lo : range.hi) = static_cast<double>(*voxel);
+      }
+    });
   }
 
   // Voxels of the extent that lie outside of the volume repeat the nearest one inside, axis by axis.
@@ -105,9 +185,12 @@ class Decoder {
     throw Error(ErrorCode::kDamaged, path_, "", what + "; convert the source again");
   }
 
- private:
   VoxelBox core_, stored_;
+  int edge_;  // cells along an axis
+  std::vector<ValueRange> cells_;
+  std::array<bool, 4> taken_{};
   const std::filesystem::path& path_;
+  std::istream& in_;
   BrickBlock& block_;
 };
 
@@ -121,29 +204,6 @@ BrickBlock emptyBlock(const BrickFrame& frame) {
   return block;
 }
 
-openvdb::GridBase::Ptr gridNamed(const openvdb::GridPtrVec& grids, const char* name,
-                                 const std::filesystem::path& path) {
-  for (const auto& grid : grids) {
-    if (grid && grid->getName() == name) return grid;
-  }
-  throw Error(ErrorCode::kDamaged, path, name, "the grid is missing; convert the source again");
-}
-
-template <class T>
-BrickBlock decodeTyped(const BrickFrame& frame, openvdb::GridPtrVec& grids, const std::filesystem::path& path) {
-  BrickBlock block = emptyBlock(frame);
-  Decoder<T> decoder(frame, path, block);
-  decoder.take(*gridNamed(grids, kCoreGrid, path), true);
-  decoder.take(*gridNamed(grids, kApronGrid, path), false);
-  decoder.clampEdges();
-  const int edge = static_cast<int>(frame.brick_size / kCellSize);
-  std::vector<ValueRange> cells(static_cast<std::size_t>(edge) * edge * edge);
-  decoder.takeCells(*gridNamed(grids, kCellMinGrid, path), cells, edge, true);
-  decoder.takeCells(*gridNamed(grids, kCellMaxGrid, path), cells, edge, false);
-  block.octree = MinMaxOctree(std::move(cells), edge);
-  return block;
-}
-
 }  // namespace
 
 BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path) {
@@ -152,13 +212,13 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
     MemoryReader buffer(file);
     std::istream in(&buffer);
     in.exceptions(std::ios::failbit | std::ios::badbit);
-    openvdb::io::Stream stream(in, /*delayLoad=*/false);
-    if (!(*stream.getMetadata() == metadataOf(frame))) {
-      throw Error(ErrorCode::kDamaged, path, "metadata", "the file is another brick's; convert the source again");
-    }
-    openvdb::GridPtrVecPtr grids = stream.getGrids();
-    return withVoxelType(frame.type,
-                         [&]<class T>(std::type_identity<T>) { return decodeTyped<T>(frame, *grids, path); });
+    BrickBlock block = emptyBlock(frame);
+    withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
+      Decoder<T> decoder(frame, path, in, block);
+      ArchiveReader().read(in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
+      decoder.finish();
+    });
+    return block;
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
@@ -178,16 +238,17 @@ BrickBlock constantBrick(const BrickFrame& frame, double value) {
 }
 
 std::size_t decodeBytes(const BrickFrame& frame) {
-  // A leaf costs its 512 values and some 100 bytes; core and apron are whole leaves.
-  const std::size_t value_bytes = frame.type == VoxelType::u32 || frame.type == VoxelType::f64 ? 8 : 4;
-  VoxelBox leaves = frame.stored();
-  for (int axis = 0; axis < 3; ++axis) {
-    leaves.lo[axis] = leafBelow(leaves.lo[axis]);
-    leaves.hi[axis] = leafBelow(leaves.hi[axis] + kLeaf - 1);
-  }
-  const std::size_t grids = static_cast<std::size_t>(leaves.count()) / 512 * (512 * value_bytes + 128);
+  // One grid's tree at a time, without its values: a leaf takes some 100 bytes, the nodes above it 8 a child and two
+  // masks. Bricks and their aprons lie on both sides of the nodes' borders.
+  const VoxelBox stored = frame.stored();
+  const auto nodes = [&](std::int64_t edge) {
+    std::int64_t count = 1;
+    for (int axis = 0; axis < 3; ++axis) count *= (stored.hi[axis] - 1) / edge - stored.lo[axis] / edge + 1;
+    return static_cast<std::size_t>(count);
+  };
+  const std::size_t tree = nodes(kLeaf) * 160 + nodes(128) * (34u << 10) + nodes(4096) * (265u << 10);
   const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
-  return grids + block + (std::size_t{1} << 18);
+  return tree + block + (std::size_t{1} << 18);
 }
 
 }  // namespace kiln
