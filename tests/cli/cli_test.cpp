@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "base/file.h"
@@ -105,6 +106,13 @@ TEST_F(Cli, ConvertInfoVerify) {
   for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3: 4 stored in ", " 0 constant", "v.raw",
                            "% of the 7.50 KiB of its voxels", "histogram"})
     EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
+  // Each of 24 values is in as many voxels, and a row says its number of them.
+  std::uint64_t counted = 0;
+  std::istringstream lines(info.out);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(" %  ") != std::string::npos) counted += std::stoull(line.substr(line.find(" %  ") + 4));
+  }
+  EXPECT_EQ(counted, 24u * 20 * 16) << info.out;
   const ToolResult json = expectDone({"info", in("v.kiln"), "--json"});
   Json printed = Json::parse(json.out);
   EXPECT_EQ(printed["range"], Json::array({1.0, 231.0}));

@@ -1,6 +1,6 @@
-// A volume of 128 MB of voxels draws within 32 MB of bricks, and the picture is that of 2 GB: the promise in the first
-// line of the README. The answer is the picture with more memory than the volume needs, and the peak that the operating
-// system counted.
+// A volume of 128 MB of voxels draws within 32 MB, half of them image, and the picture is that of 2 GB: the promise in
+// the first line of the README. The answer is the picture with more memory than the volume needs, and the peak that the
+// operating system counted.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -34,7 +34,9 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
   EXPECT_EQ(draw("32M"), draw("2G"));
   const nlohmann::json statistics = statisticsIn(directory / "32M.json");
   const std::uint64_t budget = 32ull << 20;
-  EXPECT_LE(statistics["memory"]["peak_cache_bytes"], budget);
+  EXPECT_LE(statistics["memory"]["peak_cache_bytes"].get<std::uint64_t>() +
+                statistics["memory"]["framebuffer_bytes"].get<std::uint64_t>(),
+            budget);
   EXPECT_EQ(statistics["memory"]["budget_bytes"], budget);
   std::printf("budget 32 MiB: peak cache %.1f MiB, peak resident %.1f MiB, image %.1f MiB\n",
               statistics["memory"]["peak_cache_bytes"].get<double>() / 1048576,

@@ -37,5 +37,11 @@ TEST(FormatBytes, HasAUnitAlways) {
   EXPECT_EQ(formatBytes(3ull << 29), "1.50 GiB");
 }
 
+TEST(RoundedUpBytes, AsksForNoLess) {
+  EXPECT_EQ(roundedUpBytes(1), "1M");
+  EXPECT_EQ(roundedUpBytes(32u << 20), "32M");
+  EXPECT_EQ(roundedUpBytes((32u << 20) + 1), "33M");
+}
+
 }  // namespace
 }  // namespace kiln
