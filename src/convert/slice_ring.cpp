@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "ingest/gather_rows.h"
 
 namespace kiln {
 namespace {
@@ -17,86 +16,119 @@ std::uint64_t rowBytes(const SourceInfo& info) {
   return static_cast<std::uint64_t>(info.geometry.dims.x) * sizeOf(info.type);
 }
 
-// Where voxels are in the ring.
-class RingShape {
- public:
-  RingShape(const SourceInfo& info, std::int64_t slices)
-      : slices_(static_cast<std::uint64_t>(slices)),
-        slice_(sliceBytes(info)),
-        row_(rowBytes(info)),
-        voxel_(sizeOf(info.type)) {}
-  std::int64_t slices() const { return static_cast<std::int64_t>(slices_); }
-  std::uint64_t bytes() const { return slices_ * slice_; }
-  std::uint64_t row() const { return row_; }
-  std::uint64_t voxel() const { return voxel_; }
-  std::uint64_t offsetOf(const VoxelCoord& at) const {
-    return static_cast<std::uint64_t>(at.z) % slices_ * slice_ + static_cast<std::uint64_t>(at.y) * row_ +
-           static_cast<std::uint64_t>(at.x) * voxel_;
-  }
-
- private:
-  std::uint64_t slices_, slice_, row_, voxel_;
-};
-
 class RingInMemory : public SliceRing {
  public:
-  explicit RingInMemory(const RingShape& shape)
-      : shape_(shape), slices_(std::make_unique_for_overwrite<std::byte[]>(shape.bytes())) {}
+  RingInMemory(const SourceInfo& info, std::int64_t slices)
+      : dims_(info.geometry.dims),
+        voxel_(sizeOf(info.type)),
+        slices_(slices),
+        bytes_(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(slices) * sliceBytes(info))) {}
 
-  std::int64_t slices() const override { return shape_.slices(); }
+  std::int64_t slices() const override { return slices_; }
 
   void read(VolumeSource& source, const VoxelBox& rows) override {
-    source.read(rows,
-                {slices_.get() + shape_.offsetOf(rows.lo), static_cast<std::size_t>(rows.count()) * shape_.voxel()});
+    source.read(rows, {at(rows.lo), static_cast<std::size_t>(rows.count()) * voxel_});
   }
 
   void copy(const VoxelBox& box, std::span<std::byte> out) const override {
-    const std::size_t row = static_cast<std::size_t>(box.extent().x) * shape_.voxel();
+    const std::size_t row = static_cast<std::size_t>(box.extent().x) * voxel_;
     std::byte* to = out.data();
-    for (VoxelCoord at = box.lo; at.z < box.hi.z; ++at.z) {
-      for (at.y = box.lo.y; at.y < box.hi.y; ++at.y, to += row)
-        std::memcpy(to, slices_.get() + shape_.offsetOf(at), row);
+    for (VoxelCoord from = box.lo; from.z < box.hi.z; ++from.z) {
+      for (from.y = box.lo.y; from.y < box.hi.y; ++from.y, to += row) std::memcpy(to, at(from), row);
     }
   }
 
  private:
-  RingShape shape_;
-  std::unique_ptr<std::byte[]> slices_;
+  std::byte* at(const VoxelCoord& v) const {
+    return bytes_.get() + static_cast<std::size_t>((v.z % slices_ * dims_.y + v.y) * dims_.x + v.x) * voxel_;
+  }
+
+  const Extent3 dims_;
+  const std::size_t voxel_;
+  const std::int64_t slices_;
+  std::unique_ptr<std::byte[]> bytes_;
 };
 
+// In the file a slice lies column by column, each as wide as a usual brick and row after row, so that a box is read in
+// a few long runs: a call for each of its short rows would take longer than encoding them.
 class RingOnDisk : public SliceRing {
  public:
-  RingOnDisk(const RingShape& shape, std::uint64_t strip_bytes, const std::filesystem::path& directory,
-             FileSystem& disk)
-      : shape_(shape), disk_(disk), file_(disk.makeScratch(directory)), strip_(strip_bytes) {}
+  RingOnDisk(const SourceInfo& info, std::int64_t slices, const std::filesystem::path& directory, FileSystem& disk)
+      : dims_(info.geometry.dims),
+        voxel_(sizeOf(info.type)),
+        slices_(slices),
+        slice_bytes_(sliceBytes(info)),
+        disk_(disk),
+        file_(disk.makeScratch(directory)),
+        strip_(stripBytes(info)) {}
 
-  std::int64_t slices() const override { return shape_.slices(); }
+  std::int64_t slices() const override { return slices_; }
 
   void read(VolumeSource& source, const VoxelBox& rows) override {
-    const std::span<std::byte> strip = std::span(strip_).first(static_cast<std::size_t>(rows.count()) * shape_.voxel());
+    const std::span<std::byte> strip = std::span(strip_).first(static_cast<std::size_t>(rows.count()) * voxel_);
     source.read(rows, strip);
+    std::vector<std::byte> run;
+    forEachColumn(rows, [&](const VoxelBox& column) {
+      const std::size_t row = static_cast<std::size_t>(column.extent().x) * voxel_;
+      run.resize(static_cast<std::size_t>(rows.extent().y) * row);
+      const std::byte* from = strip.data() + static_cast<std::size_t>(column.lo.x) * voxel_;
+      for (std::size_t done = 0; done < run.size(); done += row, from += static_cast<std::size_t>(dims_.x) * voxel_) {
+        std::memcpy(run.data() + done, from, row);
+      }
+      write(offsetOf(column.lo, column), run);
+    });
+  }
+
+  void copy(const VoxelBox& box, std::span<std::byte> out) const override {
+    const Extent3 n = box.extent();
+    const std::size_t line = static_cast<std::size_t>(n.x) * voxel_;
+    std::vector<std::byte> run;
+    forEachColumn(box, [&](const VoxelBox& column) {
+      const std::size_t stride = static_cast<std::size_t>(column.extent().x) * voxel_;
+      const std::int64_t first = std::max(box.lo.x, column.lo.x), end = std::min(box.hi.x, column.hi.x);
+      const std::size_t row = static_cast<std::size_t>(end - first) * voxel_;
+      run.resize(static_cast<std::size_t>(n.y) * stride);
+      std::byte* to = out.data() + static_cast<std::size_t>(first - box.lo.x) * voxel_;
+      for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+        file_.readAt(offsetOf({column.lo.x, box.lo.y, z}, column), run);
+        const std::byte* from = run.data() + static_cast<std::size_t>(first - column.lo.x) * voxel_;
+        for (std::int64_t y = 0; y < n.y; ++y, from += stride, to += line) std::memcpy(to, from, row);
+      }
+    });
+  }
+
+ private:
+  static constexpr std::int64_t kColumn = 128;  // voxels
+
+  // What `box` touches, over the whole width of each column.
+  template <class Body>
+  void forEachColumn(const VoxelBox& box, Body&& body) const {
+    for (std::int64_t x = box.lo.x / kColumn * kColumn; x < box.hi.x; x += kColumn) {
+      body(VoxelBox{{x, box.lo.y, box.lo.z}, {std::min(x + kColumn, dims_.x), box.hi.y, box.hi.z}});
+    }
+  }
+  // Of the first voxel of a row of the column.
+  std::uint64_t offsetOf(const VoxelCoord& at, const VoxelBox& column) const {
+    const std::int64_t before = column.lo.x * dims_.y + at.y * column.extent().x;
+    return static_cast<std::uint64_t>(at.z % slices_) * slice_bytes_ + static_cast<std::uint64_t>(before) * voxel_;
+  }
+
+  void write(std::uint64_t offset, std::span<const std::byte> run) {
     try {
-      disk_.writeAt(file_, shape_.offsetOf(rows.lo), strip);
+      disk_.writeAt(file_, offset, run);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kNoSpace) throw;
       throw Error(ErrorCode::kNoSpace, file_.path(), "",
                   fmt::format("no space for the {} of slices that are kept beside the store while it is made; free "
                               "space, choose another place, or give --memory for them",
-                              formatBytes(shape_.bytes())));
+                              formatBytes(static_cast<std::uint64_t>(slices_) * slice_bytes_)));
     }
   }
 
-  void copy(const VoxelBox& box, std::span<std::byte> out) const override {
-    const Extent3 n = box.extent();
-    const std::uint64_t row = static_cast<std::uint64_t>(n.x) * shape_.voxel(), rows = static_cast<std::uint64_t>(n.y);
-    std::byte* to = out.data();
-    for (VoxelCoord at = box.lo; at.z < box.hi.z; ++at.z, to += rows * row) {
-      gatherRows(file_, shape_.offsetOf(at), rows, row, shape_.row(), to);
-    }
-  }
-
- private:
-  RingShape shape_;
+  const Extent3 dims_;
+  const std::size_t voxel_;
+  const std::int64_t slices_;
+  const std::uint64_t slice_bytes_;
   FileSystem& disk_;
   File file_;
   std::vector<std::byte> strip_;
@@ -118,12 +150,12 @@ std::uint64_t stripBytes(const SourceInfo& info) {
 }
 
 std::unique_ptr<SliceRing> sliceRingInMemory(const SourceInfo& info, std::int64_t slices) {
-  return std::make_unique<RingInMemory>(RingShape(info, slices));
+  return std::make_unique<RingInMemory>(info, slices);
 }
 
 std::unique_ptr<SliceRing> sliceRingOnDisk(const SourceInfo& info, std::int64_t slices,
                                            const std::filesystem::path& directory, FileSystem& disk) {
-  return std::make_unique<RingOnDisk>(RingShape(info, slices), stripBytes(info), directory, disk);
+  return std::make_unique<RingOnDisk>(info, slices, directory, disk);
 }
 
 }  // namespace kiln

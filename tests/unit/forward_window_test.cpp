@@ -161,7 +161,7 @@ TEST(ForwardWindow, StopsAllLanesWithTheFirstError) {
           << "brick " << bad;
     }
   }
-  // The scratch file is the first change of the disk, each strip another.
+  // The scratch file is the first change of the disk, each column of a strip another.
   for (const int writes : {0, 1, 2, strips / 2, strips}) {
     ForwardSource source(volume());
     FaultyFileSystem full({static_cast<std::uint64_t>(writes), ENOSPC});
