@@ -1,15 +1,15 @@
-// Voxels to a brick file. Grids are filled leaf by leaf, so that exactly the voxels of core and apron are active
+// Voxels to a brick file. Leaves are packed straight from the voxels: exactly those of core and apron are active
 // whatever their value, and the bytes depend on the voxels alone.
 #include <fmt/format.h>
-#include <openvdb/io/Archive.h>
 
-#include <algorithm>
+#include <array>
 #include <cstring>
-#include <ostream>
-#include <streambuf>
+#include <memory>
 
 #include "base/hash.h"
+#include "store/brick_archive.h"
 #include "store/brick_file.h"
+#include "store/half_values.h"
 
 namespace kiln {
 namespace {
@@ -17,52 +17,8 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// io::Stream writes no grid offsets, io::File only to a named file: this writes what io::File does, to memory.
-class SeekableArchive : public openvdb::io::Archive {
- public:
-  void writeTo(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
-    setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-    setGridStatsMetadataEnabled(false);
-    Archive::write(out, grids, /*seekable=*/true, metadata);
-  }
-};
-
-// A growing buffer that can be written at any place, as an archive with offsets needs.
-class MemoryWriter : public std::streambuf {
- public:
-  std::vector<std::byte> take() { return std::move(data_); }
-
- protected:
-  std::streamsize xsputn(const char* from, std::streamsize count) override {
-    const std::size_t end = at_ + static_cast<std::size_t>(count);
-    if (end > data_.size()) {
-      if (end > data_.capacity()) data_.reserve(std::max(end, data_.capacity() * 2));
-      data_.resize(end);
-    }
-    std::memcpy(data_.data() + at_, from, static_cast<std::size_t>(count));
-    at_ = end;
-    return count;
-  }
-  int_type overflow(int_type c) override {
-    const char byte = traits_type::to_char_type(c);
-    return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
-  }
-  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    const auto base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? at_ : data_.size();
-    at_ = static_cast<std::size_t>(static_cast<off_type>(base) + offset);
-    return static_cast<pos_type>(static_cast<off_type>(at_));
-  }
-  pos_type seekpos(pos_type position, std::ios_base::openmode) override {
-    at_ = static_cast<std::size_t>(static_cast<off_type>(position));
-    return position;
-  }
-
- private:
-  std::vector<std::byte> data_;
-  std::size_t at_ = 0;
-};
-
-bool inside(const VoxelBox& inner, const VoxelBox& outer) { return intersection(inner, outer) == inner; }
+VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
+VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 // Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`; `part` is what of it lies in the box.
 template <class F>
@@ -70,10 +26,22 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
   for (std::int64_t z = leafBelow(box.lo.z); z < box.hi.z; z += kLeaf) {
     for (std::int64_t y = leafBelow(box.lo.y); y < box.hi.y; y += kLeaf) {
       for (std::int64_t x = leafBelow(box.lo.x); x < box.hi.x; x += kLeaf) {
-        leaf(VoxelCoord{x, y, z}, intersection({{x, y, z}, {x + kLeaf, y + kLeaf, z + kLeaf}}, box));
+        leaf(VoxelCoord{x, y, z}, intersection(leafAt({x, y, z}), box));
       }
     }
   }
+}
+
+// The voxels of a leaf that lie in `part`, as its file has them: z fastest.
+openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBox& part) {
+  const std::uint64_t along_z = ((1u << (part.hi.z - part.lo.z)) - 1) << (part.lo.z - origin.z);
+  std::uint64_t plane = 0;
+  for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) plane |= along_z << (kLeaf * (y - origin.y));
+  openvdb::util::NodeMask<3> mask;
+  for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
+    mask.template getWord<std::uint64_t>(static_cast<openvdb::Index>(x - origin.x)) = plane;
+  }
+  return mask;
 }
 
 template <class T>
@@ -81,6 +49,7 @@ class Encoder {
  public:
   using Grid = GridFor<T>;
   using Value = typename Grid::ValueType;
+  using Leaf = typename Grid::TreeType::LeafNodeType;
 
   Encoder(const BrickFrame& frame, std::span<const std::byte> voxels)
       : frame_(frame),
@@ -88,27 +57,29 @@ class Encoder {
         box_(frame.stored()),
         size_(box_.extent()),
         voxels_(reinterpret_cast<const T*>(voxels.data())),
-        half_(fitsHalf()) {}
+        half_(std::is_same_v<Grid, openvdb::FloatGrid> && fitHalf(std::span(voxels_, voxels.size() / sizeof(T)))) {}
 
-  openvdb::GridBase::Ptr voxelGrid(const char* name, bool core) const {
-    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index), half_);
-    forEachLeaf(core ? core_ : box_, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      if (!core && inside(part, core_)) return;
-      auto* leaf = grid->tree().touchLeaf(coordOf(origin));
-      for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-        for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-          for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-            if (!core && core_.contains({x, y, z})) continue;
-            leaf->setValueOn(openvdb::Index(((x - origin.x) << 6) | ((y - origin.y) << 3) | (z - origin.z)),
-                             valueAt(x, y, z));
-          }
-        }
-      }
+  // The core, or the apron. A core begins and ends where leaves do, or where the volume ends: no leaf has voxels of
+  // both.
+  void voxelGrid(const char* name, bool core, PackedGrid& out) const {
+    const typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index), half_);
+    const VoxelBox& box = core ? core_ : box_;
+    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      if (!core && core_.contains(part.lo)) return;
+      // It has a mask and no values.
+      auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), coordOf(origin), Value(0));
+      leaf->setValueMask(maskOf(origin, part));
+      grid->tree().addLeaf(leaf.release());
     });
-    return grid;
+    out.grid = grid;
+    if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
+      if (half_) return addLeaves<std::uint16_t>(grid->tree(), box, toHalfBits<T>(), out.leaves);
+    }
+    addLeaves<Value>(
+        grid->tree(), box, [](T value) { return static_cast<Value>(value); }, out.leaves);
   }
 
-  openvdb::GridBase::Ptr cellGrid(const char* name, std::span<const ValueRange> cells, bool least) const {
+  void cellGrid(const char* name, std::span<const ValueRange> cells, bool least, PackedGrid& out) const {
     // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
     const double s = static_cast<double>(kCellSize);
     glm::dmat4 index_from_cell(s);
@@ -118,7 +89,7 @@ class Encoder {
                         return cell.empty() ||
                                (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
                       });
-    typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
+    const typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
     const int edge = static_cast<int>(frame_.brick_size / kCellSize);
     auto accessor = grid->getAccessor();
     std::size_t i = 0;
@@ -133,24 +104,39 @@ class Encoder {
         }
       }
     }
-    return grid;
+    out.grid = grid;
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
+      std::vector<Value> values;
+      for (auto value = leaf->cbeginValueOn(); value; ++value) values.push_back(*value);
+      if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
+        if (half) {
+          const std::vector<openvdb::math::half> halves(values.begin(), values.end());
+          out.leaves.add(leaf->valueMask(), halves.data(), sizeof halves[0], halves.size());
+          continue;
+        }
+      }
+      out.leaves.add(leaf->valueMask(), values.data(), sizeof(Value), values.size());
+    }
   }
 
  private:
-  Value valueAt(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return static_cast<Value>(voxels_[((z - box_.lo.z) * size_.y + (y - box_.lo.y)) * size_.x + (x - box_.lo.x)]);
-  }
-
-  bool fitsHalf() const {
-    if constexpr (std::is_same_v<T, std::uint8_t> || std::is_same_v<T, std::int8_t>) {
-      return true;
-    } else if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
-      for (std::int64_t i = 0; i < size_.count(); ++i) {
-        if (!survivesHalf(static_cast<float>(voxels_[i]))) return false;
+  // Of each leaf the voxels that are in the box, from x fastest to z fastest.
+  template <class Stored, class F>
+  void addLeaves(const typename Grid::TreeType& tree, const VoxelBox& box, F storedOf, PackedLeaves& out) const {
+    const std::int64_t row = size_.x, slice = size_.x * size_.y;
+    out.reserve(tree.leafCount(), sizeof(Stored));
+    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+      const VoxelBox part = intersection(leafAt(voxelOf(leaf->origin())), box);
+      const std::int64_t count = part.extent().z;
+      Stored values[kLeaf * kLeaf * kLeaf];
+      Stored* to = values;
+      for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
+        for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+          const T* const from = voxels_ + (part.lo.z - box_.lo.z) * slice + (y - box_.lo.y) * row + (x - box_.lo.x);
+          for (std::int64_t z = 0; z < count; ++z) *to++ = storedOf(from[z * slice]);
+        }
       }
-      return true;
-    } else {
-      return false;
+      out.add(leaf->valueMask(), values, sizeof(Stored), static_cast<std::size_t>(to - values));
     }
   }
 
@@ -185,13 +171,12 @@ std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std:
   initializeOpenVdb();
   return withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
     const Encoder<T> encoder(frame, voxels);
-    const openvdb::GridCPtrVec grids = {encoder.voxelGrid(kCoreGrid, true), encoder.voxelGrid(kApronGrid, false),
-                                        encoder.cellGrid(kCellMinGrid, cells, true),
-                                        encoder.cellGrid(kCellMaxGrid, cells, false)};
-    MemoryWriter buffer;
-    std::ostream out(&buffer);
-    SeekableArchive().writeTo(out, grids, metadataOf(frame));
-    std::vector<std::byte> file = buffer.take();
+    std::array<PackedGrid, 4> grids;
+    encoder.voxelGrid(kCoreGrid, true, grids[0]);
+    encoder.voxelGrid(kApronGrid, false, grids[1]);
+    encoder.cellGrid(kCellMinGrid, cells, true, grids[2]);
+    encoder.cellGrid(kCellMaxGrid, cells, false, grids[3]);
+    std::vector<std::byte> file = archiveOf(grids, metadataOf(frame));
     stampUuid(file);
     return file;
   });
