@@ -125,17 +125,16 @@ class Decoder {
 
   void takeVoxels(Grid& grid, bool core) {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
+    const VoxelBox& box = core ? core_ : stored_;
     std::int64_t count = 0;
     forEachLeaf(grid, in_, [&](const auto& leaf) {
-      const openvdb::Coord& origin = leaf.origin();
-      for (auto voxel = leaf.cbeginValueOn(); voxel; ++voxel) {
-        const openvdb::Index n = voxel.pos();
-        const VoxelCoord v = {origin.x() + (n >> 6), origin.y() + ((n >> 3) & 7), origin.z() + (n & 7)};
-        if (!stored_.contains(v) || core_.contains(v) != core)
-          fail(grid.getName() + " has a voxel outside of its place");
-        voxels[block_.offsetOf(v)] = static_cast<T>(*voxel);
-        ++count;
-      }
+      const VoxelCoord origin = voxelOf(leaf.origin());
+      // No leaf has voxels of both core and apron.
+      const VoxelBox part = intersection(leafAt(origin), box);
+      if (part.empty() || (!core && core_.contains(part.lo)) || leaf.valueMask() != maskOf(origin, part))
+        fail(grid.getName() + " has a voxel outside of its place, or lacks one");
+      copyLeaf(leaf.buffer().data(), origin, part, voxels);
+      count += part.count();
     });
     const std::int64_t expected = core ? core_.count() : stored_.count() - core_.count();
     if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", grid.getName(), count, expected));
@@ -167,7 +166,9 @@ class Decoder {
     for (std::int64_t z = stored_.lo.z; z < stored_.hi.z; ++z) {
       for (std::int64_t y = stored_.lo.y; y < stored_.hi.y; ++y) {
         T* const row = voxels + ((z - all.lo.z) * n.y + (y - all.lo.y)) * n.x;
-        for (std::int64_t x = 0; x < n.x; ++x) row[x] = row[nearest(x + all.lo.x, 0)];
+        const std::int64_t first = stored_.lo.x - all.lo.x, end = stored_.hi.x - all.lo.x;
+        std::fill(row, row + first, row[first]);
+        std::fill(row + end, row + n.x, row[end - 1]);
       }
       T* const slice = voxels + (z - all.lo.z) * n.y * n.x;
       for (std::int64_t y = 0; y < n.y; ++y) {
@@ -178,6 +179,19 @@ class Decoder {
     for (std::int64_t z = 0; z < n.z; ++z) {
       const std::int64_t from = nearest(z + all.lo.z, 2);
       if (from != z) std::copy_n(voxels + from * n.y * n.x, n.y * n.x, voxels + z * n.y * n.x);
+    }
+  }
+
+  // From z fastest to x fastest.
+  void copyLeaf(const typename Grid::ValueType* from, const VoxelCoord& origin, const VoxelBox& part, T* voxels) const {
+    const Extent3 n = part.extent();
+    for (std::int64_t z = 0; z < n.z; ++z) {
+      for (std::int64_t y = 0; y < n.y; ++y) {
+        T* const to = voxels + block_.offsetOf({part.lo.x, part.lo.y + y, part.lo.z + z});
+        const auto* const row =
+            from + ((part.lo.x - origin.x) << 6 | (part.lo.y - origin.y + y) << 3 | (part.lo.z - origin.z + z));
+        for (std::int64_t x = 0; x < n.x; ++x) to[x] = static_cast<T>(row[x << 6]);
+      }
     }
   }
 

@@ -2,6 +2,7 @@
 // whatever their value, and the bytes depend on the voxels alone.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -17,9 +18,6 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
-VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
-
 // Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`; `part` is what of it lies in the box.
 template <class F>
 void forEachLeaf(const VoxelBox& box, F&& leaf) {
@@ -30,18 +28,6 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
       }
     }
   }
-}
-
-// The voxels of a leaf that lie in `part`, as its file has them: z fastest.
-openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBox& part) {
-  const std::uint64_t along_z = ((1u << (part.hi.z - part.lo.z)) - 1) << (part.lo.z - origin.z);
-  std::uint64_t plane = 0;
-  for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) plane |= along_z << (kLeaf * (y - origin.y));
-  openvdb::util::NodeMask<3> mask;
-  for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-    mask.template getWord<std::uint64_t>(static_cast<openvdb::Index>(x - origin.x)) = plane;
-  }
-  return mask;
 }
 
 template <class T>
@@ -89,7 +75,8 @@ class Encoder {
                         return cell.empty() ||
                                (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
                       });
-    const typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
+    const typename Grid::Ptr grid =
+        makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
     const int edge = static_cast<int>(frame_.brick_size / kCellSize);
     auto accessor = grid->getAccessor();
     std::size_t i = 0;

@@ -16,6 +16,22 @@ inline constexpr const char* kCellMaxGrid = "cell_max";
 inline constexpr std::int64_t kLeaf = 8;
 inline std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
 
+inline VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
+inline VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+
+/// The voxels of the leaf at `origin` that lie in `part`. requires: part inside of the leaf.
+inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBox& part) {
+  // A word is a plane of one x, z fastest.
+  const std::uint64_t along_z = ((1u << (part.hi.z - part.lo.z)) - 1) << (part.lo.z - origin.z);
+  std::uint64_t plane = 0;
+  for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) plane |= along_z << (kLeaf * (y - origin.y));
+  openvdb::util::NodeMask<3> mask;
+  for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
+    mask.getWord<std::uint64_t>(static_cast<openvdb::Index>(x - origin.x)) = plane;
+  }
+  return mask;
+}
+
 /// The file's own metadata, by which a reader knows that it has the right brick.
 inline openvdb::MetaMap metadataOf(const BrickFrame& frame) {
   openvdb::MetaMap out;
