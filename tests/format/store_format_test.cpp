@@ -177,6 +177,16 @@ void expectBrick(const DenseVolume& volume, const StoreReader& store, const Bric
   EXPECT_EQ(fs::exists(store.path() / brickPath(key)), !entry.constant);
 }
 
+// Known: a reader and a writer of OpenVDB's own give the same file back, all but the UUID.
+void expectWrittenAsByOpenVdb(const fs::path& file) {
+  constexpr std::size_t kUuidAt = 21, kUuidEnd = 57;
+  const std::vector<std::byte> ours = readFile(file);
+  std::vector<std::byte> theirs = writtenAgain(file);
+  ASSERT_EQ(theirs.size(), ours.size());
+  std::copy(ours.begin() + kUuidAt, ours.begin() + kUuidEnd, theirs.begin() + kUuidAt);
+  EXPECT_TRUE(theirs == ours);
+}
+
 // A brick file in OpenVDB's hands: exactly the core in `density` and the apron in `apron`, at global coordinates.
 void expectOpens(const DenseVolume& volume, const StoreReader& store, const BrickKey& key) {
   SCOPED_TRACE(brickPath(key));
@@ -184,6 +194,7 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
   const VoxelBox stored = storedBox(core, 6, volume.geometry.dims);
   const fs::path file = store.path() / brickPath(key);
   ASSERT_EQ(gridNames(file), (std::vector<std::string>{"apron", "cell_max", "cell_min", "density"}));
+  expectWrittenAsByOpenVdb(file);
   for (const char* name : {"density", "apron"}) {
     SCOPED_TRACE(name);
     const DirectGrid grid(file, name);

@@ -1,5 +1,6 @@
 #include "support/vdb_files.h"
 
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointConversion.h>
@@ -7,6 +8,7 @@
 #include <openvdb/tools/PointIndexGrid.h>
 
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 // OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain
@@ -209,6 +211,28 @@ std::vector<std::string> gridNames(const std::filesystem::path& path) {
   std::vector<std::string> out;
   for (auto name = file.beginName(); name != file.endName(); ++name) out.push_back(*name);
   return out;
+}
+
+namespace {
+class SeekableArchive : public openvdb::io::Archive {
+ public:
+  void writeTo(std::ostream& out, const openvdb::GridPtrVec& grids, const openvdb::MetaMap& metadata) {
+    setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+    setGridStatsMetadataEnabled(false);
+    Archive::write(out, grids, /*seekable=*/true, metadata);
+  }
+};
+}  // namespace
+
+std::vector<std::byte> writtenAgain(const std::filesystem::path& path) {
+  openvdb::initialize();
+  std::ifstream in(path, std::ios::binary);
+  openvdb::io::Stream stream(in, /*delayLoad=*/false);
+  std::ostringstream out;
+  SeekableArchive().writeTo(out, *stream.getGrids(), *stream.getMetadata());
+  const std::string bytes = std::move(out).str();
+  const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
+  return {first, first + bytes.size()};
 }
 
 }  // namespace kiln::test

@@ -2,6 +2,7 @@
 // accessors, which share neither the stream nor the dense copy of the reader they test.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
@@ -72,5 +73,9 @@ class DirectGrid {
 
 /// The names of all grids of a file, in alphabetical order.
 std::vector<std::string> gridNames(const std::filesystem::path& path);
+
+/// The bytes that OpenVDB's own archive makes of the file's grids and metadata, in the file's order of grids and with
+/// Blosc and active-mask compression. The 36 bytes of the UUID are random.
+std::vector<std::byte> writtenAgain(const std::filesystem::path& path);
 
 }  // namespace kiln::test
