@@ -51,6 +51,7 @@ DrawnFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visibili
   request.transfer_function = transfer_function_;
   request.shading = case_.shading;
   request.opacity_threshold = suite_.threshold;
+  request.level = 0;  // the paper's octree, each voxel once
   request.visibility = visibility;
   request.tile_px = suite_.tile_px;
   request.node_log = log;

@@ -5,7 +5,6 @@
 namespace kiln {
 
 struct BrickWalk::Visit {
-  const Projector& projector;
   const PixelRect& image;
   const Visibility& visibility;
   const std::function<void(const BrickKey&, const PixelRect&)>& draw;
@@ -13,61 +12,87 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, int level, const Classifier& classifier)
-    : level_(level),
-      brick_size_(store.manifest().brick_size),
-      cell_levels_(std::countr_zero(static_cast<std::uint64_t>(brick_size_ / kCellSize))),
-      dims_(store.level(level).geometry.dims) {
-  const Extent3& lattice = store.index().lattice(level);
-  Layer bricks{lattice, {}};
-  bricks.interesting.reserve(static_cast<std::size_t>(lattice.count()));
-  for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickEntry& entry = store.index().at({level, brickAt(lattice, i)});
-    bricks.interesting.push_back(classifier.interesting(entry.core) ? 1 : 0);
+BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Classifier& classifier)
+    : levels_(levels), brick_size_(store.manifest().brick_size) {
+  for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
+    Extent3 children{1, 1, 1};
+    if (level > levels.finest()) {
+      const Extent3& own = levels.span(level);
+      const Extent3& finer = levels.span(level - 1);
+      children = {own.x / finer.x, own.y / finer.y, own.z / finer.z};
+    }
+    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, store, classifier);
   }
-  layers_.push_back(std::move(bricks));
-  while (layers_.back().nodes.count() > 1) {
-    const Layer& fine = layers_.back();
-    Layer coarse{brickLattice(fine.nodes, 2), {}};
-    coarse.interesting.assign(static_cast<std::size_t>(coarse.nodes.count()), 0);
-    std::size_t i = 0;
-    for (std::int64_t z = 0; z < fine.nodes.z; ++z) {
-      for (std::int64_t y = 0; y < fine.nodes.y; ++y) {
-        for (std::int64_t x = 0; x < fine.nodes.x; ++x) {
-          coarse.interesting[static_cast<std::size_t>((z / 2 * coarse.nodes.y + y / 2) * coarse.nodes.x + x / 2)] +=
-              fine.interesting[i++];
-        }
+  while (layers_.back().lattice.count() > 1) {
+    const Layer& below = layers_.back();
+    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, store, classifier);
+  }
+}
+
+void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Classifier& classifier) {
+  layers_.push_back(std::move(layer));
+  Layer& added = layers_.back();
+  added.nodes.reserve(static_cast<std::size_t>(added.lattice.count()));
+  for (std::int64_t i = 0; i < added.lattice.count(); ++i) {
+    const BrickCoord brick = brickAt(added.lattice, i);
+    const VoxelCoord at = {brick.x, brick.y, brick.z};
+    if (added.edge == brick_size_ && levels_.fineEnough(added.level, voxelsOf(added, at))) {
+      const ValueRange& range = store.index().at({added.level, brick}).core;
+      added.nodes.push_back({1, classifier.interesting(range) ? 1u : 0u, true});
+    } else {
+      added.nodes.push_back(sumOfChildren(layers_.size() - 1, at));
+    }
+  }
+}
+
+BrickWalk::Node BrickWalk::sumOfChildren(std::size_t layer, const VoxelCoord& at) const {
+  const Extent3& n = layers_[layer].children;
+  Node sum;
+  for (std::int64_t z = 0; z < n.z; ++z) {
+    for (std::int64_t y = 0; y < n.y; ++y) {
+      for (std::int64_t x = 0; x < n.x; ++x) {
+        const Node* child = find(layer - 1, {n.x * at.x + x, n.y * at.y + y, n.z * at.z + z});
+        if (child == nullptr) continue;
+        sum.bricks += child->bricks;
+        sum.interesting += child->interesting;
       }
     }
-    layers_.push_back(std::move(coarse));
   }
+  return sum;
 }
 
-std::uint32_t BrickWalk::interestingBelow(int layer, const VoxelCoord& at) const {
-  const Layer& nodes = layers_[static_cast<std::size_t>(layer)];
-  if (!boxOf(nodes.nodes).contains(at)) return 0;
-  return nodes.interesting[static_cast<std::size_t>((at.z * nodes.nodes.y + at.y) * nodes.nodes.x + at.x)];
+const BrickWalk::Node* BrickWalk::find(std::size_t layer, const VoxelCoord& at) const {
+  const Layer& nodes = layers_[layer];
+  if (!boxOf(nodes.lattice).contains(at)) return nullptr;
+  return &nodes.nodes[static_cast<std::size_t>((at.z * nodes.lattice.y + at.y) * nodes.lattice.x + at.x)];
 }
 
-VoxelBox BrickWalk::voxelsOf(int layer, const VoxelCoord& at) const {
-  const std::int64_t edge = brick_size_ << layer;
-  const VoxelCoord lo = {at.x * edge, at.y * edge, at.z * edge};
-  return intersection({lo, {lo.x + edge, lo.y + edge, lo.z + edge}}, boxOf(dims_));
+VoxelBox BrickWalk::voxelsOf(const Layer& layer, const VoxelCoord& at) const {
+  const VoxelCoord lo = {at.x * layer.edge, at.y * layer.edge, at.z * layer.edge};
+  return intersection({lo, {lo.x + layer.edge, lo.y + layer.edge, lo.z + layer.edge}},
+                      boxOf(levels_.dims(layer.level)));
 }
 
-void BrickWalk::run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
+// The centres of finer voxels lie up to half a voxel outside of the box around this level's centres, and their
+// footprints are no larger than this level's.
+PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, bool drawn) const {
+  const bool holds_finer = !drawn && layer.level > levels_.finest();
+  return levels_.projector(layer.level).bounds(holds_finer ? dilated(voxels, 1) : voxels);
+}
+
+void BrickWalk::run(const PixelRect& image, const Visibility& visibility,
                     const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
                     NodeLog* log) const {
-  const int top = static_cast<int>(layers_.size()) - 1;
-  counts.interesting = interestingBelow(top, {0, 0, 0});
-  node({projector, image, visibility, draw, counts, log}, top, {0, 0, 0});
+  const Node& all = layers_.back().nodes.front();
+  counts.bricks = all.bricks;
+  counts.interesting = all.interesting;
+  node({image, visibility, draw, counts, log}, layers_.size() - 1, {0, 0, 0});
 }
 
-std::vector<BrickInView> BrickWalk::inView(const Projector& projector, const PixelRect& image,
-                                           BrickWalkCounts& counts) const {
+std::vector<BrickInView> BrickWalk::inView(const PixelRect& image, BrickWalkCounts& counts) const {
   std::vector<BrickInView> out;
   run(
-      projector, image, *makeNoVisibility(),
+      image, *makeNoVisibility(),
       [&](const BrickKey& key, const PixelRect& rect) {
         out.push_back({key, rect});
       },
@@ -75,29 +100,38 @@ std::vector<BrickInView> BrickWalk::inView(const Projector& projector, const Pix
   return out;
 }
 
-void BrickWalk::node(const Visit& visit, int layer, const VoxelCoord& at) const {
-  const std::uint32_t interesting = interestingBelow(layer, at);
-  if (interesting == 0) return;
-  const PixelRect rect = intersection(visit.projector.bounds(voxelsOf(layer, at)), visit.image);
+void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const {
+  const Node* node = find(layer, at);
+  if (node == nullptr || node->interesting == 0) return;
+  const Layer& nodes = layers_[layer];
+  const VoxelBox voxels = voxelsOf(nodes, at);
+  const PixelRect rect = intersection(boundsOf(nodes, voxels, node->drawn), visit.image);
   if (rect.empty()) return;
   ++visit.counts.nodes_tested;
   const bool hidden = visit.visibility.hidden(rect);
-  if (visit.log != nullptr && (hidden || layer > 0)) visit.log->add(voxelsOf(layer, at), cell_levels_ + layer, hidden);
+  if (visit.log != nullptr && (hidden || !node->drawn))
+    visit.log->add(voxels, std::countr_zero(static_cast<std::uint64_t>(nodes.edge / kCellSize)), hidden);
   if (hidden) {
     ++visit.counts.nodes_hidden;
-    visit.counts.hidden += interesting;
+    visit.counts.hidden += node->interesting;
     return;
   }
-  if (layer == 0) {
-    visit.draw(
-        {level_, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}},
-        rect);
+  if (node->drawn) {
+    const BrickCoord brick{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
+                           static_cast<std::int32_t>(at.z)};
+    visit.draw({nodes.level, brick}, rect);
     return;
   }
-  const std::int64_t half = brick_size_ << (layer - 1);
-  const VoxelCoord mid = {(2 * at.x + 1) * half, (2 * at.y + 1) * half, (2 * at.z + 1) * half};
-  for (const std::uint8_t child : visit.projector.order().children(mid))
-    node(visit, layer - 1, {2 * at.x + (child & 1), 2 * at.y + (child >> 1 & 1), 2 * at.z + (child >> 2)});
+  const Layer& below = layers_[layer - 1];
+  const Extent3& n = nodes.children;
+  const VoxelCoord first = {n.x * at.x, n.y * at.y, n.z * at.z};
+  const VoxelCoord mid = {(first.x + 1) * below.edge, (first.y + 1) * below.edge, (first.z + 1) * below.edge};
+  for (const std::uint8_t child : levels_.projector(below.level).order().children(mid)) {
+    const VoxelCoord step = {child & 1, child >> 1 & 1, child >> 2};
+    // Along an axis that is not halved there is one child.
+    if (!boxOf(n).contains(step)) continue;
+    this->node(visit, layer - 1, {first.x + step.x, first.y + step.y, first.z + step.z});
+  }
 }
 
 }  // namespace kiln

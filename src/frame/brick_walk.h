@@ -1,20 +1,25 @@
 // The upper part of the one octree: from the cube over all bricks down to a brick, front to back, without what the
-// transfer function, the image or what is already opaque makes pointless.
+// transfer function, the image or what is already opaque makes pointless. Every node down to brick size of a frame's
+// finest level has a brick of its own, of a coarser level, and is drawn as that where its voxels are small enough;
+// above the coarsest level, nodes are cubes of its bricks. With one level all nodes above bricks are such cubes, which
+// is Lee and Ihm's octree.
 #pragma once
 
 #include <functional>
 #include <vector>
 
+#include "frame/frame_levels.h"
 #include "frame/node_log.h"
 #include "splat/classifier.h"
-#include "splat/projector.h"
 #include "store/store_reader.h"
 
 namespace kiln {
 
+/// Bricks at the levels that the view asks for, as if nothing hid anything: they fill the volume without overlap.
 struct BrickWalkCounts {
-  std::uint64_t interesting = 0;  // bricks that hold something the transfer function shows
-  std::uint64_t hidden = 0;       // of these, in the image but behind opaque pixels
+  std::uint64_t bricks = 0;       // all of them, in the image or not
+  std::uint64_t interesting = 0;  // of these, with something below that the transfer function shows
+  std::uint64_t hidden = 0;       // of the interesting, in the image but behind opaque pixels
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
 };
 
@@ -26,34 +31,43 @@ struct BrickInView {
 
 class BrickWalk {
  public:
-  /// Ranges of every node above a brick of one level. cost: memory of 16 bytes a brick and a seventh.
-  BrickWalk(const StoreReader& store, int level, const Classifier& classifier);
+  /// Chooses the level of every region. requires: `levels` are of this store and outlive this. cost: memory of 12 bytes
+  /// a brick and a seventh.
+  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Classifier& classifier);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
   /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn. `log`
   /// may be null; it is told of the nodes above bricks, since a brick is asked about again by whoever walks its cells.
-  void run(const Projector& projector, const PixelRect& image, const Visibility& visibility,
+  void run(const PixelRect& image, const Visibility& visibility,
            const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
            NodeLog* log) const;
 
   /// The bricks that `run` would draw if nothing hid anything, in its order, and its counts.
-  std::vector<BrickInView> inView(const Projector& projector, const PixelRect& image, BrickWalkCounts& counts) const;
+  std::vector<BrickInView> inView(const PixelRect& image, BrickWalkCounts& counts) const;
 
  private:
+  struct Node {
+    std::uint32_t bricks = 0, interesting = 0;  // drawn for this node: itself, or those below
+    bool drawn = false;                         // as a brick
+  };
   struct Layer {
-    Extent3 nodes;
-    std::vector<std::uint32_t> interesting;  // bricks below the node
+    int level;          // whose voxels the nodes are boxes of
+    std::int64_t edge;  // of a node. unit: voxels of that level
+    Extent3 children;   // of a node, along each axis: 1 or 2; the layer before has them
+    Extent3 lattice;
+    std::vector<Node> nodes;
   };
   struct Visit;
-  void node(const Visit& visit, int layer, const VoxelCoord& at) const;
-  std::uint32_t interestingBelow(int layer, const VoxelCoord& at) const;
-  VoxelBox voxelsOf(int layer, const VoxelCoord& at) const;
+  void addLayer(Layer layer, const StoreReader& store, const Classifier& classifier);
+  Node sumOfChildren(std::size_t layer, const VoxelCoord& at) const;
+  const Node* find(std::size_t layer, const VoxelCoord& at) const;
+  VoxelBox voxelsOf(const Layer& layer, const VoxelCoord& at) const;
+  PixelRect boundsOf(const Layer& layer, const VoxelBox& voxels, bool drawn) const;
+  void node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const;
 
-  int level_;
+  const FrameLevels& levels_;
   std::int64_t brick_size_;
-  int cell_levels_;  // from a cell up to a brick
-  Extent3 dims_;
-  std::vector<Layer> layers_;  // 0: the bricks; the last has one node
+  std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
 
 }  // namespace kiln

@@ -33,7 +33,7 @@ DryRun dryRun(const RenderJob& job) {
     out.decoded_bytes_in_view += decodedBytes(store.frame(seen.key));
   }
   out.bricks_interesting = counts.interesting;
-  out.bricks_total = static_cast<std::uint64_t>(store.index().lattice(request.level).count());
+  out.bricks_total = counts.bricks;
   return out;
 }
 

@@ -24,6 +24,20 @@ bool testsSamples(const VisibilityOptions& options) {
          options.method != VisibilityMethod::kQuadtree;
 }
 
+// Without what depends on a brick's level.
+SplatFrame splatFrameOf(const FrameRequest& request, const Manifest& manifest, const Classifier& classifier,
+                        Visibility& visibility) {
+  SplatFrame out;
+  out.classifier = &classifier;
+  out.shading = request.shading;
+  if (!manifest.range.empty())
+    out.gradient_noise = static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo));
+  out.opaque_at = static_cast<float>(request.opacity_threshold);
+  out.visibility = &visibility;
+  out.test_samples = testsSamples(request.visibility);
+  return out;
+}
+
 std::vector<TilePixels> tilesOf(Image& image, const PixelRect& rect, int tile_px) {
   if (tile_px == 0) return {{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width}};
   std::vector<TilePixels> out;
@@ -57,9 +71,11 @@ void layOverBackground(Image& image, const std::array<double, 4>& background) {
 }
 
 void requireRequest(const StoreReader& store, const FrameRequest& request) {
-  if (request.level < 0 || request.level >= store.index().levels()) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
+  const int levels = store.index().levels();
+  if (request.level && (*request.level < 0 || *request.level >= levels)) {
+    throw Error(ErrorCode::kUsage, fmt::format("--level: there is no level {}; {} has {}, from 0 to {}", *request.level,
+                                               store.path().string(),
+                                               levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
   }
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
@@ -79,9 +95,9 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
 
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts) {
   requireRequest(store, request);
-  const Projector projector(store.level(request.level).geometry, request.view, request.visibility.area);
-  const BrickWalk bricks(store, request.level, classifierFor(store, request));
-  return bricks.inView(projector, {0, 0, request.view.size.width, request.view.size.height}, counts);
+  const FrameLevels levels(store.manifest(), request.level, request.view, request.visibility.area);
+  const BrickWalk bricks(store, levels, classifierFor(store, request));
+  return bricks.inView({0, 0, request.view.size.width, request.view.size.height}, counts);
 }
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
@@ -89,37 +105,35 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const auto begin = std::chrono::steady_clock::now();
   requireRequest(store, request);
   const Manifest& manifest = store.manifest();
-  const VolumeGeometry& volume = store.level(request.level).geometry;
   const CacheCounts before = cache.counts();
 
   const Classifier classifier = classifierFor(store, request);
-  const Projector projector(volume, request.view, request.visibility.area);
-  const BrickWalk bricks(store, request.level, classifier);
+  const FrameLevels levels(manifest, request.level, request.view, request.visibility.area);
+  const BrickWalk bricks(store, levels, classifier);
   const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size, request.tile_px);
   Image image(request.view.size.width, request.view.size.height);
-  const SplatFrame frame{
-      &projector,
-      &classifier,
-      request.shading,
-      manifest.range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo)),
-      static_cast<float>(request.opacity_threshold),
-      visibility.get(),
-      testsSamples(request.visibility)};
+  SplatFrame frame = splatFrameOf(request, manifest, classifier, *visibility);
   SplatCounts counts;
+  statistics.levels.assign(manifest.levels.size(), {});
   BrickWalkCounts walked;
   const PixelRect whole{0, 0, image.width, image.height};
   std::optional<Lookahead> lookahead;
   if (cache.readsAhead()) {
     BrickWalkCounts ignored;
-    lookahead.emplace(bricks.inView(projector, whole, ignored), *visibility);
+    lookahead.emplace(bricks.inView(whole, ignored), *visibility);
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
     if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
-    if (block) counts.add(drawBrick(frame, *block, image, rect, request));
+    if (!block) return;
+    frame.projector = &levels.projector(key.level);
+    frame.ends = levels.endVoxels(key.level);
+    const SplatCounts drawn = drawBrick(frame, *block, image, rect, request);
+    counts.add(drawn);
+    statistics.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
   };
-  bricks.run(projector, whole, *visibility, draw, walked, request.node_log);
+  bricks.run(whole, *visibility, draw, walked, request.node_log);
   cache.settle();
   layOverBackground(image, request.background);
 
@@ -128,7 +142,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   statistics.voxels_splats = counts.splats;
   statistics.nodes_tested = counts.nodes_tested + walked.nodes_tested;
   statistics.nodes_hidden = counts.nodes_hidden + walked.nodes_hidden;
-  statistics.bricks_total = static_cast<std::uint64_t>(store.index().lattice(request.level).count());
+  statistics.bricks_total = walked.bricks;
   statistics.bricks_interesting = walked.interesting;
   statistics.bricks_hidden = walked.hidden;
   statistics.bricks_read = after.reads - before.reads;

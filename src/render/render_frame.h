@@ -2,6 +2,8 @@
 // the result over the background.
 #pragma once
 
+#include <optional>
+
 #include "base/progress.h"
 #include "cache/brick_cache.h"
 #include "frame/brick_walk.h"
@@ -19,19 +21,19 @@ struct FrameRequest {
   Shading shading;
   std::array<double, 4> background{0, 0, 0, 0};
   double opacity_threshold = 0.998;
-  int level = 0;
+  std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;             // as SpeedOptions has it
-  NodeLog* node_log = nullptr;  // requires: tile_px == 0
+  NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
 };
 
 /// The bricks that a frame asks for if nothing hides anything, front to back.
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts);
 
-/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles, the bricks' size nor on
-/// an exact visibility method. With one tile for the frame it is Lee and Ihm's algorithm to the letter: one sequential
-/// walk, every node tested with all of its projected area. A brick that the cache skips is drawn as nothing. throws:
-/// what BrickCache::get throws, Error kCancelled, kUsage (level).
+/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles nor on an exact
+/// visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is Lee and
+/// Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A brick that
+/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

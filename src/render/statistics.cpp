@@ -5,6 +5,18 @@
 namespace kiln {
 namespace {
 
+nlohmann::ordered_json levelsOf(const FrameStatistics& frame) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (std::size_t level = 0; level < frame.levels.size(); ++level) {
+    const LevelStatistics& drawn = frame.levels[level];
+    out.push_back({{"level", level},
+                   {"bricks", drawn.bricks},
+                   {"visited", drawn.voxels_visited},
+                   {"splats", drawn.voxels_splats}});
+  }
+  return out;
+}
+
 nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
   return {{"voxels", {{"visited", frame.voxels_visited}, {"splats", frame.voxels_splats}}},
           {"nodes", {{"tested", frame.nodes_tested}, {"hidden", frame.nodes_hidden}}},
@@ -15,7 +27,8 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"hidden", frame.bricks_hidden},
             {"unused", frame.bricks_unused},
             {"damaged", frame.bricks_damaged},
-            {"read_bytes", frame.bricks_read_bytes}}}};
+            {"read_bytes", frame.bricks_read_bytes}}},
+          {"levels", levelsOf(frame)}};
 }
 
 }  // namespace

@@ -7,12 +7,24 @@
 
 namespace kiln {
 
+/// What a frame drew of one level; `add` is told of each brick.
+struct LevelStatistics {
+  std::uint64_t bricks = 0, voxels_visited = 0, voxels_splats = 0;
+  void add(std::uint64_t visited, std::uint64_t splats) {
+    ++bricks;
+    voxels_visited += visited;
+    voxels_splats += splats;
+  }
+};
+
+/// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count.
 struct FrameStatistics {
   double wall_s = 0, load_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
+  std::vector<LevelStatistics> levels;  // of the store, 0 first
 };
 
 struct RenderStatistics {

@@ -59,7 +59,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
     out["visibility"]["epsilon"] = visibility.epsilon_px;
   }
   out["lattice"] = "voxel";
-  out["level"] = picture.level;
+  out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
   if (picture.skip_damaged) out["skipDamaged"] = true;
   // A file name need not be UTF-8; JSON must be.
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

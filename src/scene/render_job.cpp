@@ -53,7 +53,7 @@ void readVisibility(const JobObject& object, RenderJob& job) {
                                       .value_or(job.picture.opacity_threshold);
 }
 
-void readLatticeAndLevel(const JobObject& root) {
+void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
   static constexpr std::array<std::string_view, 2> kLattices = {"voxel", "pixel"};
   if (root.choice("lattice", kLattices).value_or(0) != 0) {
     unsupported(root, "lattice", "this version splats the voxel lattice only; write \"voxel\"");
@@ -61,9 +61,8 @@ void readLatticeAndLevel(const JobObject& root) {
   static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
   if (root.isText("level"))
     root.choice("level", kLevels);
-  else if (root.integer("level", 0, 64).value_or(0) != 0) {
-    unsupported(root, "level", "this version draws level 0 only; write 0 or \"auto\"");
-  }
+  else if (const auto level = root.integer("level", 0, 64))
+    picture.level = static_cast<int>(*level);
 }
 
 void readSpeed(const JobObject& root, SpeedOptions& speed) {
@@ -163,7 +162,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
-  readLatticeAndLevel(root);
+  readLatticeAndLevel(root, job.picture);
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   readOutput(root, job.output);

@@ -68,7 +68,7 @@ struct PictureOptions {
   Shading shading;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
-  int level = 0;
+  std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 

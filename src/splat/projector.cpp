@@ -59,7 +59,8 @@ Slopes tangents(double x, double z, double radius) {
 
 }  // namespace
 
-Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area)
+Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area,
+                     std::optional<double> near_depth)
     : area_(area),
       perspective_(view.projection == Projection::kPerspective),
       focal_px_(view.focal_px),
@@ -72,7 +73,7 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
   axis_z_ = glm::dvec3(view_from_index[2]);
   origin_ = glm::dvec3(view_from_index[3]);
   const glm::dvec3 spacing = volume.spacing();
-  near_depth_ = 0.5 * std::min({spacing.x, spacing.y, spacing.z});
+  near_depth_ = near_depth.value_or(0.5 * std::min({spacing.x, spacing.y, spacing.z}));
   const glm::dmat3 linear(view_from_index);
   covariance_ = kKernelSigma * kKernelSigma * (linear * glm::transpose(linear));
   gradient_ = glm::mat3(glm::transpose(glm::inverse(linear)));
@@ -97,6 +98,16 @@ double Projector::lengthAt(const glm::dvec3& p) const {
   // DESIGN §6: A_px = z² cosθ / f² for a pixel of pitch 1; without cosθ the corner of a wide image is half too thin.
   const double cosine = p.z / glm::length(p);
   return voxel_volume_ * focal_px_ * focal_px_ / (p.z * p.z * cosine);
+}
+
+double Projector::largestPixels(double length, const VoxelBox& box) const {
+  if (!perspective_) return length * focal_px_;
+  const auto nearest = [](double axis, std::int64_t lo, std::int64_t hi) {
+    return std::min(axis * (static_cast<double>(lo) - 0.5), axis * (static_cast<double>(hi) - 0.5));
+  };
+  const double depth = origin_.z + nearest(axis_x_.z, box.lo.x, box.hi.x) + nearest(axis_y_.z, box.lo.y, box.hi.y) +
+                       nearest(axis_z_.z, box.lo.z, box.hi.z);
+  return depth > 0 ? length * focal_px_ / depth : std::numeric_limits<double>::infinity();
 }
 
 PixelRect Projector::bounds(const VoxelBox& box) const {

@@ -5,6 +5,7 @@
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "grid/geometry.h"
 #include "grid/visiting_order.h"
@@ -32,7 +33,9 @@ struct Ellipse {
 
 class Projector {
  public:
-  Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area = ProjectedArea::kBox);
+  /// Voxels nearer than `near_depth` are not drawn; half the smallest spacing where it is not given. unit: world.
+  Projector(const VolumeGeometry& volume, const View& view, ProjectedArea area = ProjectedArea::kBox,
+            std::optional<double> near_depth = std::nullopt);
 
   bool perspective() const { return perspective_; }
   const VisitingOrder& order() const { return order_; }
@@ -42,7 +45,7 @@ class Projector {
     return ((origin_ + static_cast<double>(v.z) * axis_z_) + static_cast<double>(v.y) * axis_y_) +
            static_cast<double>(v.x) * axis_x_;
   }
-  /// Voxels nearer than this are not drawn: half the smallest spacing. unit: world, depth.
+  /// unit: world, along the view.
   double nearDepth() const { return near_depth_; }
 
   /// requires: perspective views have depth >= nearDepth().
@@ -55,6 +58,10 @@ class Projector {
   /// The length of material that a voxel puts behind each pixel where its footprint's weights sum to one: the volume of
   /// a voxel over the area of a pixel at that place, taken across the ray. unit: world.
   double lengthAt(const glm::dvec3& view_point) const;
+
+  /// The most pixels that a world length across the view takes up anywhere in `box`; infinite where the box reaches the
+  /// eye's plane. unit: `length` world, the result pixels.
+  double largestPixels(double length, const VoxelBox& box) const;
 
   /// From the gradient in index space to a normal in view space (not normalised): the inverse transpose.
   const glm::mat3& viewFromIndexGradient() const { return gradient_; }

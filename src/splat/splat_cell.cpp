@@ -184,7 +184,7 @@ class CellSplatter {
     counts_.visited += counted ? 1 : 0;
     if (frame_.test_samples && frame_.visibility->hidden(touched)) return;
     counts_.splats += counted ? 1 : 0;
-    const float depth = material.tau * static_cast<float>(projector.lengthAt(p));
+    const float depth = material.tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));
     accumulate(frame_, tile_, print, depth, shade(frame_, material, gradient(value), p));
   }
 

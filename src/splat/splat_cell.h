@@ -15,9 +15,20 @@ namespace kiln {
 /// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
 inline constexpr double kGradientNoise = 1e-5;
 
-/// What all cells of a frame share.
+/// Where a coarser level ends: the last voxel along an axis covers only a part of its length where the volume's extent
+/// is no multiple of a coarse voxel, and holds so much less material.
+struct EndVoxels {
+  VoxelCoord last{-1, -1, -1};
+  glm::dvec3 part{1};
+  double partOf(const VoxelCoord& v) const {
+    return (v.x == last.x ? part.x : 1) * (v.y == last.y ? part.y : 1) * (v.z == last.z ? part.z : 1);
+  }
+};
+
+/// What all cells of a brick share.
 struct SplatFrame {
-  const Projector* projector = nullptr;
+  const Projector* projector = nullptr;  // of the brick's level
+  EndVoxels ends;                        // the same
   const Classifier* classifier = nullptr;
   Shading shading;
   float gradient_noise = 0;  // unit: value per voxel

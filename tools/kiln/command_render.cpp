@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "base/file.h"
 #include "base/memory.h"
@@ -59,6 +60,15 @@ void applyCamera(const Arguments& a, CameraSpec& camera) {
   if (a.zoom) camera.zoom = a.zoom;
 }
 
+std::optional<int> levelNamed(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  int level = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  if (error != std::errc() || end != text.data() + text.size() || level < 0)
+    throw Error(ErrorCode::kUsage, fmt::format("--level: expected auto or a number from 0 on, found '{}'", text));
+  return level;
+}
+
 void applyPicture(const Arguments& a, PictureOptions& picture) {
   if (a.size) {
     const auto [width, height] = parseSize(*a.size, "--size");
@@ -86,9 +96,7 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
   if (a.skip_damaged) picture.skip_damaged = true;
-  if (a.level && *a.level != "auto") {
-    picture.level = static_cast<int>(parseTriple(*a.level + ",0,0", "--level").x);
-  }
+  if (a.level) picture.level = levelNamed(*a.level);
 }
 
 void applySpeed(const Arguments& a, SpeedOptions& speed) {
@@ -218,7 +226,8 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--opacity-threshold", a->threshold,
                       "alpha at which a pixel takes no more light; 0.998 if not given");
   command->add_option("--lattice", a->lattice, "voxel");
-  command->add_option("--level", a->level, "auto or the number of a level; 0 is finest");
+  command->add_option("--level", a->level,
+                      "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
   command->add_flag("--skip-damaged", a->skip_damaged,
                     "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
   command->add_option("--memory", a->memory, "the most memory for image, index and bricks; 2G if not given")
