@@ -29,6 +29,7 @@ SuiteStore suiteStore(const std::string& volume, const fs::path& stores, const s
   FileSystem::real().makeDirectories(stores);
   ConvertOptions options;
   options.overwrite = true;
+  options.most_levels = 1;  // drawn is level 0 only
   options.command = command;
   options.time = time;
   const auto begin = std::chrono::steady_clock::now();

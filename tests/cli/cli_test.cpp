@@ -208,6 +208,29 @@ TEST_F(Cli, TheEyeMayBeInsideTheVolume) {
   EXPECT_EQ(readImage(in("p.png")).width, 32);
 }
 
+// Known because 24 voxels in 8 pixels are a third of a pixel each, in 32 pixels more than a pixel; level 1 is one
+// brick.
+TEST_F(Cli, LevelsOfDetailAreChosenOrForced) {
+  makeRampStore();
+  const auto drawn = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"render",  in("v.kiln"), "-o",           in("p.png"),
+                                          "--stats", in("s.json"), "--projection", "orthographic"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    expectDone(arguments);
+    const Json stats = Json::parse(readTextFile(in("s.json")));
+    EXPECT_EQ(stats["levels"].size(), 2u);
+    EXPECT_EQ(stats["levels"][1]["level"], 1);
+    EXPECT_EQ(stats["bricks"]["total"],
+              stats["levels"][0]["bricks"].get<int>() + stats["levels"][1]["bricks"].get<int>());
+    return std::pair(stats["levels"][0]["bricks"].get<int>(), stats["levels"][1]["bricks"].get<int>());
+  };
+  EXPECT_EQ(drawn({"--size", "32x32"}), std::pair(4, 0));
+  EXPECT_EQ(drawn({"--size", "8x8"}), std::pair(0, 1));
+  EXPECT_EQ(drawn({"--size", "8x8", "--level", "auto"}), std::pair(0, 1));
+  EXPECT_EQ(drawn({"--size", "8x8", "--level", "0"}), std::pair(4, 0));
+  EXPECT_EQ(drawn({"--size", "32x32", "--level", "1"}), std::pair(0, 1));
+}
+
 // Known from DESIGN §10: the keys that scripts outside of the project read.
 TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   makeRampStore();
@@ -370,7 +393,8 @@ TEST_F(Cli, WrongCommandLines) {
       {{"render", store, "-o", picture, "--png-bits", "12"}, "--png-bits"},
       {{"render", store, "-o", picture, "--memory", "lots"}, "lots"},
       {{"render", store, "-o", picture, "--threads", "many"}, "--threads"},
-      {{"render", store, "-o", picture, "--level", "7"}, "level"},
+      {{"render", store, "-o", picture, "--level", "7"}, "has 2 levels, from 0 to 1"},
+      {{"render", store, "-o", picture, "--level", "fine"}, "--level: expected auto"},
       {{"slice", store, "-o", picture, "--axis", "w"}, "--axis"},
       {{"slice", store, "-o", picture, "--index", "16"}, "index"},
       {{"slice", store, "-o", picture, "--window", "3"}, "--window"},
@@ -526,7 +550,7 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
   EXPECT_EQ(lines[1].find("kiln: " + other + ": is missing, expected "), 0u) << lines[1];
   EXPECT_EQ(lines[2], "kiln: " + in("v.kiln") + ": 2 of 7 files damaged");
   write(other, textOf(whole));
-  expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none"}, 1,
+  expectRefused({"render", in("v.kiln"), "-o", in("p.png"), "--size", "8x8", "--visibility", "none", "--level", "0"}, 1,
                 {brick, "checksum"});
   expectRefused({"export", in("v.kiln"), in("v.vdb")}, 1, {brick, "checksum"});
   fs::remove(in("v.kiln") + "/manifest.json");

@@ -41,6 +41,7 @@ void compareWithReference(const DenseVolume& volume, const fs::path& store, cons
   request.view = resolve(camera, {pixels, pixels});
   request.transfer_function = tf;
   request.opacity_threshold = 0.9999;
+  request.level = 0;
   const Image splatted = draw(store, request);
   const Image reference = referenceImage(volume, request.view, tf, request.shading, {0, 0, 0, 0}, settings);
   const ImageDifference d = compareImages(reference, splatted);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "frame/lookahead.h"
+#include "grid/pyramid.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
 #include "support/drawing.h"
@@ -15,21 +16,16 @@
 namespace kiln::test {
 namespace {
 
-class NodeBounds : public ::testing::TestWithParam<ProjectedArea> {};
-
-TEST_P(NodeBounds, HoldEveryFootprint) {
-  int drawn = 0;
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    Random random(seed);
+class NodeBounds : public ::testing::TestWithParam<ProjectedArea> {
+ protected:
+  static VolumeGeometry volumeOf(std::uint64_t seed) {
     VolumeGeometry volume;
     volume.dims = {64, 64, 64};
     volume.world_from_index = seed % 3 == 0 ? glm::dmat4(1.0) : seed % 3 == 1 ? anisotropicAffine() : obliqueAffine();
-    const View view = resolve(randomCamera(random, volume), {200, 150});
-    const Projector projector(volume, view, GetParam());
-    const int edge = 1 << random.between(0, 4);
-    const VoxelCoord lo = {random.between(0, 64 - edge), random.between(0, 64 - edge), random.between(0, 64 - edge)};
-    const VoxelBox box{lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
-    const PixelRect bounds = projector.bounds(box);
+    return volume;
+  }
+
+  void expectInside(const PixelRect& bounds, const Projector& projector, const VoxelBox& box, std::uint64_t seed) {
     for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
       for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
         for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
@@ -45,12 +41,55 @@ TEST_P(NodeBounds, HoldEveryFootprint) {
           ASSERT_LE(bounds.y0, top) << "seed " << seed;
           ASSERT_GT(bounds.x1, right) << "seed " << seed;
           ASSERT_GT(bounds.y1, bottom) << "seed " << seed;
-          ++drawn;
+          ++drawn_;
         }
       }
     }
   }
-  EXPECT_GT(drawn, 10000);
+  int drawn_ = 0;
+};
+
+TEST_P(NodeBounds, HoldEveryFootprint) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    const VolumeGeometry volume = volumeOf(seed);
+    const View view = resolve(randomCamera(random, volume), {200, 150});
+    const Projector projector(volume, view, GetParam());
+    const int edge = 1 << random.between(0, 4);
+    const VoxelCoord lo = {random.between(0, 64 - edge), random.between(0, 64 - edge), random.between(0, 64 - edge)};
+    const VoxelBox box{lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
+    expectInside(projector.bounds(box), projector, box, seed);
+  }
+  EXPECT_GT(drawn_, 10000);
+}
+
+// A node of a coarser level, one voxel larger on every side, holds the footprints of all finer voxels below it.
+TEST_P(NodeBounds, HoldEveryFinerFootprint) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    const std::vector<VolumeGeometry> levels = pyramidOf(volumeOf(seed), 8, 4);
+    const View view = resolve(randomCamera(random, levels[0]), {random.between(2, 200), random.between(2, 150)});
+    const int coarse = random.between(1, static_cast<int>(levels.size()) - 1);
+    const Projector projector(levels[static_cast<std::size_t>(coarse)], view, GetParam(),
+                              Projector(levels[0], view).nearDepth());
+    const Extent3& n = levels[static_cast<std::size_t>(coarse)].dims;
+    VoxelBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = random.between(0, static_cast<int>(n[axis]) - 1);
+      box.hi[axis] = std::min<std::int64_t>(box.lo[axis] + 2, n[axis]);
+    }
+    const PixelRect bounds = projector.bounds(dilated(box, 1));
+    for (int level = coarse - 1; level >= 0; --level) {
+      const VolumeGeometry& finer = levels[static_cast<std::size_t>(level)];
+      const Extent3 by = halvingOf(finer);
+      for (int axis = 0; axis < 3; ++axis) {
+        box.lo[axis] *= by[axis];
+        box.hi[axis] = std::min(box.hi[axis] * by[axis], finer.dims[axis]);
+      }
+      expectInside(bounds, Projector(finer, view, GetParam()), box, seed);
+    }
+  }
+  EXPECT_GT(drawn_, 10000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Areas, NodeBounds, ::testing::Values(ProjectedArea::kBox, ProjectedArea::kSphere));

@@ -1,7 +1,8 @@
 // "Nothing in the second group of options changes a bit of the picture", and neither does how the volume was cut: order
 // is decided per cell of 8³ voxels of the one octree, every footprint's weights are taken over all of it, and each
 // pixel is written by one tile. So pictures of the same scene must be equal to the bit for every brick size, visibility
-// method, thread count, tile size and memory budget.
+// method, thread count, tile size and memory budget. With `--level auto` the level is chosen per brick, so there the
+// picture depends on the bricks' size, and on nothing else.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -57,6 +58,21 @@ std::vector<DenseVolume> volumes() {
   return out;
 }
 
+// With room for one brick, each is read once all the same.
+void checkLeastMemory(const std::filesystem::path& store, const FrameRequest& request, const Image& truth,
+                      std::uint64_t seed) {
+  const StoreReader reader(store);
+  std::uint64_t smallest = 0;
+  for (int level = 0; level < reader.index().levels(); ++level) {
+    const Extent3& n = reader.index().lattice(level);
+    for (std::int64_t b = 0; b < n.count(); ++b)
+      smallest = std::max<std::uint64_t>(smallest, reader.readBytes({level, brickAt(n, b)}));
+  }
+  FrameStatistics statistics;
+  EXPECT_TRUE(equalBits(truth, draw(store, request, smallest, &statistics))) << "least memory, seed " << seed;
+  EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting) << "a brick was read twice, seed " << seed;
+}
+
 class PictureEquality : public ::testing::TestWithParam<int> {
  protected:
   // Opens one store for each brick size: 8 is one cell, 128 is one brick for all.
@@ -74,6 +90,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       const RandomScene scene = randomScene(seed, volume_, kSize);
       const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
       FrameRequest request = requestOf(scene, threshold);
+      request.level = 0;
       request.visibility.method = VisibilityMethod::kNone;
       const Image truth = draw(stores_[3], request);
       for (std::size_t at = 3; at < truth.rgba.size(); at += 4) {
@@ -89,15 +106,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       request.tile_px = 64 << seed % 3;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request)))
           << "one thread, tiles of " << request.tile_px << ", seed " << seed;
-      const StoreReader reader(stores_[1]);
-      std::uint64_t smallest = 0;
-      for (std::int64_t b = 0; b < reader.index().lattice(0).count(); ++b) {
-        const Extent3& n = reader.index().lattice(0);
-        smallest = std::max<std::uint64_t>(smallest, reader.readBytes({0, brickAt(n, b)}));
-      }
-      FrameStatistics statistics;
-      EXPECT_TRUE(equalBits(truth, draw(stores_[1], request, smallest, &statistics))) << "least memory, seed " << seed;
-      EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting) << "a brick was read twice, seed " << seed;
+      checkLeastMemory(stores_[1], request, truth, seed);
     }
     EXPECT_GT(pictures_with_something, scenes / 2);
   }
@@ -125,6 +134,43 @@ TEST_P(PictureEquality, HoldsForBricksMethodsThreadsTilesAndMemory) { check(100,
 TEST_P(PictureEquality, NightlyHoldsForManyScenes) { check(1000, 400); }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, PictureEquality, ::testing::Values(0, 1, 2));
+
+// The same for `--level auto`, from so near that levels mix.
+class MixedLevels : public ::testing::TestWithParam<int> {
+ protected:
+  void check(std::uint64_t first_seed, int scenes) {
+    const DenseVolume volume = std::move(volumes()[static_cast<std::size_t>(GetParam())]);
+    const auto store = makeStore(volume, "pyramid", 16);
+    int mixed = 0;
+    for (int i = 0; i < scenes; ++i) {
+      const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+      FrameRequest request = requestOf(randomScene(seed, volume, kSize), 0.3 + 0.7 * hashUnit(seed, 77));
+      Camera camera = cameraFrom(volume.geometry, randomDirection(seed, 0), Projection::kPerspective);
+      camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
+      camera.fov_deg = 110;
+      request.view = resolve(camera, kSize);
+      request.visibility.method = VisibilityMethod::kNone;
+      FrameStatistics statistics;
+      const Image truth = draw(store, request, 1ull << 30, &statistics);
+      mixed += statistics.levels[0].bricks > 0 && statistics.levels[1].bricks > 0 ? 1 : 0;
+      for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
+        request.visibility = {method, kAreas[seed % std::size(kAreas)]};
+        request.tile_px = (static_cast<int>(method) + seed) % 2 == 0 ? 64 : 0;
+        EXPECT_TRUE(equalBits(truth, draw(store, request)))
+            << "method " << static_cast<int>(method) << ", seed " << seed;
+      }
+      const ThreadLimit one(1);
+      request.tile_px = 128;
+      checkLeastMemory(store, request, truth, seed);
+    }
+    EXPECT_GT(mixed, scenes / 2);
+  }
+};
+
+TEST_P(MixedLevels, HoldForMethodsThreadsTilesAndMemory) { check(201, (kQuickScenes + 1) / 2); }
+TEST_P(MixedLevels, NightlyHoldForManyScenes) { check(2000, 100); }
+
+INSTANTIATE_TEST_SUITE_P(Volumes, MixedLevels, ::testing::Values(0, 1, 2));
 
 }  // namespace
 }  // namespace kiln::test

@@ -46,6 +46,7 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_TRUE(job.picture.shading.phong);
   EXPECT_EQ(job.picture.shading.diffuse, 0.7);
   EXPECT_EQ(job.picture.shading.power, 8);
+  EXPECT_EQ(job.picture.level, std::nullopt);
   EXPECT_EQ(job.speed.visibility.method, VisibilityMethod::kNone);
   EXPECT_EQ(job.picture.opacity_threshold, 0.95);
   EXPECT_EQ(job.speed.memory_bytes, 512u << 20);
@@ -153,7 +154,7 @@ const Wrong kWrong[] = {
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
     {R"("lattice": "pixel")", ErrorCode::kUnsupported, "lattice: this version splats the voxel lattice only"},
     {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},
-    {R"("level": 3)", ErrorCode::kUnsupported, "level"},
+    {R"("level": 1.5)", ErrorCode::kUsage, "level"},
     {R"("level": "best")", ErrorCode::kUsage, "level"},
     {R"("level": -1)", ErrorCode::kUsage, "level"},
     {R"("memory": "lots")", ErrorCode::kUsage, "memory"},
@@ -221,6 +222,13 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
+TEST(RenderJob, ALevelIsANumberOrAuto) {
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": 3})", "job.json").picture.level, 3);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": 0})", "job.json").picture.level, 0);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": "auto"})", "job.json").picture.level, std::nullopt);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.level, std::nullopt);
+}
+
 // Values with no short decimal form, so that a rounded one would be seen.
 TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   RenderJob job = parseJob(kExample, "job.json");
@@ -234,6 +242,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   camera.height = 10 / 3.0;
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     camera.projection = projection;
+    if (projection == Projection::kOrthographic) job.picture.level = 2;
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");
     expectSamePicture(job, again);
