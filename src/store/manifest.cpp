@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "grid/pyramid.h"
 #include "store/minmax_octree.h"
 
 namespace kiln {
@@ -195,6 +196,13 @@ LevelInfo readLevel(Reader level, const VolumeGeometry& frame_and_unit, std::int
   return out;
 }
 
+void requireHalved(const VolumeGeometry& fine, const VolumeGeometry& coarse, const Reader& root,
+                   const std::string& place) {
+  const VolumeGeometry expected = coarserThan(fine);
+  if (coarse.dims == expected.dims && coarse.world_from_index == expected.world_from_index) return;
+  root.fail(place.c_str(), "is not the level before at half the resolution");
+}
+
 // Where the 32 digits of the checksum stand; npos where there are none.
 std::size_t digitsOf(const std::string& text) {
   const std::size_t key = text.rfind(kChecksumKey);
@@ -294,7 +302,9 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   const Json& levels = root.get("levels");
   if (!levels.is_array() || levels.empty()) root.fail("levels", "expected at least one level");
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    m.levels.push_back(readLevel(Reader(levels[i], fmt::format("levels[{}].", i), path), geometry, m.brick_size));
+    const std::string place = fmt::format("levels[{}]", i);
+    m.levels.push_back(readLevel(Reader(levels[i], place + ".", path), geometry, m.brick_size));
+    if (i > 0) requireHalved(m.levels[i - 1].geometry, m.levels[i].geometry, root, place);
   }
   if (m.geometry().dims != geometry.dims || m.geometry().world_from_index != geometry.world_from_index) {
     root.fail("levels", "the first level disagrees with the volume");

@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
 #include "support/procedural.h"
@@ -357,7 +358,10 @@ Manifest unusualManifest() {
   level.bricks = brickLattice(level.geometry.dims, 64);
   level.stored_bricks = 3;
   level.stored_bytes = 99999;
-  m.levels = {level};
+  LevelInfo coarser;
+  coarser.geometry = coarserThan(level.geometry);
+  coarser.bricks = brickLattice(coarser.geometry.dims, 64);
+  m.levels = {level, coarser};
   m.container_version = "OpenVDB 10.0.1";
   m.source.format = "OpenVDB";
   m.source.files = {"/a b/ü.vdb", "\\ \" checksum\": \""};
@@ -486,6 +490,8 @@ TEST(StoreManifest, RefusesWhatContradictsItself) {
     return complaintOf(json);
   };
   EXPECT_NE(with("/levels/0/bricks/0", 3).find("bricks"), std::string::npos);
+  EXPECT_NE(with("/levels/1/dimensions/0", 49).find("levels[1]"), std::string::npos);
+  EXPECT_NE(with("/levels/1/affine/3", 0.25).find("levels[1]"), std::string::npos);
   EXPECT_NE(with("/dimensions/1", 1999).find("levels"), std::string::npos);
   EXPECT_NE(with("/affine/3", 0.5).find("levels"), std::string::npos);
   EXPECT_NE(with("/brickSize", 63).find("brickSize"), std::string::npos);
