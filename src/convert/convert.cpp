@@ -135,19 +135,23 @@ class Conversion {
   // The coarser levels go on from where the earlier conversion left them.
   void takeUp() {
     if (finished_bricks_ == 0) return;
-    const std::vector<BrickKey> ready = pyramid_.takeUp(
-        [&](const BrickKey& key) { return finished_[static_cast<std::size_t>(key.level)][placeOf(key)] != 0; },
-        [&](const BrickKey& key) {
-          progress_.throwIfCancelled("taking up the coarser levels");
-          const BrickFrame frame = writer_.frame(key);
-          const fs::path path = directory_ / brickPath(key);
-          const BrickBlock block = decodeBrick(frame, readFile(path), path);
-          const BrickEntry& entry = writer_.entry(key);
-          const auto cells = block.octree.cells();
-          pyramid_.addFinished(key, block.voxels, block.extent,
-                               {{cells.begin(), cells.end()}, entry.core, entry.support});
-        });
+    const std::vector<BrickKey> ready =
+        pyramid_.takeUp([&](const BrickKey& key) { return isFinished(key); },
+                        [&](const BrickKey& key) {
+                          progress_.throwIfCancelled("taking up the coarser levels");
+                          const BrickFrame frame = writer_.frame(key);
+                          const fs::path path = directory_ / brickPath(key);
+                          const BrickBlock block = decodeBrick(frame, readFile(path), path);
+                          const BrickEntry& entry = writer_.entry(key);
+                          const auto cells = block.octree.cells();
+                          pyramid_.addFinished(key, block.voxels, block.extent,
+                                               {{cells.begin(), cells.end()}, entry.core, entry.support});
+                        });
     build(ready);
+  }
+
+  bool isFinished(const BrickKey& key) const {
+    return finished_[static_cast<std::size_t>(key.level)][placeOf(key)] != 0;
   }
 
   std::size_t placeOf(const BrickKey& key) const {
@@ -183,6 +187,8 @@ class Conversion {
       progress_.throwIfCancelled("converting");
       const BrickKey key = ready.back();
       ready.pop_back();
+      // Where only a brick below it was damaged, a coarser one is finished already.
+      if (isFinished(key)) continue;
       const PyramidBuilder::Built built = pyramid_.build(key);
       journal_->append({key, built.entry, {}});
       ready.insert(ready.end(), built.ready.begin(), built.ready.end());

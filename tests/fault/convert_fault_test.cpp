@@ -282,14 +282,29 @@ TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   const fs::path out = interrupted();
   EXPECT_THROW(resume(volume, out, 2 * kBrickSize), Error);
   EXPECT_THROW(resume(oldVolume(), out, kBrickSize), Error);
-  const fs::path brick = out / "bricks/0/1_0_0.vdb";
-  std::vector<std::byte> file = readFile(brick);
-  file[file.size() / 2] ^= std::byte{1};
-  FileSystem::real().writeFile(brick, file, false);
+  const auto damage = [](const fs::path& brick) {
+    std::vector<std::byte> file = readFile(brick);
+    file[file.size() / 2] ^= std::byte{1};
+    FileSystem::real().writeFile(brick, file, false);
+  };
+  damage(out / "bricks/0/1_0_0.vdb");
   resume(volume, out, kBrickSize);
   EXPECT_EQ(filesOf(out.parent_path()), whole);
-  resume(volume, out, kBrickSize);
-  EXPECT_EQ(filesOf(out.parent_path()), whole) << "a finished store is left as it is";
+  // The disk fails at the manifest: every brick is finished. One that is damaged then is made anew, its parents are
+  // not.
+  for (const char* brick : {"bricks/0/1_0_0.vdb", "bricks/1/0_0_0.vdb", "bricks/2/0_0_0.vdb"}) {
+    SCOPED_TRACE(brick);
+    const fs::path again = freshDirectory("fault_same") / "volume.kiln";
+    FaultyFileSystem disk({changesOf(false) - 2, EIO, false, false});
+    ASSERT_TRUE(convertWith(volume, again, How::kNew, disk));
+    damage(again / brick);
+    resume(volume, again, kBrickSize);
+    EXPECT_EQ(filesOf(again.parent_path()), whole);
+  }
+  const fs::path finished = makeStore(volume, "fault_finished", kBrickSize);
+  const auto before = filesOf(finished);
+  resume(volume, finished, kBrickSize);
+  EXPECT_EQ(filesOf(finished), before) << "a finished store is left as it is";
 }
 
 // The user's old store is as it was, to the byte, wherever the new conversion was stopped.
