@@ -109,13 +109,15 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
     const std::uint64_t needed = store_.readBytes(key);
     // What is being read ahead becomes smaller, or can make room, once it is there.
     while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
-      if (reading_ == 0) {
+      starved_ = reading_ > 0;
+      if (!starved_) {
         throw Error(ErrorCode::kBudget, store_.path(), "--memory",
                     fmt::format("{} is too little: {} are in use and the next brick takes {}",
                                 formatBytes(budget_bytes_), formatBytes(held_bytes_), formatBytes(needed)));
       }
       changed_.wait(lock);
     }
+    starved_ = false;
     slot = begin(key);
     read(slot, lock);
   }
@@ -152,13 +154,14 @@ void BrickCache::settle() {
   changed_.wait(lock, [&] { return reading_ == 0; });
 }
 
-// A reader's life: the first announced brick that is not there, as soon as there is room for it.
+// A reader's life: the first announced brick that is not there, as soon as there is room for it and nobody waits for
+// some. What it took then would have to make room for the brick that is due, and be read again.
 void BrickCache::readAhead() {
   Lock lock(mutex_);
   while (!closing_) {
     const auto next =
         std::find_if(announced_.begin(), announced_.end(), [&](const BrickKey& key) { return !slots_.contains(key); });
-    if (next == announced_.end() || !makeRoom(store_.readBytes(*next), true)) {
+    if (starved_ || next == announced_.end() || !makeRoom(store_.readBytes(*next), true)) {
       changed_.wait(lock);
       continue;
     }

@@ -94,6 +94,7 @@ class BrickCache {
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;
   int reading_ = 0;
   bool closing_ = false;
+  bool starved_ = false;  // `get` is waiting for room
   Slots slots_;
   std::list<BrickKey> recency_;     // most recent first
   std::deque<BrickKey> announced_;  // not asked for yet; the next first
