@@ -24,14 +24,14 @@ bool testsSamples(const VisibilityOptions& options) {
          options.method != VisibilityMethod::kQuadtree;
 }
 
+float gradientNoise(const ValueRange& range) {
+  return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
+}
+
 // Without what depends on a brick's level.
-SplatFrame splatFrameOf(const FrameRequest& request, const Manifest& manifest, const Classifier& classifier,
-                        Visibility& visibility) {
+SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier, Visibility& visibility) {
   SplatFrame out;
   out.classifier = &classifier;
-  out.shading = request.shading;
-  if (!manifest.range.empty())
-    out.gradient_noise = static_cast<float>(kGradientNoise * (manifest.range.hi - manifest.range.lo));
   out.opaque_at = static_cast<float>(request.opacity_threshold);
   out.visibility = &visibility;
   out.test_samples = testsSamples(request.visibility);
@@ -112,7 +112,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const BrickWalk bricks(store, levels, classifier);
   const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size, request.tile_px);
   Image image(request.view.size.width, request.view.size.height);
-  SplatFrame frame = splatFrameOf(request, manifest, classifier, *visibility);
+  SplatFrame frame = splatFrameOf(request, classifier, *visibility);
   SplatCounts counts;
   statistics.levels.assign(manifest.levels.size(), {});
   BrickWalkCounts walked;
@@ -128,6 +128,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
     if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
     if (!block) return;
     frame.projector = &levels.projector(key.level);
+    frame.shader = Shader(request.shading, gradientNoise(manifest.range), *frame.projector);
     frame.ends = levels.endVoxels(key.level);
     const SplatCounts drawn = drawBrick(frame, *block, image, rect, request);
     counts.add(drawn);

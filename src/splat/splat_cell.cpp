@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <glm/geometric.hpp>
 
 namespace kiln {
 namespace {
@@ -55,26 +54,6 @@ PixelRect rectAround(double x, double y, const Ellipse& e) {
   // Pixel column c has its centre at c + 1/2.
   return {static_cast<int>(std::ceil(x - e.half_x - 0.5)), static_cast<int>(std::ceil(y - e.half_y - 0.5)),
           static_cast<int>(std::floor(x + e.half_x - 0.5)) + 1, static_cast<int>(std::floor(y + e.half_y - 0.5)) + 1};
-}
-
-struct Color {
-  float r, g, b;
-};
-
-// Phong with a headlight, two-sided: DESIGN §10.
-Color shade(const SplatFrame& frame, const Material& material, const glm::vec3& index_gradient,
-            const glm::dvec3& view_point) {
-  const Shading& s = frame.shading;
-  Color out{material.r, material.g, material.b};
-  if (!s.phong || glm::dot(index_gradient, index_gradient) < frame.gradient_noise * frame.gradient_noise) return out;
-  const glm::vec3 normal = frame.projector->viewFromIndexGradient() * index_gradient;
-  const glm::vec3 to_eye =
-      frame.projector->perspective() ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
-  const float cosine = std::min(std::abs(glm::dot(normal, to_eye)) / glm::length(normal), 1.0f);
-  const float matte = static_cast<float>(s.ambient) + static_cast<float>(s.diffuse) * cosine;
-  const float gloss =
-      s.specular > 0 ? static_cast<float>(s.specular) * std::pow(cosine, static_cast<float>(s.power)) : 0.0f;
-  return {out.r * matte + gloss, out.g * matte + gloss, out.b * matte + gloss};
 }
 
 // Weight times optical depth of a tap, for the whole footprint: the sum of taps is taken over all of them, tile or not.
@@ -185,7 +164,7 @@ class CellSplatter {
     if (frame_.test_samples && frame_.visibility->hidden(touched)) return;
     counts_.splats += counted ? 1 : 0;
     const float depth = material.tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));
-    accumulate(frame_, tile_, print, depth, shade(frame_, material, gradient(value), p));
+    accumulate(frame_, tile_, print, depth, frame_.shader(material, gradient(value), p));
   }
 
   // Central differences at voxel scale. unit: value per voxel.

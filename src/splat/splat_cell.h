@@ -5,15 +5,12 @@
 #include <cstdint>
 
 #include "occlusion/visibility.h"
-#include "scene/render_job.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
+#include "splat/shade.h"
 #include "store/brick_block.h"
 
 namespace kiln {
-
-/// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
-inline constexpr double kGradientNoise = 1e-5;
 
 /// Where a coarser level ends: the last voxel along an axis covers only a part of its length where the volume's extent
 /// is no multiple of a coarse voxel, and holds so much less material.
@@ -29,10 +26,9 @@ struct EndVoxels {
 struct SplatFrame {
   const Projector* projector = nullptr;  // of the brick's level
   EndVoxels ends;                        // the same
+  Shader shader;                         // the same
   const Classifier* classifier = nullptr;
-  Shading shading;
-  float gradient_noise = 0;  // unit: value per voxel
-  float opaque_at = 1;       // alpha at which a pixel is closed
+  float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
   bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
 };
