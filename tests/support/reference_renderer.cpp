@@ -6,8 +6,10 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <optional>
 
 #include "base/parallel.h"
+#include "support/empty_blocks.h"
 
 namespace kiln::test {
 namespace {
@@ -20,12 +22,13 @@ class Field {
  public:
   explicit Field(const DenseVolume& volume) : dims_(volume.geometry.dims) {
     values_.resize(static_cast<std::size_t>(dims_.count()));
-    std::size_t n = 0;
-    for (std::int64_t k = 0; k < dims_.z; ++k) {
+    parallelFor(static_cast<std::size_t>(dims_.z), [&](std::size_t slice) {
+      const auto k = static_cast<std::int64_t>(slice);
+      std::size_t n = slice * static_cast<std::size_t>(dims_.x * dims_.y);
       for (std::int64_t j = 0; j < dims_.y; ++j) {
         for (std::int64_t i = 0; i < dims_.x; ++i) values_[n++] = volume.valueAt(i, j, k);
       }
-    }
+    });
   }
 
   /// Trilinear, edge-clamped; NaN where a voxel that has weight is NaN.
@@ -59,10 +62,11 @@ class Field {
     return difference;
   }
 
- private:
   double voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return values_[static_cast<std::size_t>((k * dims_.y + j) * dims_.x + i)];
   }
+
+ private:
   Extent3 dims_;
   std::vector<double> values_;
 };
@@ -83,6 +87,10 @@ struct Scene {
     const glm::dvec3 spacing = volume.geometry.spacing();
     step_world = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
     unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
+    if (settings.skip_empty) {
+      empty_blocks.emplace(
+          dims, [this](std::int64_t i, std::int64_t j, std::int64_t k) { return field.voxel(i, j, k); }, function);
+    }
   }
 
   Field field;
@@ -93,6 +101,7 @@ struct Scene {
   glm::dmat4 index_from_world;
   glm::dmat3 gradient_world_from_index;
   double gradient_noise = 0, step_world = 1, unit_world = 1;
+  std::optional<EmptyBlocks> empty_blocks;
 };
 
 /// The part [begin, end] of the ray that lies in the volume's box; empty where begin >= end.
@@ -118,19 +127,23 @@ Segment clipped(const Scene& scene, const Ray& ray) {
   return segment;
 }
 
-/// Calls sample(index position, length of the step) at the middle of each step, front to back, until it returns false.
-/// Steps begin where the ray enters; the last one is as long as what is left.
+/// Calls sample(index position, length of the step) at the middle of each step, front to back, until it returns false;
+/// steps in empty blocks are passed over. Steps begin where the ray enters; the last one is as long as what is left.
 template <class Sample>
 void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   const Segment segment = clipped(scene, ray);
   if (!(segment.begin < segment.end)) return;
   // A remainder of a billionth of a step is rounding and belongs to the step before it.
   const double steps = std::max(1.0, std::ceil((segment.end - segment.begin) / scene.step_world - 1e-9));
-  for (double step = 0; step < steps; ++step) {
+  const glm::dvec3 step_index = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0)) * scene.step_world;
+  for (double step = 0; step < steps;) {
     const double begin = segment.begin + step * scene.step_world;
     const double end = step + 1 < steps ? begin + scene.step_world : segment.end;
     const glm::dvec3 world = ray.origin + 0.5 * (begin + end) * ray.direction;
-    if (!sample(glm::dvec3(scene.index_from_world * glm::dvec4(world, 1)), end - begin)) return;
+    const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
+    const double skipped = scene.empty_blocks ? scene.empty_blocks->stepsToSkip(index, step_index) : 0;
+    if (!(skipped > 0) && !sample(index, end - begin)) return;
+    step += std::max(1.0, skipped);
   }
 }
 

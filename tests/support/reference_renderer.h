@@ -29,6 +29,8 @@ struct ReferenceSettings {
   double step_voxels = 0.1;
   /// A ray that reaches this alpha is divided by it and ends (DESIGN §4); 1: never.
   double opacity_threshold = 1;
+  /// Steps over what is transparent without sampling it, which changes no bit of the picture.
+  bool skip_empty = true;
 
   /// What VTK and the like draw: one ray a pixel, a step of one voxel.
   static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }

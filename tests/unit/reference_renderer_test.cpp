@@ -438,6 +438,31 @@ TEST(ReferenceRenderer, AlphaIsWhatIsAbsorbedInAnyScene) {
   EXPECT_GT(seen, kScenes * 2 / 3) << "most random scenes should show something";
 }
 
+// What is stepped over would have added nothing, so both pictures are made of the same sums: their bits are equal. The
+// volumes have empty regions of every size, NaN and thin walls; the scenes look from everywhere, inside too.
+TEST(ReferenceRenderer, SteppingOverEmptyBlocksChangesNoBit) {
+  DenseVolume volumes[] = {cheese({{31, 22, 40}, VoxelType::f32, obliqueAffine()}, 1, {0, 1}),
+                           head({{40, 33, 21}, VoxelType::i16, anisotropicAffine()}, usualRange(VoxelType::i16)),
+                           ball({{29, 30, 31}, VoxelType::u8}, {9, 14, 20}, 6, 200)};
+  for (int i = 0; i < 31 * 22 * 40; i += 97) volumes[0].set(i % 31, i / 31 % 22, i / 31 / 22, std::nan(""));
+  ReferenceSettings skipping{1, 0.3, 1}, plodding = skipping;
+  plodding.skip_empty = false;
+  int pictures_with_something = 0;
+  for (std::uint64_t seed = 0; seed < 45; ++seed) {
+    const DenseVolume& volume = volumes[seed % 3];
+    const RandomScene scene = randomScene(seed, volume, {24, 20});
+    const auto picture = [&](const ReferenceSettings& settings) {
+      return referenceImage(volume, scene.view, scene.transfer_function, scene.shading, {0, 0, 0, 0}, settings);
+    };
+    const Image image = picture(skipping);
+    EXPECT_EQ(image.rgba, picture(plodding).rgba) << "seed " << seed;
+    const auto depth = opticalDepthImage(volume, scene.view, scene.transfer_function, skipping).depth;
+    EXPECT_EQ(depth, opticalDepthImage(volume, scene.view, scene.transfer_function, plodding).depth) << "seed " << seed;
+    pictures_with_something += std::any_of(image.rgba.begin(), image.rgba.end(), [](float v) { return v > 0; });
+  }
+  EXPECT_GT(pictures_with_something, 25);
+}
+
 // A box read from a source is the voxels of the volume, in the order of volume_source.h.
 TEST(DenseSource, ReadsTheVoxelsOfABox) {
   for (int type = 0; type < 8; ++type) {
