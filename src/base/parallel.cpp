@@ -79,15 +79,14 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   failure.rethrow();
 }
 
+// It is built where it stays: TBB knows a control by its address, and a copy of one limits nothing.
 struct ThreadLimit::Control {
+  explicit Control(unsigned threads) : limit(tbb::global_control::max_allowed_parallelism, threads) {}
   tbb::global_control limit;
 };
 
 ThreadLimit::ThreadLimit(unsigned threads) {
-  if (threads > 0) {
-    control_ =
-        std::make_unique<Control>(Control{tbb::global_control(tbb::global_control::max_allowed_parallelism, threads)});
-  }
+  if (threads > 0) control_ = std::make_unique<Control>(threads);
 }
 
 ThreadLimit::~ThreadLimit() = default;
