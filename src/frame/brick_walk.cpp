@@ -12,8 +12,9 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Classifier& classifier)
-    : levels_(levels), brick_size_(store.manifest().brick_size) {
+BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice,
+                     const Interesting& interesting, std::int64_t halo)
+    : levels_(levels), brick_size_(store.manifest().brick_size), halo_(halo) {
   for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
     Extent3 children{1, 1, 1};
     if (level > levels.finest()) {
@@ -21,27 +22,32 @@ BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const 
       const Extent3& finer = levels.span(level - 1);
       children = {own.x / finer.x, own.y / finer.y, own.z / finer.z};
     }
-    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, store, classifier);
+    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, store, choice, interesting);
   }
   while (layers_.back().lattice.count() > 1) {
     const Layer& below = layers_.back();
-    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, store, classifier);
+    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, store, choice, interesting);
   }
 }
 
-void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Classifier& classifier) {
+void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& choice, const Interesting& interesting) {
   layers_.push_back(std::move(layer));
   Layer& added = layers_.back();
   added.nodes.reserve(static_cast<std::size_t>(added.lattice.count()));
   for (std::int64_t i = 0; i < added.lattice.count(); ++i) {
     const BrickCoord brick = brickAt(added.lattice, i);
     const VoxelCoord at = {brick.x, brick.y, brick.z};
-    if (added.edge == brick_size_ && levels_.fineEnough(added.level, voxelsOf(added, at))) {
-      const ValueRange& range = store.index().at({added.level, brick}).core;
-      added.nodes.push_back({1, classifier.interesting(range) ? 1u : 0u, true});
-    } else {
-      added.nodes.push_back(sumOfChildren(layers_.size() - 1, at));
+    const bool brick_sized = added.edge == brick_size_;
+    const Use use = brick_sized ? choice(added.level, voxelsOf(added, at)) : Use{false, true};
+    Node node;
+    if (use.finer) node = sumOfChildren(layers_.size() - 1, at);
+    node.finer = node.interesting > 0;
+    if (use.itself) {
+      node.drawn = interesting(store.index().at({added.level, brick}));
+      ++node.bricks;
+      node.interesting += node.drawn ? 1 : 0;
     }
+    added.nodes.push_back(node);
   }
 }
 
@@ -75,9 +81,10 @@ VoxelBox BrickWalk::voxelsOf(const Layer& layer, const VoxelCoord& at) const {
 
 // The centres of finer voxels lie up to half a voxel outside of the box around this level's centres, and their
 // footprints are no larger than this level's.
-PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, bool drawn) const {
-  const bool holds_finer = !drawn && layer.level > levels_.finest();
-  return levels_.projector(layer.level).bounds(holds_finer ? dilated(voxels, 1) : voxels);
+PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const {
+  const bool holds_finer = node.finer && layer.level > levels_.finest();
+  const std::int64_t reach = std::max<std::int64_t>(halo_, holds_finer ? 1 : 0);
+  return levels_.projector(layer.level).bounds(reach > 0 ? dilated(voxels, reach) : voxels);
 }
 
 void BrickWalk::run(const PixelRect& image, const Visibility& visibility,
@@ -105,7 +112,7 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
   if (node == nullptr || node->interesting == 0) return;
   const Layer& nodes = layers_[layer];
   const VoxelBox voxels = voxelsOf(nodes, at);
-  const PixelRect rect = intersection(boundsOf(nodes, voxels, node->drawn), visit.image);
+  const PixelRect rect = intersection(boundsOf(nodes, voxels, *node), visit.image);
   if (rect.empty()) return;
   ++visit.counts.nodes_tested;
   const bool hidden = visit.visibility.hidden(rect);
@@ -116,22 +123,27 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
     visit.counts.hidden += node->interesting;
     return;
   }
-  if (node->drawn) {
-    const BrickCoord brick{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
-                           static_cast<std::int32_t>(at.z)};
-    visit.draw({nodes.level, brick}, rect);
+  if (node->finer) {
+    const Layer& below = layers_[layer - 1];
+    const Extent3& n = nodes.children;
+    const VoxelCoord first = {n.x * at.x, n.y * at.y, n.z * at.z};
+    const VoxelCoord mid = {(first.x + 1) * below.edge, (first.y + 1) * below.edge, (first.z + 1) * below.edge};
+    for (const std::uint8_t child : levels_.projector(below.level).order().children(mid)) {
+      const VoxelCoord step = {child & 1, child >> 1 & 1, child >> 2};
+      // Along an axis that is not halved there is one child.
+      if (!boxOf(n).contains(step)) continue;
+      this->node(visit, layer - 1, {first.x + step.x, first.y + step.y, first.z + step.z});
+    }
+  }
+  if (!node->drawn) return;
+  // What is finer is nearer, and may hide it.
+  if (node->finer && visit.visibility.hidden(rect)) {
+    ++visit.counts.hidden;
     return;
   }
-  const Layer& below = layers_[layer - 1];
-  const Extent3& n = nodes.children;
-  const VoxelCoord first = {n.x * at.x, n.y * at.y, n.z * at.z};
-  const VoxelCoord mid = {(first.x + 1) * below.edge, (first.y + 1) * below.edge, (first.z + 1) * below.edge};
-  for (const std::uint8_t child : levels_.projector(below.level).order().children(mid)) {
-    const VoxelCoord step = {child & 1, child >> 1 & 1, child >> 2};
-    // Along an axis that is not halved there is one child.
-    if (!boxOf(n).contains(step)) continue;
-    this->node(visit, layer - 1, {first.x + step.x, first.y + step.y, first.z + step.z});
-  }
+  const BrickCoord brick{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
+                         static_cast<std::int32_t>(at.z)};
+  visit.draw({nodes.level, brick}, rect);
 }
 
 }  // namespace kiln

@@ -31,9 +31,19 @@ struct BrickInView {
 
 class BrickWalk {
  public:
-  /// Chooses the level of every region. requires: `levels` are of this store and outlive this. cost: memory of 12 bytes
-  /// a brick and a seventh.
-  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Classifier& classifier);
+  /// What a frame does with a brick of a level that has the voxels of `box`.
+  struct Use {
+    bool itself = false;  // it is drawn
+    bool finer = false;   // those below it are, before it
+  };
+  using Choice = std::function<Use(int level, const VoxelBox& box)>;
+  using Interesting = std::function<bool(const BrickEntry& entry)>;
+
+  /// requires: `levels` are of this store and outlive this; no brick of the finest level has finer ones. What is drawn
+  /// of a brick reaches at most `halo` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a
+  /// seventh.
+  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, const Interesting& interesting,
+            std::int64_t halo = 0);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
   /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn. `log`
@@ -47,8 +57,9 @@ class BrickWalk {
 
  private:
   struct Node {
-    std::uint32_t bricks = 0, interesting = 0;  // drawn for this node: itself, or those below
-    bool drawn = false;                         // as a brick
+    std::uint32_t bricks = 0, interesting = 0;  // drawn for this node: itself and those below
+    bool drawn = false;                         // as a brick that is interesting
+    bool finer = false;
   };
   struct Layer {
     int level;          // whose voxels the nodes are boxes of
@@ -58,15 +69,15 @@ class BrickWalk {
     std::vector<Node> nodes;
   };
   struct Visit;
-  void addLayer(Layer layer, const StoreReader& store, const Classifier& classifier);
+  void addLayer(Layer layer, const StoreReader& store, const Choice& choice, const Interesting& interesting);
   Node sumOfChildren(std::size_t layer, const VoxelCoord& at) const;
   const Node* find(std::size_t layer, const VoxelCoord& at) const;
   VoxelBox voxelsOf(const Layer& layer, const VoxelCoord& at) const;
-  PixelRect boundsOf(const Layer& layer, const VoxelBox& voxels, bool drawn) const;
+  PixelRect boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const;
   void node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const;
 
   const FrameLevels& levels_;
-  std::int64_t brick_size_;
+  std::int64_t brick_size_, halo_;
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
 

@@ -10,9 +10,10 @@ namespace {
 
 // A decoded brick with its apron, as the cache keeps it.
 std::uint64_t decodedBytes(const BrickFrame& brick) {
-  const auto edge = static_cast<std::uint64_t>(brick.brick_size / kCellSize);
-  const std::uint64_t octree = edge * edge * edge * 8 / 7 * sizeof(ValueRange);
-  return static_cast<std::uint64_t>(dilated(brick.core(), brick.apron).count()) * sizeOf(brick.type) + octree;
+  const std::int64_t edge = brick.brick_size / kCellSize;
+  const std::uint64_t octree = static_cast<std::uint64_t>(edge * edge * edge * 8 / 7) * sizeof(ValueRange);
+  return static_cast<std::uint64_t>(dilated(brick.core(), brick.apron).count()) * sizeOf(brick.type) + octree +
+         CellSupports::bytesFor(edge);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "frame/brick_walk.h"
 #include "frame/lookahead.h"
 #include "frame/make_visibility.h"
+#include "frame/pixel_lattice.h"
 #include "frame/tile_walk.h"
 
 namespace kiln {
@@ -91,13 +92,44 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
   return Classifier(request.transfer_function, unit, store.manifest().type, store.manifest().range);
 }
 
+BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
+  return [&levels](int level, const VoxelBox& box) {
+    const bool itself = levels.fineEnough(level, box);
+    return BrickWalk::Use{itself, !itself};
+  };
+}
+
+BrickWalk::Interesting interestingTo(const Classifier& classifier) {
+  return [&classifier](const BrickEntry& entry) { return classifier.interesting(entry.core); };
+}
+
+// What of the volume a frame asks for, before any of it is read.
+struct FramePlan {
+  FramePlan(const StoreReader& store, const FrameRequest& request)
+      : levels(store.manifest(), request.level, request.view, request.visibility.area),
+        classifier(classifierFor(store, request)) {
+    if (request.lattice == Lattice::kPixel) {
+      pixel.emplace(store.manifest(), levels, request.view, request.level, request.transfer_function, request.shading,
+                    gradientNoise(store.manifest().range));
+      bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), 1);
+    } else {
+      bricks.emplace(store, levels, voxelChoice(levels), interestingTo(classifier));
+    }
+  }
+  FramePlan(const FramePlan&) = delete;
+  FramePlan& operator=(const FramePlan&) = delete;
+
+  FrameLevels levels;
+  Classifier classifier;
+  std::optional<PixelLattice> pixel;  // else the voxel lattice
+  std::optional<BrickWalk> bricks;
+};
+
 }  // namespace
 
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts) {
   requireRequest(store, request);
-  const FrameLevels levels(store.manifest(), request.level, request.view, request.visibility.area);
-  const BrickWalk bricks(store, levels, classifierFor(store, request));
-  return bricks.inView({0, 0, request.view.size.width, request.view.size.height}, counts);
+  return FramePlan(store, request).bricks->inView({0, 0, request.view.size.width, request.view.size.height}, counts);
 }
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
@@ -107,12 +139,11 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const Manifest& manifest = store.manifest();
   const CacheCounts before = cache.counts();
 
-  const Classifier classifier = classifierFor(store, request);
-  const FrameLevels levels(manifest, request.level, request.view, request.visibility.area);
-  const BrickWalk bricks(store, levels, classifier);
+  FramePlan plan(store, request);
+  std::optional<PixelLattice>& pixel = plan.pixel;
   const std::unique_ptr<Visibility> visibility = makeVisibility(request.visibility, request.view.size, request.tile_px);
   Image image(request.view.size.width, request.view.size.height);
-  SplatFrame frame = splatFrameOf(request, classifier, *visibility);
+  SplatFrame frame = splatFrameOf(request, plan.classifier, *visibility);
   SplatCounts counts;
   statistics.levels.assign(manifest.levels.size(), {});
   BrickWalkCounts walked;
@@ -120,21 +151,23 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   std::optional<Lookahead> lookahead;
   if (cache.readsAhead()) {
     BrickWalkCounts ignored;
-    lookahead.emplace(bricks.inView(whole, ignored), *visibility);
+    lookahead.emplace(plan.bricks->inView(whole, ignored), *visibility);
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache.get(key);
     if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
     if (!block) return;
-    frame.projector = &levels.projector(key.level);
+    frame.projector = &plan.levels.projector(key.level);
     frame.shader = Shader(request.shading, gradientNoise(manifest.range), *frame.projector);
-    frame.ends = levels.endVoxels(key.level);
-    const SplatCounts drawn = drawBrick(frame, *block, image, rect, request);
+    frame.ends = plan.levels.endVoxels(key.level);
+    const SplatCounts drawn = pixel ? pixel->draw(*block, tilesOf(image, rect, request.tile_px), *visibility,
+                                                  frame.test_samples, frame.opaque_at)
+                                    : drawBrick(frame, *block, image, rect, request);
     counts.add(drawn);
     statistics.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
   };
-  bricks.run(whole, *visibility, draw, walked, request.node_log);
+  plan.bricks->run(whole, *visibility, draw, walked, request.node_log);
   cache.settle();
   layOverBackground(image, request.background);
 

@@ -21,6 +21,7 @@ struct FrameRequest {
   Shading shading;
   std::array<double, 4> background{0, 0, 0, 0};
   double opacity_threshold = 0.998;
+  Lattice lattice = Lattice::kVoxel;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;             // as SpeedOptions has it

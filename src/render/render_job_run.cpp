@@ -55,6 +55,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.shading = job.picture.shading;
   request.background = job.picture.background;
   request.opacity_threshold = job.picture.opacity_threshold;
+  request.lattice = job.picture.lattice;
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;

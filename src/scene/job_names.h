@@ -10,6 +10,7 @@ inline constexpr std::array<std::string_view, 2> kProjectionNames = {"perspectiv
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
+inline constexpr std::array<std::string_view, 2> kLatticeNames = {"pixel", "voxel"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 }  // namespace kiln

@@ -58,7 +58,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
     out["visibility"]["area"] = kProjectedAreaNames[static_cast<std::size_t>(visibility.area)];
     out["visibility"]["epsilon"] = visibility.epsilon_px;
   }
-  out["lattice"] = "voxel";
+  out["lattice"] = kLatticeNames[static_cast<std::size_t>(picture.lattice)];
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
   if (picture.skip_damaged) out["skipDamaged"] = true;
   // A file name need not be UTF-8; JSON must be.

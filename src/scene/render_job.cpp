@@ -54,10 +54,7 @@ void readVisibility(const JobObject& object, RenderJob& job) {
 }
 
 void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
-  static constexpr std::array<std::string_view, 2> kLattices = {"voxel", "pixel"};
-  if (root.choice("lattice", kLattices).value_or(0) != 0) {
-    unsupported(root, "lattice", "this version splats the voxel lattice only; write \"voxel\"");
-  }
+  if (const auto lattice = root.choice("lattice", kLatticeNames)) picture.lattice = static_cast<Lattice>(*lattice);
   static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
   if (root.isText("level"))
     root.choice("level", kLevels);

@@ -38,7 +38,7 @@ struct VisibilityOptions {
   bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };
-enum class Lattice { kVoxel };
+enum class Lattice { kPixel, kVoxel };
 
 /// A camera said in part: either where the eye is, or a framing, each key optional. With an eye, the target is the
 /// volume's centre, up is superior, fov 60 and an orthographic height the fitting one where nothing is said. Without,

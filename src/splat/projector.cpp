@@ -72,6 +72,8 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
   axis_y_ = glm::dvec3(view_from_index[1]);
   axis_z_ = glm::dvec3(view_from_index[2]);
   origin_ = glm::dvec3(view_from_index[3]);
+  const glm::dmat4 index_from_view = glm::transpose(glm::inverse(view_from_index));
+  for (int axis = 0; axis < 3; ++axis) index_rows_[axis] = index_from_view[axis];
   const glm::dvec3 spacing = volume.spacing();
   near_depth_ = near_depth.value_or(0.5 * std::min({spacing.x, spacing.y, spacing.z}));
   const glm::dmat3 linear(view_from_index);

@@ -45,6 +45,19 @@ class Projector {
     return ((origin_ + static_cast<double>(v.z) * axis_z_) + static_cast<double>(v.y) * axis_y_) +
            static_cast<double>(v.x) * axis_x_;
   }
+  /// Any point of index space in view space.
+  glm::dvec3 viewOfIndex(const glm::dvec3& index) const {
+    return ((origin_ + index.z * axis_z_) + index.y * axis_y_) + index.x * axis_x_;
+  }
+  /// A voxel's edge in view space. requires: 0 <= axis < 3.
+  const glm::dvec3& axis(int axis) const { return axis == 0 ? axis_x_ : axis == 1 ? axis_y_ : axis_z_; }
+  /// Index coordinate `axis` of a view-space point p: dot(row, (p, 1)).
+  const glm::dvec4& indexRow(int axis) const { return index_rows_[axis]; }
+  /// Perspective: pixels per unit of x/z; else per world unit.
+  double focal() const { return focal_px_; }
+  const glm::dvec2& centre() const { return centre_px_; }
+  double voxelVolume() const { return voxel_volume_; }
+
   /// unit: world, along the view.
   double nearDepth() const { return near_depth_; }
 
@@ -83,6 +96,7 @@ class Projector {
   glm::dvec2 centre_px_;
   double near_depth_;
   double voxel_volume_;
+  glm::dvec4 index_rows_[3];
   glm::dmat3 covariance_;  // of the kernel in view space. unit: world²
   glm::mat3 gradient_;
   VisitingOrder order_;

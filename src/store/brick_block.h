@@ -7,6 +7,7 @@
 
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
+#include "store/cell_supports.h"
 #include "store/minmax_octree.h"
 
 namespace kiln {
@@ -27,11 +28,12 @@ struct BrickBlock {
   /// shape: extent, x fastest, densely packed.
   std::vector<std::byte> voxels;
   MinMaxOctree octree;
+  CellSupports supports;
 
   std::int64_t strideY() const { return extent.extent().x; }
   std::int64_t strideZ() const { return extent.extent().x * extent.extent().y; }
   /// What the block costs in memory. unit: bytes.
-  std::size_t bytes() const { return sizeof *this + voxels.size() + octree.bytes(); }
+  std::size_t bytes() const { return sizeof *this + voxels.size() + octree.bytes() + supports.bytes(); }
 
   template <class T>
   const T* data() const {

@@ -218,6 +218,10 @@ BrickBlock emptyBlock(const BrickFrame& frame) {
   return block;
 }
 
+CellSupports supportsOf(const BrickBlock& block) {
+  return CellSupports(block.voxels, block.type, block.extent, block.core.lo, block.octree.edge(0));
+}
+
 }  // namespace
 
 BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path) {
@@ -232,6 +236,7 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
       ArchiveReader().read(in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
       decoder.finish();
     });
+    block.supports = supportsOf(block);
     return block;
   } catch (const Error&) {
     throw;
@@ -248,6 +253,7 @@ BrickBlock constantBrick(const BrickFrame& frame, double value) {
   });
   const int edge = static_cast<int>(frame.brick_size / kCellSize);
   block.octree = MinMaxOctree(cellRanges(block.voxels, frame.type, block.extent, block.core, edge), edge);
+  block.supports = supportsOf(block);
   return block;
 }
 
@@ -262,7 +268,11 @@ std::size_t decodeBytes(const BrickFrame& frame) {
   };
   const std::size_t tree = nodes(kLeaf) * 160 + nodes(128) * (34u << 10) + nodes(4096) * (265u << 10);
   const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
-  return tree + block + (std::size_t{1} << 18);
+  // The tree has gone when cells' supports are computed.
+  const std::int64_t edge = frame.brick_size / kCellSize;
+  const std::size_t supports =
+      CellSupports::bytesFor(edge) + CellSupports::scratchBytes(frame.brick_size, frame.apron, frame.type);
+  return std::max(tree, supports) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
 }
 
 }  // namespace kiln

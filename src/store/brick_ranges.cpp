@@ -3,15 +3,12 @@
 namespace kiln {
 namespace {
 
-// Every interpolated value in the core lies in the range of the voxels this near: cubic interpolation reaches 2.
-constexpr std::int64_t kSupport = 2;
-
 BrickRanges rangesIn(const VoxelBox& core, int edge, VoxelType type, std::span<const std::byte> voxels,
                      const VoxelBox& box) {
   BrickRanges out;
   out.cells = cellRanges(voxels, type, box, core, edge);
   for (const ValueRange& cell : out.cells) out.core.include(cell);
-  out.support = rangeOf(voxels, type, box, intersection(dilated(core, kSupport), box));
+  out.support = rangeOf(voxels, type, box, box);
   return out;
 }
 

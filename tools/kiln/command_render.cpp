@@ -92,9 +92,7 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     }
   }
   if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
-  if (a.lattice && *a.lattice != "voxel")
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--lattice: this version splats the voxel lattice only, found '{}'", *a.lattice));
+  if (a.lattice) picture.lattice = named<Lattice>(kLatticeNames, *a.lattice, "--lattice");
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) picture.level = levelNamed(*a.level);
 }
@@ -225,7 +223,7 @@ void addRender(CLI::App& app, Context& context) {
       ->type_name("PIXELS");
   command->add_option("--opacity-threshold", a->threshold,
                       "alpha at which a pixel takes no more light; 0.998 if not given");
-  command->add_option("--lattice", a->lattice, "voxel");
+  command->add_option("--lattice", a->lattice, "pixel or voxel");
   command->add_option("--level", a->level,
                       "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
   command->add_flag("--skip-damaged", a->skip_damaged,

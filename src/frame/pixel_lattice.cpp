@@ -1,0 +1,99 @@
+#include "frame/pixel_lattice.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace kiln {
+
+PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
+                           std::optional<int> level, const TransferFunction& transfer_function, const Shading& shading,
+                           float gradient_noise)
+    : levels_(levels),
+      zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
+      table_(transfer_function, transfer_function.unit > 0 ? transfer_function.unit : volume.geometry().meanSpacing(),
+             volume.type, volume.range) {
+  for (const SlabZone& zone : zones_) {
+    frames_.push_back(std::make_unique<SlabFrame>(zone, levels.projector(zone.level), levels.dims(zone.level),
+                                                  levels.endVoxels(zone.level), table_, shading, gradient_noise));
+  }
+}
+
+PixelLattice::Depths PixelLattice::depthsOf(int level, const VoxelBox& box) const {
+  const Projector& projector = levels_.projector(level);
+  Depths out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (int corner = 0; corner < 8; ++corner) {
+    glm::dvec3 at;
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = static_cast<double>((corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis]) - 0.5;
+    const double z = projector.viewOfIndex(at).z;
+    out.near = std::min(out.near, z);
+    out.far = std::max(out.far, z);
+  }
+  return out;
+}
+
+// With a slab on either side: the outermost bricks own what lies beyond.
+bool PixelLattice::reaches(const Depths& depths, const SlabZone& zone) {
+  return depths.far >= zone.near - zone.thickness && depths.near <= zone.far + zone.thickness;
+}
+
+BrickWalk::Choice PixelLattice::choice() const {
+  return [this](int level, const VoxelBox& box) {
+    const Depths depths = depthsOf(level, box);
+    BrickWalk::Use use;
+    for (const SlabZone& zone : zones_) {
+      if (!reaches(depths, zone)) continue;
+      use.itself = use.itself || zone.level == level;
+      use.finer = use.finer || zone.level < level;
+    }
+    return use;
+  };
+}
+
+BrickWalk::Interesting PixelLattice::interesting() const {
+  return [this](const BrickEntry& entry) { return table_.interesting(entry.support); };
+}
+
+SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
+                               bool test_samples, float opaque_at) {
+  const Depths depths = depthsOf(block.key.level, block.core);
+  SplatCounts total;
+  for (std::size_t i = 0; i < zones_.size(); ++i) {
+    if (zones_[i].level == block.key.level && reaches(depths, zones_[i]))
+      total.add(drawZone(*frames_[i], block, tiles, visibility, test_samples, opaque_at));
+  }
+  return total;
+}
+
+SplatCounts PixelLattice::drawZone(const SlabFrame& frame, const BrickBlock& block,
+                                   const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
+                                   float opaque_at) {
+  const std::vector<SlabCell> cells = interestingCells(frame, block);
+  std::vector<SplatCounts> counts(tiles.size());
+  parallelFor(tiles.size(), [&](std::size_t i) {
+    std::vector<const SlabCell*> touching;
+    for (const SlabCell& cell : cells) {
+      if (!intersection(cell.bounds.rect, tiles[i].rect).empty()) touching.push_back(&cell);
+    }
+    if (touching.empty()) return;
+    std::unique_ptr<SweepMemory> memory = takeMemory();
+    sweepSlabs(frame, block, touching, tiles[i], visibility, test_samples, opaque_at, *memory, counts[i]);
+    const std::lock_guard lock(mutex_);
+    memory_.push_back(std::move(memory));
+  });
+  SplatCounts total;
+  for (const SplatCounts& tile : counts) total.add(tile);
+  return total;
+}
+
+std::unique_ptr<SweepMemory> PixelLattice::takeMemory() {
+  const std::lock_guard lock(mutex_);
+  if (memory_.empty()) return std::make_unique<SweepMemory>();
+  std::unique_ptr<SweepMemory> out = std::move(memory_.back());
+  memory_.pop_back();
+  return out;
+}
+
+}  // namespace kiln

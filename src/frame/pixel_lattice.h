@@ -1,0 +1,47 @@
+// `--lattice pixel`: what of which level is splatted where, so that samples are no more than a pixel apart everywhere
+// and no less than half of one. All is decided by depth, in zones of slabs (splat/slab_grid.h).
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "frame/brick_walk.h"
+#include "splat/slab_sweep.h"
+
+namespace kiln {
+
+class PixelLattice {
+ public:
+  /// requires: `levels` outlives this.
+  PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view, std::optional<int> level,
+               const TransferFunction& transfer_function, const Shading& shading, float gradient_noise);
+  PixelLattice(const PixelLattice&) = delete;
+  PixelLattice& operator=(const PixelLattice&) = delete;
+
+  /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
+  BrickWalk::Choice choice() const;
+  BrickWalk::Interesting interesting() const;
+
+  /// Draws what the tiles show of what the brick owns, its zones from near to far, tiles in parallel.
+  SplatCounts draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
+                   bool test_samples, float opaque_at);
+
+ private:
+  struct Depths {
+    double near, far;
+  };
+  Depths depthsOf(int level, const VoxelBox& box) const;
+  static bool reaches(const Depths& depths, const SlabZone& zone);
+  SplatCounts drawZone(const SlabFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
+                       Visibility& visibility, bool test_samples, float opaque_at);
+  std::unique_ptr<SweepMemory> takeMemory();
+
+  const FrameLevels& levels_;
+  std::vector<SlabZone> zones_;
+  SampleTable table_;
+  std::vector<std::unique_ptr<SlabFrame>> frames_;    // one a zone
+  std::mutex mutex_;                                  // guards what follows
+  std::vector<std::unique_ptr<SweepMemory>> memory_;  // of threads that sweep nothing now
+};
+
+}  // namespace kiln

@@ -1,0 +1,330 @@
+#include "splat/refine_unit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/refine_unit.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+using M = hn::Mask<D>;
+
+// a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
+HWY_INLINE V mix(D d, V a, V b, V t) {
+  return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
+}
+
+// row[index] of a row of at most 16.
+HWY_INLINE V pick([[maybe_unused]] D d, const float* HWY_RESTRICT row, VI index) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, index));
+#else
+  return hn::GatherIndex(d, row, index);
+#endif
+}
+
+// 2^x for -126 <= x <= 0, to 2e-6 of its value.
+HWY_INLINE V exp2Of(D d, V x) {
+  const DI di;
+  const V n = hn::Floor(hn::Add(x, hn::Set(d, 0.5f)));
+  const V f = hn::Sub(x, n);
+  V p = hn::Set(d, 0.00133336f);
+  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.00961813f));
+  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.05550411f));
+  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.24022651f));
+  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.69314718f));
+  p = hn::Add(hn::Mul(p, f), hn::Set(d, 1.0f));
+  const VI e = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
+  return hn::Mul(p, hn::BitCast(d, e));
+}
+
+// log2 of 0 < x <= 1, to 2e-6.
+HWY_INLINE V log2Of(D d, V x) {
+  const DI di;
+  const VI bits = hn::BitCast(di, x);
+  // The mantissa in [sqrt(1/2), sqrt(2)).
+  const VI e = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3f3504f3)));
+  const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(e)));
+  const V s = hn::Div(hn::Sub(m, hn::Set(d, 1.0f)), hn::Add(m, hn::Set(d, 1.0f)));
+  const V s2 = hn::Mul(s, s);
+  V p = hn::Set(d, 0.41219858f);
+  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 0.57707801f));
+  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 0.96179669f));
+  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 2.88539008f));
+  return hn::Add(hn::ConvertTo(d, e), hn::Mul(s, p));
+}
+
+// 1 - exp(-x) for x >= 0; by its series where it is small, so that thin media keep their digits.
+HWY_INLINE V opacityOf(D d, V x) {
+  const V large =
+      hn::Sub(hn::Set(d, 1.0f), exp2Of(d, hn::Max(hn::Mul(x, hn::Set(d, -1.44269504f)), hn::Set(d, -120.0f))));
+  const V third = hn::Sub(hn::Set(d, 0.5f), hn::Mul(x, hn::Set(d, 1.0f / 6.0f)));
+  const V small = hn::Mul(x, hn::Sub(hn::Set(d, 1.0f), hn::Mul(x, third)));
+  return hn::IfThenElse(hn::Lt(x, hn::Set(d, 0.02f)), small, large);
+}
+
+// The part of a depth spread before `t` beyond its middle.
+HWY_INLINE V before(D d, const DepthSpread& s, V t) {
+  const V u = hn::Min(hn::Abs(t), hn::Set(d, s.reach));
+  const float flat = 0.5f * (s.a - s.b);
+  const V v = hn::Max(hn::Sub(u, hn::Set(d, flat)), hn::Zero(d));
+  const V slope = hn::Set(d, s.b > 0 ? 0.5f / s.b : 0.0f);
+  const V half = hn::Mul(hn::Sub(u, hn::Mul(hn::Mul(v, v), slope)), hn::Set(d, 1.0f / s.a));
+  return hn::Add(hn::Set(d, 0.5f), hn::CopySign(half, t));
+}
+
+class Refiner {
+ public:
+  Refiner(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out)
+      : l_(lattice),
+        u_(unit),
+        out_(out),
+        width_(lattice.voxels[0] + 2 * kUnitMargin),
+        height_(lattice.voxels[1] + 2 * kUnitMargin) {}
+
+  int run() {
+    for (int k = u_.first[2]; k < u_.end[2]; ++k) {
+      planes(k);
+      for (int j = u_.first[1]; j < u_.end[1]; ++j) rowOf(j, k);
+    }
+    return count_;
+  }
+
+ private:
+  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
+
+  const float* row(int y, int z) const { return u_.values + (z * height_ + y) * kUnitSamples; }
+
+  // The plane of sample k along z: its values, and half the difference along z.
+  void planes(int k) {
+    const D d;
+    const UnitAxis& axis = l_.axis[2];
+    const int z = axis.base[static_cast<std::size_t>(k)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(k)]);
+    const V half = hn::Set(d, 0.5f);
+    for (int y = 0; y < height_; ++y) {
+      for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
+        const V a = hn::Load(d, row(y, z) + x), b = hn::Load(d, row(y, z + 1) + x);
+        const V before_a = hn::Load(d, row(y, z - 1) + x);
+        const V after_b = hn::Load(d, row(y, z + 2) + x);
+        hn::Store(mix(d, a, b, t), d, &value_[y][x]);
+        hn::Store(hn::Mul(half, hn::Sub(mix(d, b, after_b, t), mix(d, before_a, a, t))), d, &along_z_[y][x]);
+      }
+    }
+  }
+
+  void rowOf(int j, int k) {
+    const D d;
+    const UnitAxis& axis = l_.axis[1];
+    const int y = axis.base[static_cast<std::size_t>(j)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d))
+      hn::Store(mix(d, hn::Load(d, &value_[y][x]), hn::Load(d, &value_[y + 1][x]), t), d, &row_[x]);
+    bool derived = false;
+    for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) samples(i, j, k, derived);
+  }
+
+  // Gradients along y and z of the row in turn. unit: value per voxel.
+  void derive(int j) {
+    const D d;
+    const UnitAxis& axis = l_.axis[1];
+    const int y = axis.base[static_cast<std::size_t>(j)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
+    const V half = hn::Set(d, 0.5f);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
+      const V a = hn::Load(d, &value_[y][x]), b = hn::Load(d, &value_[y + 1][x]);
+      const V before_a = hn::Load(d, &value_[y - 1][x]);
+      const V after_b = hn::Load(d, &value_[y + 2][x]);
+      hn::Store(hn::Mul(half, hn::Sub(mix(d, b, after_b, t), mix(d, before_a, a, t))), d, &row_y_[x]);
+      hn::Store(mix(d, hn::Load(d, &along_z_[y][x]), hn::Load(d, &along_z_[y + 1][x]), t), d, &row_z_[x]);
+    }
+  }
+
+  // One vector of samples, from sample i of the row on.
+  void samples(int i, int j, int k, bool& derived) {
+    const D d;
+    const DI di;
+    const UnitAxis& axis = l_.axis[0];
+    const auto ui = static_cast<std::size_t>(i), uj = static_cast<std::size_t>(j), uk = static_cast<std::size_t>(k);
+    const VI base = hn::LoadU(di, &axis.base[ui]);
+    const VI next = hn::Add(base, hn::Set(di, 1));
+    const V t = hn::LoadU(d, &axis.fraction[ui]);
+    const V raw = mix(d, pick(d, row_, base), pick(d, row_, next), t);
+    const V value = hn::Min(hn::Max(raw, hn::Set(d, u_.least)), hn::Set(d, u_.most));
+    const VI lane = hn::Add(hn::Iota(di, 0), hn::Set(di, i));
+    M alive = hn::And(hn::Eq(raw, raw), hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, u_.first[0] - 1)),
+                                                                  hn::Lt(lane, hn::Set(di, u_.end[0])))));
+
+    const V place =
+        hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
+    const VI entry = hn::ConvertTo(di, hn::IfThenElseZero(alive, place));
+    const V between = hn::Sub(place, hn::ConvertTo(d, entry));
+    const VI at = hn::ShiftLeft<2>(entry);
+    const auto channel = [&](int c) {
+      const V a = hn::GatherIndex(d, l_.table + c, at), b = hn::GatherIndex(d, l_.table + 4 + c, at);
+      return hn::Add(a, hn::Mul(between, hn::Sub(b, a)));
+    };
+    const V tau = channel(3);
+    alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
+    if (hn::AllFalse(d, alive)) return;
+
+    const float oy = l_.axis[1].offset[uj], oz = l_.axis[2].offset[uk];
+    const glm::vec3 row = u_.origin + oz * l_.step_z + oy * l_.step_y;
+    const V ox = hn::LoadU(d, &axis.offset[ui]);
+    const V px = hn::Add(hn::Set(d, row.x), hn::Mul(ox, hn::Set(d, l_.step_x.x)));
+    const V py = hn::Add(hn::Set(d, row.y), hn::Mul(ox, hn::Set(d, l_.step_x.y)));
+    const V pz = hn::Add(hn::Set(d, row.z), hn::Mul(ox, hn::Set(d, l_.step_x.z)));
+    const V one = hn::Set(d, 1.0f);
+    V u = px, v = py, ray = hn::Set(d, l_.thickness), weight = hn::Set(d, l_.weight), oblique = one;
+    if (l_.perspective) {
+      alive = hn::And(alive, hn::Ge(pz, hn::Set(d, l_.near_depth)));
+      const V r = hn::Div(one, pz);
+      u = hn::Mul(px, r), v = hn::Mul(py, r);
+      oblique = hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(u, u), hn::Mul(v, v))));
+      ray = hn::Mul(ray, oblique);
+      weight = hn::Mul(weight, hn::Mul(r, r));
+    }
+    const V x = hn::Add(hn::Mul(u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
+    const V y = hn::Add(hn::Mul(v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
+    const V depth = hn::Mul(hn::Sub(pz, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
+    alive =
+        hn::And(alive, hn::And(hn::Ge(depth, hn::Zero(d)), hn::Lt(depth, hn::Set(d, static_cast<float>(l_.slabs)))));
+    if (hn::AllFalse(d, alive)) return;
+
+    V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
+    if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
+    if (l_.phong) {
+      if (!derived) derive(j);
+      derived = true;
+      shade(base, next, t, u, v, oblique, r, g, b);
+    }
+
+    const V reach = hn::Set(d, l_.spread.reach);
+    const V s0 = hn::Max(hn::Floor(hn::Sub(depth, reach)), hn::Zero(d));
+    const V s1 = hn::Min(hn::Floor(hn::Add(depth, reach)), hn::Set(d, static_cast<float>(l_.slabs - 1)));
+    const V split = before(d, l_.spread, hn::Sub(hn::Add(s0, one), depth));
+    const V front = hn::IfThenElse(hn::Gt(s1, s0), split, one);
+    V amount = hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray)));
+    amount = hn::Mul(amount, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
+
+    const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
+    M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
+                                          hn::Lt(lane, hn::Set(di, u_.core_end[0]))));
+    counted = hn::And(counted, hn::And(hn::Ge(x, hn::Set(d, u_.tile_x0)), hn::Lt(x, hn::Set(d, u_.tile_x1))));
+    counted = hn::And(counted, hn::And(hn::Ge(y, hn::Set(d, u_.tile_y0)), hn::Lt(y, hn::Set(d, u_.tile_y1))));
+    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, s0));
+    const VI marked = hn::IfThenElse(hn::RebindMask(di, counted), slab, hn::Not(slab));
+
+    alignas(64) float sx[16], sy[16], sr[16], sg[16], sb[16], sf[16], sk[16];
+    alignas(64) std::int32_t ss[16];
+    hn::Store(x, d, sx);
+    hn::Store(y, d, sy);
+    hn::Store(r, d, sr);
+    hn::Store(g, d, sg);
+    hn::Store(b, d, sb);
+    const V near_part = hn::Mul(amount, front);
+    hn::Store(near_part, d, sf);
+    hn::Store(hn::Sub(amount, near_part), d, sk);
+    hn::Store(marked, di, ss);
+    alignas(64) float is[16];
+    hn::Store(hn::IfThenElseZero(alive, one), d, is);
+    for (std::size_t n = 0; n < hn::Lanes(d); ++n) {
+      if (is[n] == 0) continue;
+      out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], sf[n], sk[n], ss[n]};
+    }
+  }
+
+  void shade(VI base, VI next, V t, V u, V v, V oblique, V& r, V& g, V& b) const {
+    const D d;
+    const DI di;
+    const V half = hn::Set(d, 0.5f);
+    const VI after = hn::Add(next, hn::Set(di, 1));
+    const VI previous = hn::Sub(base, hn::Set(di, 1));
+    const V at_base = pick(d, row_, base), at_next = pick(d, row_, next);
+    const V gx =
+        hn::Mul(half, hn::Sub(mix(d, at_next, pick(d, row_, after), t), mix(d, pick(d, row_, previous), at_base, t)));
+    const V gy = mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t);
+    const V gz = mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t);
+    const auto squared = [](V a, V c, V e) { return hn::Add(hn::Mul(a, a), hn::Add(hn::Mul(c, c), hn::Mul(e, e))); };
+    // False where it is NaN, too.
+    const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, l_.least_gradient_squared)),
+                          hn::Lt(squared(gx, gy, gz), hn::Set(d, 1e38f)));
+    const glm::mat3& m = l_.view_from_index_gradient;
+    const auto line = [&](int c) {
+      return hn::Add(hn::Mul(hn::Set(d, m[0][c]), gx),
+                     hn::Add(hn::Mul(hn::Set(d, m[1][c]), gy), hn::Mul(hn::Set(d, m[2][c]), gz)));
+    };
+    const V nx = line(0), ny = line(1), nz = line(2);
+    V along = nz;
+    if (l_.perspective) along = hn::Div(hn::Add(nz, hn::Add(hn::Mul(u, nx), hn::Mul(v, ny))), oblique);
+    const V length = hn::Sqrt(squared(nx, ny, nz));
+    const V cosine = hn::Min(hn::Div(hn::Abs(along), length), hn::Set(d, 1.0f));
+    const V matte = hn::Add(hn::Set(d, l_.ambient), hn::Mul(hn::Set(d, l_.diffuse), cosine));
+    V gloss = hn::Zero(d);
+    if (l_.specular > 0) {
+      const V log = hn::Mul(log2Of(d, hn::Max(cosine, hn::Set(d, 1e-30f))), hn::Set(d, l_.power));
+      gloss = hn::Mul(hn::Set(d, l_.specular), exp2Of(d, hn::Min(hn::Max(log, hn::Set(d, -120.0f)), hn::Zero(d))));
+    }
+    r = hn::IfThenElse(lit, hn::Add(hn::Mul(r, matte), gloss), r);
+    g = hn::IfThenElse(lit, hn::Add(hn::Mul(g, matte), gloss), g);
+    b = hn::IfThenElse(lit, hn::Add(hn::Mul(b, matte), gloss), b);
+  }
+
+  const UnitLattice& l_;
+  const UnitInput& u_;
+  SlabSample* const out_;
+  const int width_, height_;
+  int count_ = 0;
+  alignas(64) float value_[kEdge + 1][kUnitSamples], along_z_[kEdge + 1][kUnitSamples];
+  alignas(64) float row_[kUnitSamples], row_y_[kUnitSamples], row_z_[kUnitSamples];
+};
+
+int refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out) {
+  return Refiner(lattice, unit, out).run();
+}
+
+const char* nameOfTarget() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(refineUnitOn);
+HWY_EXPORT(nameOfTarget);
+
+UnitAxis::UnitAxis(int n, int voxels) : refinement(n), samples(n * voxels) {
+  for (int i = 0; i < kUnitSamples; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const int voxel = std::min(i / n, voxels - 1), k = i % n;
+    const float within = -0.5f + static_cast<float>(2 * k + 1) / static_cast<float>(2 * n);
+    offset[at] = static_cast<float>(voxel) + within;
+    const bool centre = 2 * k + 1 == n;
+    const int down = within < 0 && !centre ? -1 : 0;
+    base[at] = kUnitMargin + voxel + down;
+    fraction[at] = centre ? 0.0f : within - static_cast<float>(down);
+  }
+}
+
+int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out) {
+  return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out);
+}
+
+const char* instructionSet() { return HWY_DYNAMIC_DISPATCH(nameOfTarget)(); }
+
+}  // namespace kiln
+#endif

@@ -1,0 +1,88 @@
+// A unit of the lattice refined, classified, shaded and projected: all that is done to a sample before its slab's turn
+// comes. Units are boxes of voxels, aligned in the level's index space, of at most 16 samples along an axis, so that a
+// row of samples is one vector. One implementation in Highway for every instruction set, chosen at run time, without
+// fused or approximate operations: they all give the same bits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "grid/coords.h"
+
+namespace kiln {
+
+/// Samples along an axis of a unit, at most.
+inline constexpr int kUnitSamples = 16;
+/// Voxels that are read around a unit: one for interpolation, one for the gradient.
+inline constexpr int kUnitMargin = 2;
+/// Voxels along an axis of a unit, at most.
+inline constexpr int kUnitVoxels = 8;
+
+/// Where the samples along one axis of a unit lie: voxel cube i carries n at i - 1/2 + (2k+1)/(2n).
+struct UnitAxis {
+  int refinement = 1;
+  int samples = 1;                                // of a whole unit
+  std::array<float, kUnitSamples> offset{};       // from the unit's first voxel. unit: voxels
+  std::array<std::int32_t, kUnitSamples> base{};  // the voxel before it, counted from the first that is read
+  std::array<float, kUnitSamples> fraction{};     // towards the next voxel
+  UnitAxis() = default;
+  UnitAxis(int refinement, int voxels);
+};
+
+/// How a sample's material is spread over slabs: the projection of its cube onto the line of sight, taken as two boxes
+/// folded, of its two largest edges. unit: slabs.
+struct DepthSpread {
+  float a = 1, b = 0, reach = 0.5f;  // a >= b; reach = (a + b) / 2
+};
+
+/// What all units of a zone share.
+struct UnitLattice {
+  std::array<int, 3> voxels{1, 1, 1};
+  std::array<UnitAxis, 3> axis;
+  // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
+  bool perspective = false;
+  float focal = 1, centre_x = 0, centre_y = 0, near_depth = 0;
+  glm::vec3 step_x, step_y, step_z;
+  // Slabs.
+  float near = 0, slabs_per_depth = 1, thickness = 1;
+  int slabs = 0;
+  DepthSpread spread;
+  float weight = 1;  // V_sample / (A_px D); in perspective times depth squared
+  // Classification: shape: entries of r, g, b, tau; see SampleTable.
+  const float* table = nullptr;
+  float table_scale = 1, table_last = 0;
+  bool one_color = false;
+  // Phong with a headlight; otherwise samples keep their material's colour, and their gradient is for the caller.
+  bool phong = false;
+  float ambient = 0, diffuse = 0, specular = 0, power = 0, least_gradient_squared = 0;
+  glm::mat3 view_from_index_gradient{1};
+};
+
+/// One unit. `values` are its voxels and those around it, less the table's offset.
+struct UnitInput {
+  const float* values = nullptr;                // shape: voxels + 2 margins along each axis, rows kUnitSamples apart
+  float least = 0, most = 0;                    // of what its samples interpolate; they are kept within
+  glm::vec3 origin;                             // of its first voxel's centre, in view space
+  std::array<int, 3> first{}, end{};            // its samples that exist, along each axis
+  std::array<int, 3> core_first{}, core_end{};  // those that are the brick's own
+  std::array<float, kUnitSamples> part_x{}, part_y{}, part_z{};  // of a voxel that exists, at the volume's end
+  float tile_x0 = 0, tile_y0 = 0, tile_x1 = 0, tile_y1 = 0;
+};
+
+/// A sample on its way to its slab. `front` of its weight goes to `slab`, the rest to the next one.
+struct SlabSample {
+  float x, y;  // unit: pixels
+  float r, g, b;
+  float front, back;  // weight times opacity, in the two slabs
+  std::int32_t slab;  // negative (~slab) where it is not to be counted
+};
+
+/// Appends the samples that are not transparent. shape: `out` has room for 16³. returns: how many.
+int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out);
+
+/// The instruction set in use: "AVX3" and the like.
+const char* instructionSet();
+
+}  // namespace kiln

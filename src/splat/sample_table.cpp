@@ -1,0 +1,46 @@
+#include "splat/sample_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kiln {
+namespace {
+
+// Entries of a table where values are not whole numbers of at most 16 bits.
+constexpr double kSteps = 1 << 15;
+
+}  // namespace
+
+SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range) {
+  const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
+  lo_ = lo;
+  const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
+  const double steps = whole ? hi - lo : kSteps;
+  const double step = hi > lo ? (hi - lo) / steps : 1;
+  scale_ = static_cast<float>(1 / step);
+  last_ = static_cast<float>(std::max(0.0, std::round((hi - lo) / step)));
+  const auto count = static_cast<std::size_t>(last_) + 2;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Classified c = function.at(std::min(hi, lo + static_cast<double>(i) * step));
+    entries_.push_back({static_cast<float>(c.color.r), static_cast<float>(c.color.g), static_cast<float>(c.color.b),
+                        c.opacity > 0 ? static_cast<float>(extinctionOf(c.opacity, unit)) : 0.0f});
+  }
+  for (const Material& m : entries_) {
+    const Material& first = entries_.front();
+    one_color_ = one_color_ && m.r == first.r && m.g == first.g && m.b == first.b;
+  }
+  before_.assign(count + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
+}
+
+bool SampleTable::interesting(const ValueRange& range) const {
+  if (range.empty()) return false;
+  const auto place = [&](double value) {
+    return std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
+  };
+  const auto from = static_cast<std::size_t>(std::floor(place(range.lo)));
+  const auto to = static_cast<std::size_t>(std::ceil(place(range.hi)));
+  return before_[to + 1] > before_[from];
+}
+
+}  // namespace kiln

@@ -1,0 +1,46 @@
+// Classification of interpolated values: colour and extinction by one table over the volume's values, linear between
+// its entries. What it says of a range is exact for what it says of values.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "grid/value_range.h"
+#include "splat/classifier.h"
+
+namespace kiln {
+
+class SampleTable {
+ public:
+  /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value.
+  SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
+
+  /// What values are shifted by before they become floats, so that large whole numbers keep their last digit.
+  double offset() const { return lo_; }
+  /// `value` less `offset()`. A value outside of the range is as its end.
+  Material at(float value) const {
+    const float place = std::min(std::max(value * scale_, 0.0f), last_);
+    const auto i = static_cast<std::size_t>(place);
+    const float t = place - static_cast<float>(i);
+    const Material &a = entries_[i], &b = entries_[i + 1];
+    return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b), a.tau + t * (b.tau - a.tau)};
+  }
+  /// What `at` reads. shape: r, g, b, tau an entry; the one after `last` repeats it. unit: entries per value for
+  /// `scale`.
+  const float* entries() const { return &entries_.front().r; }
+  float scale() const { return scale_; }
+  float last() const { return last_; }
+  /// Whether all that is not transparent has the same colour, and so have its neighbours in the table.
+  bool oneColor() const { return one_color_; }
+  /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
+  bool interesting(const ValueRange& range) const;
+
+ private:
+  double lo_ = 0;
+  float scale_ = 1, last_ = 0;
+  bool one_color_ = true;
+  std::vector<Material> entries_;
+  std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
+};
+
+}  // namespace kiln

@@ -1,0 +1,42 @@
+// The slabs of a frame (DESIGN §6): image-parallel layers about one pixel thick, the same for all bricks and tiles.
+// Their thickness, the pyramid's level and its refinement follow depth by zones. An orthographic view has one zone; in
+// perspective a zone is an eighth of an octave of depth, so that the zone of a depth is read off its bits, and within a
+// zone all is uniform. Level and refinement are thus decided by depth alone: where two of them meet, they meet in a
+// plane between two slabs, whatever the bricks, tiles or crop.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "scene/camera.h"
+#include "store/manifest.h"
+
+namespace kiln {
+
+/// The most samples a voxel's edge is refined into. Nearer to the eye, samples are more than a pixel apart and
+/// footprints, slabs with them, as much larger.
+inline constexpr int kLargestRefinement = 16;
+
+struct SlabZone {
+  double near = 0, far = 0;  // depths [near, far). unit: world, along the view
+  double thickness = 1;      // of a slab: slab s of the zone is near + [s, s + 1) * thickness
+  int slabs = 0;
+  int level = 0;  // of the pyramid
+  std::array<int, 3> refinement{1, 1, 1};
+  double sigma_px = 0.3;  // of a footprint
+
+  /// The first slab of the zone with its centre at `depth` or beyond; 0 and `slabs` where there is none.
+  int slabFrom(double depth) const {
+    const double s = (depth - near) / thickness - 0.5;
+    return s <= 0      ? 0
+           : s > slabs ? slabs
+                       : static_cast<int>(s) + (static_cast<double>(static_cast<int>(s)) < s ? 1 : 0);
+  }
+};
+
+/// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of
+/// the volume's.
+std::vector<SlabZone> slabZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth);
+
+}  // namespace kiln

@@ -1,0 +1,437 @@
+#include "splat/slab_sweep.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace kiln {
+namespace {
+
+constexpr double kFar = 1e8;
+
+// What one pixel of the tile owns: slabs [first, end).
+struct Owned {
+  int first = 0, end = 0;
+};
+
+struct Unit {
+  VoxelCoord lo;
+  PixelRect rect;
+};
+
+int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar))); }
+
+int unitVoxels(int refinement) {
+  return std::min(kUnitVoxels, static_cast<int>(std::bit_floor(static_cast<unsigned>(kUnitSamples / refinement))));
+}
+
+DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
+  std::array<float, 3> edges{};
+  for (int a = 0; a < 3; ++a) {
+    const auto ua = static_cast<std::size_t>(a);
+    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / zone.refinement[ua] / zone.thickness);
+  }
+  std::sort(edges.begin(), edges.end());
+  return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
+}
+
+UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
+                        const Shading& shading, float gradient_noise) {
+  UnitLattice out;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.voxels[a] = unitVoxels(zone.refinement[a]);
+    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a]);
+  }
+  out.perspective = projector.perspective();
+  out.focal = static_cast<float>(projector.focal());
+  out.centre_x = static_cast<float>(projector.centre().x);
+  out.centre_y = static_cast<float>(projector.centre().y);
+  out.near_depth = static_cast<float>(projector.nearDepth());
+  out.step_x = glm::vec3(projector.axis(0));
+  out.step_y = glm::vec3(projector.axis(1));
+  out.step_z = glm::vec3(projector.axis(2));
+  out.near = static_cast<float>(zone.near);
+  out.slabs_per_depth = static_cast<float>(1 / zone.thickness);
+  out.thickness = static_cast<float>(zone.thickness);
+  out.slabs = zone.slabs;
+  out.spread = depthSpread(zone, projector);
+  const double samples = zone.refinement[0] * zone.refinement[1] * zone.refinement[2];
+  out.weight =
+      static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
+  out.table = table.entries();
+  out.table_scale = table.scale();
+  out.table_last = table.last();
+  out.one_color = table.oneColor();
+  out.phong = shading.phong;
+  out.ambient = static_cast<float>(shading.ambient);
+  out.diffuse = static_cast<float>(shading.diffuse);
+  out.specular = static_cast<float>(shading.specular);
+  out.power = static_cast<float>(shading.power);
+  out.least_gradient_squared = gradient_noise * gradient_noise;
+  out.view_from_index_gradient = projector.viewFromIndexGradient();
+  return out;
+}
+
+}  // namespace
+
+SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+                     const SampleTable& table, const Shading& shading, float gradient_noise)
+    : zone_(zone),
+      projector_(projector),
+      dims_(dims),
+      ends_(ends),
+      table_(table),
+      footprint_(zone.sigma_px),
+      lattice_(unitLattice(zone, projector, table, shading, gradient_noise)),
+      // The apron's outermost voxels are for gradients, and for interpolation where there is some.
+      ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? 5 : 4) {}
+
+SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
+  double x0 = kFar, y0 = kFar, z0 = kFar * kFar, x1 = -kFar, y1 = -kFar, z1 = -kFar * kFar;
+  bool behind = false;
+  const glm::dvec3 corner = projector_.viewOfIndex(
+      {static_cast<double>(box.lo.x) - 0.5, static_cast<double>(box.lo.y) - 0.5, static_cast<double>(box.lo.z) - 0.5});
+  const glm::dvec3 edge[3] = {static_cast<double>(box.hi.x - box.lo.x) * projector_.axis(0),
+                              static_cast<double>(box.hi.y - box.lo.y) * projector_.axis(1),
+                              static_cast<double>(box.hi.z - box.lo.z) * projector_.axis(2)};
+  if (!projector_.perspective()) {
+    const glm::dvec3 half = 0.5 * (glm::abs(edge[0]) + glm::abs(edge[1]) + glm::abs(edge[2]));
+    const glm::dvec3 middle = corner + 0.5 * (edge[0] + edge[1] + edge[2]);
+    const glm::dvec2 px = projector_.pixelOf(middle);
+    x0 = px.x - projector_.focal() * half.x, x1 = px.x + projector_.focal() * half.x;
+    y0 = px.y - projector_.focal() * half.y, y1 = px.y + projector_.focal() * half.y;
+    z0 = middle.z - half.z, z1 = middle.z + half.z;
+  } else {
+    for (int c = 0; c < 8; ++c) {
+      glm::dvec3 p = corner;
+      for (int a = 0; a < 3; ++a) {
+        if ((c >> a & 1) != 0) p += edge[a];
+      }
+      z0 = std::min(z0, p.z);
+      z1 = std::max(z1, p.z);
+      if (p.z < 0.5 * projector_.nearDepth()) {
+        behind = true;
+        continue;
+      }
+      const glm::dvec2 px = projector_.pixelOf(p);
+      x0 = std::min(x0, px.x), x1 = std::max(x1, px.x);
+      y0 = std::min(y0, px.y), y1 = std::max(y1, px.y);
+    }
+    if (behind) x0 = y0 = -kFar, x1 = y1 = kFar;
+  }
+  Bounds out;
+  if (z1 < zone_.near || z0 >= zone_.far) return out;
+  // Half a pixel to the nearest centre and rounding beside the footprint.
+  const double r = footprint_.radius() + 0.51;
+  out.rect = {floorOf(x0 - r), floorOf(y0 - r), floorOf(x1 + r) + 1, floorOf(y1 + r) + 1};
+  const auto slab = [&](double z) {
+    return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));
+  };
+  // A sample's own depth, and rounding.
+  out.first = std::max(0, slab(z0) - 1);
+  out.last = slab(z1);
+  return out;
+}
+
+std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block) {
+  std::vector<SlabCell> out;
+  const VoxelBox reach = intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()));
+  const int n = block.supports.edge();
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        if (!frame.table().interesting(block.supports.at(x, y, z))) continue;
+        const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
+                               block.core.lo.z + (z - 1) * kCellSize};
+        SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
+        if (cell.box.empty()) continue;
+        cell.bounds = frame.boundsOf(cell.box);
+        if (!cell.bounds.empty()) out.push_back(cell);
+      }
+    }
+  }
+  return out;
+}
+
+struct SweepMemory::Parts {
+  std::vector<const SlabCell*> cells;          // by their first slab
+  std::vector<std::vector<Unit>> units;        // by their first slab, from the sweep's first
+  std::vector<std::vector<SlabSample>> slabs;  // samples by their slab
+  std::vector<SlabSample> refined, visible;
+  Sheet sheets[2];
+  std::vector<Owned> owned;  // 64 pixels a block
+  std::vector<std::uint8_t> owned_known;
+  alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
+};
+
+SweepMemory::SweepMemory() : parts_(std::make_unique<Parts>()) {
+  parts_->refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
+}
+SweepMemory::~SweepMemory() = default;
+
+namespace {
+
+template <class T>
+class Sweep {
+ public:
+  Sweep(const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile, Visibility& visibility,
+        bool test_samples, float opaque_at, SweepMemory::Parts& memory, SplatCounts& counts)
+      : f_(frame),
+        zone_(frame.zone()),
+        projector_(frame.projector()),
+        block_(block),
+        tile_(tile),
+        visibility_(visibility),
+        test_samples_(test_samples),
+        opaque_at_(opaque_at),
+        m_(memory),
+        counts_(counts),
+        offset_(frame.table().offset()),
+        reach_(intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()))) {}
+
+  void run(std::span<const SlabCell* const> cells) {
+    m_.cells.assign(cells.begin(), cells.end());
+    std::sort(m_.cells.begin(), m_.cells.end(),
+              [](const SlabCell* a, const SlabCell* b) { return a->bounds.first < b->bounds.first; });
+    begin_ = m_.cells.front()->bounds.first;
+    int end = 0;
+    for (const SlabCell* cell : m_.cells) end = std::max(end, cell->bounds.last + 1);
+    // A sample puts light into the slab after its own, too.
+    const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
+    if (m_.slabs.size() < slabs) m_.slabs.resize(slabs), m_.units.resize(slabs);
+    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().taps());
+    m_.owned.resize(static_cast<std::size_t>(m_.sheets[0].blocks()) * 64);
+    m_.owned_known.assign(static_cast<std::size_t>(m_.sheets[0].blocks()), 0);
+    std::size_t next = 0;
+    for (int slab = begin_; slab <= end; ++slab) {
+      for (; next < m_.cells.size() && m_.cells[next]->bounds.first <= slab; ++next) cut(*m_.cells[next], slab);
+      const auto i = static_cast<std::size_t>(slab - begin_);
+      for (const Unit& unit : m_.units[i]) refine(unit);
+      m_.units[i].clear();
+      Sheet& here = m_.sheets[slab & 1];
+      splat(m_.slabs[i], here, m_.sheets[(slab + 1) & 1]);
+      m_.slabs[i].clear();
+      if (!here.empty()) composite(here, slab);
+    }
+  }
+
+ private:
+  bool hidden(const PixelRect& rect) {
+    ++counts_.nodes_tested;
+    const bool is = visibility_.hidden(rect);
+    counts_.nodes_hidden += is ? 1 : 0;
+    return is;
+  }
+
+  // The units of a cell wait for their first slabs. They are aligned in index space, so that a sample has the same
+  // arithmetic in every brick.
+  void cut(const SlabCell& cell, int slab) {
+    if (hidden(intersection(cell.bounds.rect, tile_.rect))) return;
+    const std::array<int, 3>& edge = f_.lattice().voxels;
+    const auto down = [&](int axis) {
+      return cell.box.lo[axis] & ~static_cast<std::int64_t>(edge[static_cast<std::size_t>(axis)] - 1);
+    };
+    const bool whole = edge == std::array<int, 3>{kCellSize, kCellSize, kCellSize};
+    for (std::int64_t z = down(2); z < cell.box.hi.z; z += edge[2]) {
+      for (std::int64_t y = down(1); y < cell.box.hi.y; y += edge[1]) {
+        for (std::int64_t x = down(0); x < cell.box.hi.x; x += edge[0]) {
+          const VoxelBox box = {{x, y, z}, {x + edge[0], y + edge[1], z + edge[2]}};
+          const SlabFrame::Bounds bounds = whole ? cell.bounds : f_.boundsOf(intersection(box, cell.box));
+          const PixelRect rect = intersection(bounds.rect, tile_.rect);
+          if (bounds.empty() || rect.empty()) continue;
+          m_.units[static_cast<std::size_t>(std::max(bounds.first, slab) - begin_)].push_back({box.lo, rect});
+        }
+      }
+    }
+  }
+
+  void refine(const Unit& unit) {
+    if (hidden(unit.rect)) return;
+    const UnitLattice& l = f_.lattice();
+    UnitInput in;
+    const ValueRange range = load(unit.lo);
+    if (!f_.table().interesting(range)) return;
+    in.values = m_.values;
+    in.least = static_cast<float>(range.lo - offset_);
+    in.most = static_cast<float>(range.hi - offset_);
+    in.origin = glm::vec3(projector_.viewOf(unit.lo));
+    std::array<float, kUnitSamples>* const parts[3] = {&in.part_x, &in.part_y, &in.part_z};
+    for (int a = 0; a < 3; ++a) {
+      const auto ua = static_cast<std::size_t>(a);
+      const int n = l.axis[ua].refinement;
+      const auto sample = [&](std::int64_t voxel) {
+        return static_cast<int>(std::clamp<std::int64_t>(voxel - unit.lo[a], 0, l.voxels[ua])) * n;
+      };
+      in.first[ua] = sample(reach_.lo[a]), in.end[ua] = sample(reach_.hi[a]);
+      in.core_first[ua] = sample(block_.core.lo[a]), in.core_end[ua] = sample(block_.core.hi[a]);
+      parts[a]->fill(1.0f);
+      const std::int64_t last = f_.ends().last[a] - unit.lo[a];
+      if (f_.ends().part[a] != 1 && last >= 0 && last < l.voxels[ua])
+        std::fill_n(parts[a]->begin() + last * n, n, static_cast<float>(f_.ends().part[a]));
+    }
+    in.tile_x0 = static_cast<float>(tile_.rect.x0), in.tile_x1 = static_cast<float>(tile_.rect.x1);
+    in.tile_y0 = static_cast<float>(tile_.rect.y0), in.tile_y1 = static_cast<float>(tile_.rect.y1);
+    const int count = refineUnit(l, in, m_.refined.data());
+    for (int i = 0; i < count; ++i) {
+      const SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
+      const int slab = std::max(s.slab < 0 ? ~s.slab : s.slab, begin_);
+      m_.slabs[static_cast<std::size_t>(slab - begin_)].push_back(s);
+    }
+  }
+
+  // The unit's voxels and those around it; returns the range of what its samples interpolate. Voxels that the brick has
+  // not, which no sample of its needs, repeat the nearest.
+  ValueRange load(const VoxelCoord& lo) {
+    const std::array<int, 3>& voxels = f_.lattice().voxels;
+    const int width = voxels[0] + 2 * kUnitMargin, height = voxels[1] + 2 * kUnitMargin,
+              depth = voxels[2] + 2 * kUnitMargin;
+    const VoxelBox& has = block_.extent;
+    const T* const data = block_.data<T>();
+    std::int64_t column[kUnitVoxels + 2 * kUnitMargin];
+    for (int x = 0; x < width; ++x) column[x] = std::clamp(lo.x - kUnitMargin + x, has.lo.x, has.hi.x - 1) - has.lo.x;
+    const bool whole = column[width - 1] - column[0] == width - 1;
+    float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
+    for (int z = 0; z < depth; ++z) {
+      const std::int64_t at_z =
+          (std::clamp(lo.z - kUnitMargin + z, has.lo.z, has.hi.z - 1) - has.lo.z) * block_.strideZ();
+      for (int y = 0; y < height; ++y) {
+        const T* const from =
+            data + at_z + (std::clamp(lo.y - kUnitMargin + y, has.lo.y, has.hi.y - 1) - has.lo.y) * block_.strideY();
+        float* const to = m_.values + (z * height + y) * kUnitSamples;
+        if (whole) {
+          const T* const row = from + column[0];
+          for (int x = 0; x < width; ++x) to[x] = valueOf(row[x]);
+        } else {
+          for (int x = 0; x < width; ++x) to[x] = valueOf(from[column[x]]);
+        }
+        if (z == 0 || z == depth - 1 || y == 0 || y == height - 1) continue;
+        for (int x = 1; x < width - 1; ++x) {
+          least = to[x] < least ? to[x] : least;
+          most = to[x] > most ? to[x] : most;
+        }
+      }
+    }
+    if (least > most) return {};
+    return {static_cast<double>(least) + offset_, static_cast<double>(most) + offset_};
+  }
+
+  float valueOf(T v) const {
+    if constexpr (sizeof(T) <= 2) {
+      return static_cast<float>(static_cast<int>(v) - static_cast<int>(offset_));
+    } else {
+      return static_cast<float>(static_cast<double>(v) - offset_);
+    }
+  }
+
+  void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
+    m_.visible.clear();
+    const int taps = f_.footprint().taps();
+    for (const SlabSample& s : samples) {
+      const int x0 = f_.footprint().first(s.x), y0 = f_.footprint().first(s.y);
+      const PixelRect touched = intersection({x0, y0, x0 + taps, y0 + taps}, tile_.rect);
+      if (touched.empty()) continue;
+      const bool counted = s.slab >= 0;
+      counts_.visited += counted ? 1 : 0;
+      if (test_samples_ && visibility_.hidden(touched)) continue;
+      counts_.splats += counted ? 1 : 0;
+      here.mark(touched);
+      if (s.back > 0) next.mark(touched);
+      m_.visible.push_back(s);
+    }
+    if (!m_.visible.empty()) addSamples(m_.visible, f_.footprint(), here, next);
+  }
+
+  // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
+  Owned ownedAt(int x, int y) const {
+    const glm::dvec2 across((x + 0.5 - projector_.centre().x) / projector_.focal(),
+                            (y + 0.5 - projector_.centre().y) / projector_.focal());
+    Owned out{0, zone_.slabs};
+    for (int a = 0; a < 3; ++a) {
+      // Index coordinate a at depth z is base + slope z.
+      const glm::dvec4& row = projector_.indexRow(a);
+      const double lateral = row.x * across.x + row.y * across.y;
+      const double base = projector_.perspective() ? row.w : row.w + lateral;
+      const double slope = projector_.perspective() ? row.z + lateral : row.z;
+      // Neighbours ask about the same plane in the same words, so that every slab is one brick's.
+      const auto crossed = [&](std::int64_t plane, bool lower) {
+        const double at = static_cast<double>(plane) - 0.5;
+        if (slope == 0) {
+          if ((base >= at) != lower) out.end = out.first;
+          return;
+        }
+        const int s = zone_.slabFrom((at - base) / slope);
+        if ((slope > 0) == lower)
+          out.first = std::max(out.first, s);
+        else
+          out.end = std::min(out.end, s);
+      };
+      if (block_.core.lo[a] > 0) crossed(block_.core.lo[a], true);
+      if (block_.core.hi[a] < f_.dims()[a]) crossed(block_.core.hi[a], false);
+    }
+    return out;
+  }
+
+  const Owned* ownedOf(std::int32_t block, const PixelRect& area) {
+    Owned* const out = &m_.owned[static_cast<std::size_t>(block) * 64];
+    if (!std::exchange(m_.owned_known[static_cast<std::size_t>(block)], std::uint8_t{1})) {
+      for (int y = area.y0; y < area.y1; ++y) {
+        for (int x = area.x0; x < area.x1; ++x) out[(y - area.y0) * 8 + x - area.x0] = ownedAt(x, y);
+      }
+    }
+    return out;
+  }
+
+  // Lays the sheet behind what is in the image. A pixel that reaches the threshold is divided by its alpha and closed.
+  void composite(Sheet& sheet, int slab) {
+    for (const std::int32_t block : sheet.dirty()) {
+      const PixelRect area = sheet.blockRect(block);
+      const Owned* const owned = ownedOf(block, area);
+      for (int y = area.y0; y < area.y1; ++y) {
+        float* pixel = tile_.rgba + (y - tile_.rect.y0) * tile_.stride + std::ptrdiff_t{4} * (area.x0 - tile_.rect.x0);
+        const std::int32_t* sum = sheet.at(area.x0, y);
+        for (int x = area.x0; x < area.x1; ++x, pixel += 4, sum += 4) {
+          const Owned& o = owned[(y - area.y0) * 8 + x - area.x0];
+          if (sum[3] == 0 || pixel[3] == 1.0f || slab < o.first || slab >= o.end) continue;
+          // More than all is as much as all.
+          const float open = (1.0f - pixel[3]) / std::max(static_cast<float>(sum[3]), Sheet::kOne);
+          for (int c = 0; c < 4; ++c) pixel[c] += open * static_cast<float>(sum[c]);
+          if (pixel[3] < opaque_at_) continue;
+          const float full = 1.0f / pixel[3];
+          for (int c = 0; c < 3; ++c) pixel[c] *= full;
+          pixel[3] = 1.0f;
+          visibility_.close(x, y);
+        }
+      }
+    }
+    sheet.clear();
+  }
+
+  const SlabFrame& f_;
+  const SlabZone& zone_;
+  const Projector& projector_;
+  const BrickBlock& block_;
+  const TilePixels& tile_;
+  Visibility& visibility_;
+  const bool test_samples_;
+  const float opaque_at_;
+  SweepMemory::Parts& m_;
+  SplatCounts& counts_;
+  const double offset_;
+  const VoxelBox reach_;  // of the samples that are drawn. unit: voxels
+  int begin_ = 0;
+};
+
+}  // namespace
+
+void sweepSlabs(const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell* const> cells,
+                const TilePixels& tile, Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
+                SplatCounts& counts) {
+  if (cells.empty()) return;
+  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    Sweep<T>(frame, block, tile, visibility, test_samples, opaque_at, memory.parts(), counts).run(cells);
+  });
+}
+
+}  // namespace kiln

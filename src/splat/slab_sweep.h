@@ -1,0 +1,84 @@
+// The kernel of `--lattice pixel`: one brick in one tile, slab after slab, front to back. Cells that may be seen are
+// cut into units when their first slab's turn comes, units are refined to samples no more than a pixel apart, and each
+// sample waits for its slab, is tested for visibility with its own footprint against all that is in front of it, and
+// is added to the slab's sheet, which is then laid behind what the image holds (DESIGN §6).
+//
+// A brick writes the pixels of slabs that it owns: those whose place in space (the pixel's centre, the slab's middle)
+// is in the brick. To them it adds the samples of its apron, so that no pixel of a slab is the sum of two bricks.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "splat/sample_table.h"
+#include "splat/sheet.h"
+#include "splat/slab_grid.h"
+#include "splat/splat_cell.h"
+#include "store/brick_block.h"
+
+namespace kiln {
+
+/// What all bricks and tiles of a zone share.
+class SlabFrame {
+ public:
+  /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
+  SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+            const SampleTable& table, const Shading& shading, float gradient_noise);
+
+  const SlabZone& zone() const { return zone_; }
+  const Projector& projector() const { return projector_; }
+  const Extent3& dims() const { return dims_; }
+  const EndVoxels& ends() const { return ends_; }
+  const SampleTable& table() const { return table_; }
+  const FootprintTable& footprint() const { return footprint_; }
+  const UnitLattice& lattice() const { return lattice_; }
+  /// How far beyond its core a brick's samples are drawn. unit: voxels.
+  std::int64_t ghosts() const { return ghosts_; }
+
+  /// Where the samples of `box` fall, and perhaps more: pixels, not cut off at the image, and slabs of the zone.
+  struct Bounds {
+    PixelRect rect;
+    int first = 0, last = -1;
+    bool empty() const { return first > last || rect.empty(); }
+  };
+  Bounds boundsOf(const VoxelBox& box) const;
+
+ private:
+  const SlabZone& zone_;
+  const Projector& projector_;
+  const Extent3 dims_;
+  const EndVoxels ends_;
+  const SampleTable& table_;
+  FootprintTable footprint_;
+  UnitLattice lattice_;
+  std::int64_t ghosts_;
+};
+
+/// A cell of a brick, or of its apron, that may hold something.
+struct SlabCell {
+  VoxelBox box;
+  SlabFrame::Bounds bounds;
+};
+
+/// The cells of the brick that the transfer function shows. cost: a look at each cell's range.
+std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block);
+
+/// What a sweep needs for a time; made once for each thread and kept.
+class SweepMemory {
+ public:
+  SweepMemory();
+  ~SweepMemory();
+  struct Parts;
+  Parts& parts() { return *parts_; }
+
+ private:
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Draws what the brick owns of the zone's slabs in this tile. requires: `block` of the zone's level; `cells` are those
+/// of its interesting cells that touch the tile. Of `test_samples` and `opaque_at` SplatFrame says what they are.
+void sweepSlabs(const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell* const> cells,
+                const TilePixels& tile, Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
+                SplatCounts& counts);
+
+}  // namespace kiln
