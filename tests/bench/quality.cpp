@@ -25,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A ray ends where a pixel closes by default here: what is behind adds a ten-thousandth.
+constexpr ReferenceSettings kTruth{4, 0.1, 0.9999};
 constexpr ReferenceSettings kHalfStep{1, 0.5, 1};
 
 struct Options {
@@ -32,8 +34,8 @@ struct Options {
   std::vector<std::string> projections{"orthographic", "perspective"};
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
   int size = 256, samples = 1;
-  std::string lattice = "pixel";
-  double opacity_threshold = 0.9999;
+  std::string lattice = "voxel";
+  double opacity_threshold = kTruth.opacity_threshold;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
 };
@@ -49,7 +51,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--projections", o.projections)->check(CLI::IsMember(o.projections))->capture_default_str();
   app.add_option("--px-per-voxel", o.px_per_voxel)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", o.size, "pixels along each side")->capture_default_str();
-  app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"pixel", "voxel"}))->capture_default_str();
+  app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"voxel"}))->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
@@ -102,11 +104,10 @@ class Studio {
     request.transfer_function = transferFunctionOf(subject_, material);
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
-    request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
     FrameStatistics statistics;
     drawn(request, statistics);  // reads the bricks
     const Image image = drawn(request, statistics);
-    const Image reference = referenceOf(*references_, request, {});
+    const Image reference = referenceOf(*references_, request, kTruth);
     Measured out;
     out.px_per_voxel = px_per_voxel;
     out.frame_s = statistics.wall_s;
@@ -116,7 +117,8 @@ class Studio {
     out.level = mostDrawn(statistics);
     if (out.level > 0) {
       request.level = out.level;
-      out.same_level = compareImages(referenceOf(levelReferences(out.level), request, {}), drawn(request, statistics));
+      out.same_level =
+          compareImages(referenceOf(levelReferences(out.level), request, kTruth), drawn(request, statistics));
     }
     triple = {image, reference, differenceImage(image, reference)};
     return out;

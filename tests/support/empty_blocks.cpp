@@ -41,17 +41,19 @@ EmptyBlocks::EmptyBlocks(const Extent3& dims,
 
 double EmptyBlocks::stepsToSkip(const glm::dvec3& index, const glm::dvec3& step) const {
   std::int64_t block[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inside = std::clamp(index[axis], 0.0, static_cast<double>(dims_[axis] - 1));
+    block[axis] = static_cast<std::int64_t>(inside) / kBlock;
+  }
+  if (empty_[static_cast<std::size_t>((block[2] * blocks_.y + block[1]) * blocks_.x + block[0])] == 0) return 0;
   double steps = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t last = blocks_[axis] - 1;
-    block[axis] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(index[axis] / kBlock)), 0, last);
     // Outside of the volume the nearest voxel goes on: the outermost blocks have no end.
-    const bool ends = step[axis] > 0 ? block[axis] < last : step[axis] < 0 && block[axis] > 0;
+    const bool ends = step[axis] > 0 ? block[axis] + 1 < blocks_[axis] : step[axis] < 0 && block[axis] > 0;
     if (!ends) continue;
     const double wall = static_cast<double>(kBlock * (block[axis] + (step[axis] > 0 ? 1 : 0)));
     steps = std::min(steps, (wall - index[axis]) / step[axis]);
   }
-  if (empty_[static_cast<std::size_t>((block[2] * blocks_.y + block[1]) * blocks_.x + block[0])] == 0) return 0;
   return std::max(1.0, std::floor(steps));
 }
 

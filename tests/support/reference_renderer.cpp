@@ -33,20 +33,24 @@ class Field {
 
   /// Trilinear, edge-clamped; NaN where a voxel that has weight is NaN.
   double at(const glm::dvec3& index) const {
-    std::int64_t base[3];
+    std::int64_t offset[3], step[3];
     double fraction[3];
+    const std::int64_t stride[3] = {1, dims_.x, dims_.x * dims_.y};
     for (int axis = 0; axis < 3; ++axis) {
       const double place = std::clamp(index[axis], 0.0, static_cast<double>(dims_[axis] - 1));
-      base[axis] = static_cast<std::int64_t>(std::floor(place));
-      fraction[axis] = place - static_cast<double>(base[axis]);
+      const auto base = static_cast<std::int64_t>(place);
+      fraction[axis] = place - static_cast<double>(base);
+      offset[axis] = base * stride[axis];
+      step[axis] = base + 1 < dims_[axis] ? stride[axis] : 0;  // else that corner has no weight
     }
+    const double* const corner = values_.data() + offset[0] + offset[1] + offset[2];
     double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2 & 1;
-      const double weight = (dx ? fraction[0] : 1 - fraction[0]) * (dy ? fraction[1] : 1 - fraction[1]) *
-                            (dz ? fraction[2] : 1 - fraction[2]);
-      // Skipped, not multiplied: 0 * NaN is NaN, and a corner without weight may lie outside of the volume.
-      if (weight > 0) sum += weight * voxel(base[0] + dx, base[1] + dy, base[2] + dz);
+    for (int n = 0; n < 8; ++n) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];
+    if (!std::isnan(sum)) return sum;
+    // 0 * NaN is NaN, too: only corners that have weight may spoil the sum.
+    sum = 0;
+    for (int n = 0; n < 8; ++n) {
+      if (weightOf(n, fraction) > 0) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];
     }
     return sum;
   }
@@ -67,6 +71,15 @@ class Field {
   }
 
  private:
+  // Of the eight corners of a cell, n-th bits: x, y, z.
+  static double weightOf(int n, const double (&fraction)[3]) {
+    return ((n & 1) != 0 ? fraction[0] : 1 - fraction[0]) * ((n & 2) != 0 ? fraction[1] : 1 - fraction[1]) *
+           ((n & 4) != 0 ? fraction[2] : 1 - fraction[2]);
+  }
+  static std::int64_t offsetOf(int n, const std::int64_t (&step)[3]) {
+    return ((n & 1) != 0 ? step[0] : 0) + ((n & 2) != 0 ? step[1] : 0) + ((n & 4) != 0 ? step[2] : 0);
+  }
+
   Extent3 dims_;
   std::vector<double> values_;
 };
