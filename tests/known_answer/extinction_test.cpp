@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "support/drawing.h"
+#include "support/lattices.h"
 #include "support/procedural.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"
@@ -132,10 +133,10 @@ std::vector<Shape> shapes() {
   return out;
 }
 
-class Extinction : public ::testing::TestWithParam<std::tuple<int, Projection>> {};
+class Extinction : public ::testing::TestWithParam<std::tuple<int, Projection, Lattice>> {};
 
 TEST_P(Extinction, HasItsClosedForm) {
-  const auto [shape_index, projection] = GetParam();
+  const auto [shape_index, projection, lattice] = GetParam();
   const Shape shape = std::move(shapes()[static_cast<std::size_t>(shape_index)]);
   const auto store =
       makeStore(shape.volume,
@@ -148,6 +149,7 @@ TEST_P(Extinction, HasItsClosedForm) {
     request.opacity_threshold = 1;
     request.shading.phong = false;
     request.level = 0;
+    setLattice(request, lattice);
     const Camera camera =
         cameraFrom(shape.volume.geometry, randomDirection(kSeed, static_cast<std::uint64_t>(i)), projection);
     request.view = resolve(camera, {kPixels, kPixels});
@@ -167,13 +169,13 @@ TEST_P(Extinction, HasItsClosedForm) {
       worst_rms = std::max(worst_rms, agreement.rms);
     }
   }
-  std::printf("%s, %s: worst of %d views and 3 depths: mean %.3f %%, rms %.3f %%\n", shape.name,
-              projection == Projection::kPerspective ? "perspective" : "orthographic", kViews, 100 * worst_mean,
-              100 * worst_rms);
+  std::printf("%s, %s lattice, %s: worst of %d views and 3 depths: mean %.3f %%, rms %.3f %%\n", shape.name,
+              nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", kViews,
+              100 * worst_mean, 100 * worst_rms);
 }
 
 TEST_P(Extinction, IsTheSameOnCoarserLevels) {
-  const auto [shape_index, projection] = GetParam();
+  const auto [shape_index, projection, lattice] = GetParam();
   const Shape shape = std::move(shapes()[static_cast<std::size_t>(shape_index)]);
   const auto store = makeStore(shape.volume, "levels", 16);
   const StoreReader reader(store);
@@ -186,6 +188,7 @@ TEST_P(Extinction, IsTheSameOnCoarserLevels) {
       request.opacity_threshold = 1;
       request.shading.phong = false;
       request.level = level;
+      setLattice(request, lattice);
       request.view =
           resolve(cameraFrom(shape.volume.geometry, randomDirection(kSeed, i), projection), {kPixels, kPixels});
       const std::vector<double> value_length = closedFormImage(request.view, shape.value_length);
@@ -199,9 +202,9 @@ TEST_P(Extinction, IsTheSameOnCoarserLevels) {
       worst_mean = std::max(worst_mean, std::abs(agreement.mean_error));
       worst_rms = std::max(worst_rms, agreement.rms);
     }
-    std::printf("%s, %s, level %d: worst of 4 views: mean %.3f %%, rms %.3f %%\n", shape.name,
-                projection == Projection::kPerspective ? "perspective" : "orthographic", level, 100 * worst_mean,
-                100 * worst_rms);
+    std::printf("%s, %s lattice, %s, level %d: worst of 4 views: mean %.3f %%, rms %.3f %%\n", shape.name,
+                nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", level,
+                100 * worst_mean, 100 * worst_rms);
     // A voxel of level 2 is 4 pixels here, and the ball 13 of them: their blur flattens it by a hundredth.
     EXPECT_LT(worst_mean, level < 2 ? 0.005 : 0.012) << shape.name << " level " << level;
     EXPECT_LT(worst_rms, level < 2 ? 0.01 : 0.015) << shape.name << " level " << level;
@@ -210,7 +213,8 @@ TEST_P(Extinction, IsTheSameOnCoarserLevels) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Extinction,
                          ::testing::Combine(::testing::Values(0, 1, 2),
-                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
+                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective),
+                                            ::testing::ValuesIn(kLattices)));
 
 }  // namespace
 }  // namespace kiln::test

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "support/drawing.h"
+#include "support/lattices.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
@@ -34,8 +35,9 @@ constexpr int kQuickScenes = 8;
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 #endif
 
-FrameRequest requestOf(const RandomScene& scene, double threshold) {
+FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double threshold) {
   FrameRequest request;
+  setLattice(request, lattice);
   request.view = scene.view;
   request.transfer_function = scene.transfer_function;
   request.shading = scene.shading;
@@ -73,11 +75,11 @@ void checkLeastMemory(const std::filesystem::path& store, const FrameRequest& re
   EXPECT_LE(statistics.bricks_read, statistics.bricks_interesting) << "a brick was read twice, seed " << seed;
 }
 
-class PictureEquality : public ::testing::TestWithParam<int> {
+class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
  protected:
   // Opens one store for each brick size: 8 is one cell, 128 is one brick for all.
   void SetUp() override {
-    volume_ = std::move(volumes()[static_cast<std::size_t>(GetParam())]);
+    volume_ = std::move(volumes()[static_cast<std::size_t>(std::get<0>(GetParam()))]);
     for (const std::int64_t size : {kSmallestBrick, std::int64_t{32}, std::int64_t{64}, std::int64_t{128}}) {
       stores_.push_back(makeStore(volume_, "bricks_of_" + std::to_string(size), size));
     }
@@ -89,7 +91,7 @@ class PictureEquality : public ::testing::TestWithParam<int> {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       const RandomScene scene = randomScene(seed, volume_, kSize);
       const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
-      FrameRequest request = requestOf(scene, threshold);
+      FrameRequest request = requestOf(scene, std::get<1>(GetParam()), threshold);
       request.level = 0;
       request.visibility.method = VisibilityMethod::kNone;
       const Image truth = draw(stores_[3], request);
@@ -133,18 +135,20 @@ class PictureEquality : public ::testing::TestWithParam<int> {
 TEST_P(PictureEquality, HoldsForBricksMethodsThreadsTilesAndMemory) { check(100, kQuickScenes); }
 TEST_P(PictureEquality, NightlyHoldsForManyScenes) { check(1000, 400); }
 
-INSTANTIATE_TEST_SUITE_P(Volumes, PictureEquality, ::testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Volumes, PictureEquality,
+                         ::testing::Combine(::testing::Values(0, 1, 2), ::testing::ValuesIn(kLattices)));
 
 // The same for `--level auto`, from so near that levels mix.
-class MixedLevels : public ::testing::TestWithParam<int> {
+class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
  protected:
   void check(std::uint64_t first_seed, int scenes) {
-    const DenseVolume volume = std::move(volumes()[static_cast<std::size_t>(GetParam())]);
+    const DenseVolume volume = std::move(volumes()[static_cast<std::size_t>(std::get<0>(GetParam()))]);
     const auto store = makeStore(volume, "pyramid", 16);
     int mixed = 0;
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-      FrameRequest request = requestOf(randomScene(seed, volume, kSize), 0.3 + 0.7 * hashUnit(seed, 77));
+      FrameRequest request =
+          requestOf(randomScene(seed, volume, kSize), std::get<1>(GetParam()), 0.3 + 0.7 * hashUnit(seed, 77));
       Camera camera = cameraFrom(volume.geometry, randomDirection(seed, 0), Projection::kPerspective);
       camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
       camera.fov_deg = 110;
@@ -170,7 +174,8 @@ class MixedLevels : public ::testing::TestWithParam<int> {
 TEST_P(MixedLevels, HoldForMethodsThreadsTilesAndMemory) { check(201, (kQuickScenes + 1) / 2); }
 TEST_P(MixedLevels, NightlyHoldForManyScenes) { check(2000, 100); }
 
-INSTANTIATE_TEST_SUITE_P(Volumes, MixedLevels, ::testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Volumes, MixedLevels,
+                         ::testing::Combine(::testing::Values(0, 1, 2), ::testing::ValuesIn(kLattices)));
 
 }  // namespace
 }  // namespace kiln::test

@@ -1,0 +1,15 @@
+// The lattices that the renderer splats, for tests that hold for every one of them.
+#pragma once
+
+#include "render/render_frame.h"
+
+namespace kiln::test {
+
+inline constexpr Lattice kLattices[] = {Lattice::kVoxel};
+
+/// Nothing to say while there is one lattice only.
+inline void setLattice(FrameRequest& /*request*/, Lattice /*lattice*/) {}
+
+inline const char* nameOf(Lattice lattice) { return lattice == Lattice::kVoxel ? "voxel" : "pixel"; }
+
+}  // namespace kiln::test
