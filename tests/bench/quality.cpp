@@ -35,7 +35,7 @@ struct Options {
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
   int size = 256, samples = 1;
   std::string lattice = "voxel";
-  double opacity_threshold = kTruth.opacity_threshold;
+  double opacity_threshold = 0.9999;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
 };

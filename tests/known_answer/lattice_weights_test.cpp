@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
+#include <optional>
 
 #include "support/drawing.h"
 #include "support/lattices.h"

@@ -1,12 +1,14 @@
 // Turning the camera by a tenth of a degree must change the picture as much as it changes the reference's: more is
 // popping or crawling, less is blur. The arc of 20 degrees crosses a plane of the lattice, where the order of visiting
 // flips. Of its 200 steps a seeded few are drawn, the crossing always among them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
 
 #include "support/drawing.h"
 #include "support/lattices.h"
@@ -23,7 +25,7 @@ constexpr double kArcDeg = 20, kStepDeg = 0.1;
 
 // About the vertical through the target.
 Camera turned(Camera camera, double angle_deg) {
-  const glm::dmat4 turn = glm::rotate(glm::dmat4(1), angle_deg * 3.14159265358979 / 180, glm::normalize(camera.up));
+  const glm::dmat4 turn = glm::rotate(glm::dmat4(1), angle_deg * std::numbers::pi / 180, glm::normalize(camera.up));
   camera.eye = camera.target + glm::dvec3(turn * glm::dvec4(camera.eye - camera.target, 0));
   return camera;
 }
