@@ -23,17 +23,19 @@ constexpr ImageSize kSize{150, 117};  // neither is a multiple of a tile
 // hundred.
 #if defined(__SANITIZE_THREAD__)
 constexpr std::int64_t kSmallestBrick = 16;
-constexpr int kQuickScenes = 2;
+constexpr int kAllQuickScenes = 2;
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox};
 #else
 constexpr std::int64_t kSmallestBrick = 8;
 #if defined(__SANITIZE_ADDRESS__)
-constexpr int kQuickScenes = 3;
+constexpr int kAllQuickScenes = 4;
 #else
-constexpr int kQuickScenes = 8;
+constexpr int kAllQuickScenes = 10;
 #endif
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 #endif
+
+constexpr int kQuickScenes = kAllQuickScenes / static_cast<int>(std::size(kLattices));
 
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double threshold) {
   FrameRequest request;
