@@ -1,0 +1,100 @@
+#include "scene/clip_region.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+std::string textOf(const VoxelCoord& v) {
+  return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
+}
+
+void requireVoxels(const VoxelBox& region, const Extent3& dims) {
+  if (!intersection(region, boxOf(dims)).empty()) return;
+  throw Error(ErrorCode::kUsage, "the region from " + textOf(region.lo) + " to " + textOf(region.hi) +
+                                     " (half-open) holds none of the volume's voxels, 0,0,0 to " +
+                                     textOf({dims.x, dims.y, dims.z}));
+}
+
+}  // namespace
+
+ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span) {
+  if (clipping.region) {
+    const VoxelBox& region = *clipping.region;
+    requireVoxels(region, finest.dims);
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 along(0);
+      along[axis] = 1;
+      if (region.lo[axis] > 0) add(along, 0.5 - static_cast<double>(region.lo[axis]), 0, finest, span);
+      if (region.hi[axis] < finest.dims[axis])
+        add(-along, static_cast<double>(region.hi[axis]) - 0.5, std::numeric_limits<double>::denorm_min(), finest,
+            span);
+    }
+  }
+  for (const ClipPlane& plane : clipping.planes) {
+    const double length = glm::length(plane.normal);
+    const glm::dvec3 normal = plane.normal / length;
+    add(glm::transpose(glm::dmat3(finest.world_from_index)) * normal,
+        glm::dot(normal, glm::dvec3(finest.world_from_index[3])) + plane.offset / length, 0, finest, span);
+  }
+}
+
+// `normal` and `offset` are in the index space of level 0, where voxel p of this level is at span·p + (span - 1)/2.
+void ClipRegion::add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
+                     const Extent3& span) {
+  const glm::dvec3 scale(span.x, span.y, span.z);
+  HalfSpace out;
+  out.normal = scale * normal;
+  out.offset = offset + glm::dot(normal, 0.5 * (scale - 1.0));
+  out.least = least;
+  out.half_voxel = 0.5 * (std::abs(out.normal.x) + std::abs(out.normal.y) + std::abs(out.normal.z));
+  out.world_distance = 1 / glm::length(glm::transpose(glm::inverse(glm::dmat3(finest.world_from_index))) * normal);
+  out.gradient = glm::vec3(glm::normalize(out.normal));
+  half_spaces_.push_back(out);
+}
+
+bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
+  for (const HalfSpace& h : half_spaces_) {
+    if (!(glm::dot(h.normal, index) + h.offset >= h.least)) return false;
+  }
+  return true;
+}
+
+ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept {
+  const glm::dvec3 lo = glm::dvec3(voxels.lo.x, voxels.lo.y, voxels.lo.z) - 0.5;
+  const glm::dvec3 hi = glm::dvec3(voxels.hi.x, voxels.hi.y, voxels.hi.z) - 0.5;
+  Overlap out = Overlap::kInside;
+  for (const HalfSpace& h : half_spaces_) {
+    // The half-space's value at the corner farthest inside, and at the one farthest outside.
+    double most = h.offset, least = h.offset;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = h.normal[axis] * lo[axis], b = h.normal[axis] * hi[axis];
+      most += std::max(a, b);
+      least += std::min(a, b);
+    }
+    if (!(most >= h.least)) return Overlap::kOutside;
+    if (!(least > 0)) out = Overlap::kCut;
+  }
+  return out;
+}
+
+const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index) const noexcept {
+  const glm::vec3* gradient = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const HalfSpace& h : half_spaces_) {
+    const double inside = glm::dot(h.normal, index) + h.offset;
+    if (!(inside <= h.half_voxel) || !(inside * h.world_distance < nearest)) continue;
+    nearest = inside * h.world_distance;
+    gradient = &h.gradient;
+  }
+  return gradient;
+}
+
+}  // namespace kiln

@@ -1,0 +1,67 @@
+// What of the volume a picture shows: a box of voxels and any number of half-spaces of the world. Of both, every level
+// of the pyramid has its own half-spaces in its own index space, so that a voxel is asked by products and sums alone. A
+// sample is shown where its centre is inside; where a plane cuts or touches its voxel, it is lit by the plane's normal,
+// so that a cut is a plain face (DESIGN §6).
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "grid/geometry.h"
+
+namespace kiln {
+
+/// Shows where normal·x + offset >= 0, x in the world. requires: a normal of finite, positive length; any is legal.
+struct ClipPlane {
+  glm::dvec3 normal{0, 0, 1};
+  double offset = 0;
+  bool operator==(const ClipPlane&) const = default;
+};
+
+/// All of it must hold; nothing said shows everything.
+struct Clipping {
+  std::optional<VoxelBox> region;  // of level 0
+  std::vector<ClipPlane> planes;
+  bool operator==(const Clipping&) const = default;
+};
+
+class ClipRegion {
+ public:
+  enum class Overlap { kOutside, kCut, kInside };
+
+  /// Shows everything.
+  ClipRegion() = default;
+  /// For a level whose voxels span `span` voxels of level 0 along each axis. Faces of the region at the volume's border
+  /// or beyond clip nothing. throws: Error kUsage where no voxel of the volume is in the region.
+  ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span = {1, 1, 1});
+
+  bool showsAll() const noexcept { return half_spaces_.empty(); }
+
+  /// `index` is a place in the level's index space, voxel centres at whole numbers. Two regions that share a face share
+  /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
+  bool contains(const glm::dvec3& index) const noexcept;
+
+  /// For all points of the voxels' cubes: none is inside (kOutside), or all are and no plane cuts or touches one
+  /// (kInside).
+  Overlap classify(const VoxelBox& voxels) const noexcept;
+
+  /// What the shader takes for the gradient of a sample whose voxel a plane cuts or touches: the normal of the
+  /// nearest such plane, in the level's index space, any length above zero; null where there is none. requires:
+  /// contains(index).
+  const glm::vec3* cutGradient(const glm::dvec3& index) const noexcept;
+
+ private:
+  // Shows where normal·p + offset >= least.
+  struct HalfSpace {
+    glm::dvec3 normal;
+    double offset, least;
+    double half_voxel;      // how far normal·p changes from the middle of a voxel's cube to its farthest corner
+    double world_distance;  // of a unit of normal·p
+    glm::vec3 gradient;
+  };
+  void add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest, const Extent3& span);
+  std::vector<HalfSpace> half_spaces_;
+};
+
+}  // namespace kiln
