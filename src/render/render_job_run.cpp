@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "output/image_file.h"
 #include "render/frame_memory.h"
-#include "scene/presets.h"
 
 namespace kiln {
 namespace {
@@ -36,16 +35,7 @@ Camera cameraFor(const PictureOptions& picture, const StoreReader& store) {
 }
 
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store) {
-  TransferFunction out;
-  if (const auto* name = std::get_if<std::string>(&picture.transfer_function)) {
-    out = presetFor(*name, store.manifest());
-  } else if (const auto* path = std::get_if<std::filesystem::path>(&picture.transfer_function)) {
-    out = readTransferFunction(*path);
-  } else {
-    out = std::get<TransferFunction>(picture.transfer_function);
-  }
-  if (!(out.unit > 0)) out.unit = store.manifest().geometry().meanSpacing();
-  return out;
+  return resolve(picture.transfer_function, picture.window, store.manifest());
 }
 
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {

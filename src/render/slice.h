@@ -5,19 +5,15 @@
 
 #include "base/progress.h"
 #include "output/image.h"
+#include "scene/transfer_function_choice.h"
 #include "store/store_reader.h"
 
 namespace kiln {
 
-/// Values from centre - width/2 (black) to centre + width/2 (white), as radiologists set it.
-struct Window {
-  double centre = 0, width = 1;
-};
-
 struct SliceRequest {
   int axis = 2;                       // 0 x, 1 y, 2 z
   std::optional<std::int64_t> index;  // the middle where not given
-  std::optional<Window> window;       // the middle 99 % of the values where not given
+  std::optional<Window> window;       // black to white; the middle 99 % of the values where not given
 };
 
 /// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice

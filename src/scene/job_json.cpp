@@ -84,6 +84,15 @@ std::string shownValue(const json& value) {
   return shown;
 }
 
+std::shared_ptr<const json> checkedDocument(const std::string& text, const std::filesystem::path& path) {
+  Checker checker;
+  if (!json::sax_parse(text, &checker, json::input_format_t::json, true, true)) {
+    const std::string place = checker.bytes_read > 0 ? lineAndColumn(text, checker.bytes_read) : "";
+    throw Error(ErrorCode::kFormat, path, place, checker.problem);
+  }
+  return std::make_shared<const json>(json::parse(text, nullptr, true, true));
+}
+
 // "a", "b" or "c", in quotes.
 std::string listOf(std::span<const std::string_view> names) {
   std::string out;
@@ -107,12 +116,16 @@ JobObject::JobObject(Json value, std::filesystem::path path, std::string place)
 }
 
 JobObject JobObject::parse(const std::string& text, const std::filesystem::path& path) {
-  Checker checker;
-  if (!json::sax_parse(text, &checker, json::input_format_t::json, true, true)) {
-    const std::string place = checker.bytes_read > 0 ? lineAndColumn(text, checker.bytes_read) : "";
-    throw Error(ErrorCode::kFormat, path, place, checker.problem);
-  }
-  return JobObject(std::make_shared<const json>(json::parse(text, nullptr, true, true)), path, "");
+  return JobObject(checkedDocument(text, path), path, "");
+}
+
+std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const std::filesystem::path& path) {
+  const Json root = checkedDocument(text, path);
+  if (!root->is_array()) return {JobObject(root, path, "")};
+  std::vector<JobObject> out;
+  for (std::size_t i = 0; i < root->size(); ++i)
+    out.push_back(JobObject(Json(root, &(*root)[i]), path, "[" + std::to_string(i) + "]"));
+  return out;
 }
 
 JobObject JobObject::inside(const json& value, std::string place) const {
@@ -149,6 +162,11 @@ void JobObject::requireKnown(std::initializer_list<std::string_view> known) cons
 bool JobObject::isText(std::string_view key) const {
   const json* value = find(key);
   return value && value->is_string();
+}
+
+bool JobObject::isNumber(std::string_view key) const {
+  const json* value = find(key);
+  return value && value->is_number();
 }
 
 std::optional<double> JobObject::number(std::string_view key, std::string_view expected, bool (*legal)(double)) const {

@@ -26,11 +26,14 @@ class JobObject {
   /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
   /// or an object has a key twice; kUsage where the root is not an object.
   static JobObject parse(const std::string& text, const std::filesystem::path& path);
+  /// The same for a document that is one object or a list of objects.
+  static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
   /// throws: where a key is none of `known`, naming the nearest.
   void requireKnown(std::initializer_list<std::string_view> known) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
   bool isText(std::string_view key) const;
+  bool isNumber(std::string_view key) const;
 
   /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
   std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;

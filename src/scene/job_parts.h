@@ -16,4 +16,7 @@ Shading shadingFrom(const JobObject& object);
 /// where the key is not there. throws: Error kUsage where it is none of them.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner);
 
+/// The key `window` of `owner`. throws: as above.
+std::optional<Window> windowFrom(const JobObject& owner);
+
 }  // namespace kiln

@@ -5,12 +5,15 @@
 #include "scene/presets.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <optional>
 
 #include "base/error.h"
+#include "scene/color_map.h"
+#include "scene/named_color_maps.h"
 
 namespace kiln {
 namespace {
@@ -18,7 +21,8 @@ namespace {
 // Linear light.
 const glm::dvec3 kSkin{0.78, 0.50, 0.36}, kSkinLight{0.90, 0.66, 0.50}, kBone{0.88, 0.80, 0.64},
     kWhite{0.95, 0.94, 0.92};
-const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80};
+const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80},
+    kIvory{0.86, 0.82, 0.74};
 constexpr double kSurfaceOpacity = 0.9;
 
 // Voxel counts by value, with values for bins: bin b holds [edge(b), edge(b + 1)).
@@ -94,14 +98,6 @@ double highValue(const Bins& bins, double fraction, double otherwise) {
   return otherwise;
 }
 
-// A range to map to where the manifest has none (all NaN) or one value only.
-ValueRange usableRange(const Manifest& manifest) {
-  const ValueRange& range = manifest.range;
-  if (range.empty() || !std::isfinite(range.lo) || !std::isfinite(range.hi)) return {0, 1};
-  if (range.lo == range.hi) return {range.lo, range.lo + std::max(1.0, std::abs(range.lo) * 1e-6)};
-  return range;
-}
-
 Bins usableBins(const Manifest& manifest) {
   const ValueHistogram& histogram = manifest.histogram;
   const bool usable = histogram.counts.size() > 1 && std::isfinite(histogram.lo) && histogram.lo < histogram.hi &&
@@ -122,14 +118,19 @@ double opacityForDepth(const Manifest& manifest, double optical_depth) {
   return voxels > 0 && std::isfinite(voxels) ? 1 - std::exp(-optical_depth / voxels) : 0.1;
 }
 
-TransferFunction fog(const Manifest& manifest) {
+ValueRange fogRange(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
   // Empty space is 0 in a fog; of another volume it is the least value there is.
   const double lo = manifest.volume_class == VolumeClass::kFog && range.hi > 0 ? 0 : range.lo;
-  double high = highValue(usableBins(manifest), 0.995, range.hi);
-  if (!(high > lo)) high = range.hi;
-  const double opacity = opacityForDepth(manifest, 6);
-  return {0, {{lo, kFogGrey, 0}, {high, kFogWarm, opacity}}};
+  const double high = highValue(usableBins(manifest), 0.995, range.hi);
+  return {lo, high > lo ? high : range.hi};
+}
+
+double fogOpacity(const Manifest& manifest) { return opacityForDepth(manifest, 6); }
+
+TransferFunction fog(const Manifest& manifest) {
+  const ValueRange range = fogRange(manifest);
+  return {0, {{range.lo, kFogGrey, 0}, {range.hi, kFogWarm, fogOpacity(manifest)}}};
 }
 
 TransferFunction levelSet(const Manifest& manifest) {
@@ -139,7 +140,14 @@ TransferFunction levelSet(const Manifest& manifest) {
 
 TransferFunction grayscale(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
-  return {0, {{range.lo, glm::dvec3(0), 0}, {range.hi, glm::dvec3(1), opacityForDepth(manifest, 10)}}};
+  return {0, {{range.lo, glm::dvec3(0), 0}, {range.hi, glm::dvec3(1), grayscaleOpacity(manifest)}}};
+}
+
+// A named map of colours over the values, the opacity rising with them.
+TransferFunction colored(std::string_view name, const ValueRange& range, double opacity) {
+  ColorMap colors = namedColorMap(name);
+  stretch(colors, {0, 1}, range);
+  return {0, sampled(colors, {{{range.lo, 0}, {range.hi, opacity}}})};
 }
 
 // Opaque from a little above `surface`, brightening to `high`.
@@ -199,12 +207,48 @@ TransferFunction automatic(const Manifest& manifest) {
   return surfaceOf(manifest);
 }
 
+// Solid from `text`, a number, on. A hundredth of the range is enough of a ramp for shading without steps.
+TransferFunction isoSurface(std::string_view text, const Manifest& manifest) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= 1e300))
+    throw Error(ErrorCode::kUsage, "'iso:" + std::string(text) + "': expected a number after iso:, such as iso:300");
+  const ValueRange range = usableRange(manifest);
+  const double half = std::max(0.005 * (range.hi - range.lo), 1e-9 * std::abs(value));
+  return {0, {{value - half, kIvory, 0}, {value + half, kIvory, 0.97}}};
+}
+
+constexpr std::string_view kIso = "iso:";
+
 }  // namespace
 
+ValueRange usableRange(const Manifest& manifest) {
+  const ValueRange& range = manifest.range;
+  if (range.empty() || !std::isfinite(range.lo) || !std::isfinite(range.hi)) return {0, 1};
+  if (range.lo == range.hi) return {range.lo, range.lo + std::max(1.0, std::abs(range.lo) * 1e-6)};
+  return range;
+}
+
+double grayscaleOpacity(const Manifest& manifest) { return opacityForDepth(manifest, 10); }
+
 const std::vector<std::string>& presetNames() {
-  static const std::vector<std::string> names = {"auto", "ct-skin",  "ct-bone",  "mr-head",
-                                                 "fog",  "levelset", "grayscale"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out = {"auto",    "ct-skin", "ct-bone",  "ct-bone-and-skin",
+                                    "mr-head", "fog",     "levelset", "grayscale"};
+    out.insert(out.end(), colorMapNames().begin(), colorMapNames().end());
+    return out;
+  }();
   return names;
+}
+
+std::string presetList() {
+  std::string out;
+  for (const std::string& preset : presetNames()) out += (out.empty() ? "" : ", ") + preset;
+  return out + " or iso:VALUE";
+}
+
+bool isPreset(std::string_view name) {
+  return name.starts_with(kIso) || std::find(presetNames().begin(), presetNames().end(), name) != presetNames().end();
 }
 
 TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
@@ -216,13 +260,25 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "ct-bone") {
     return computedTomography(manifest, {{130, kBone, 0}, {330, kBone, 0.9}, {1000, kWhite, 0.97}});
   }
+  // Skin is where air meets it; what lies between skin and bone would hide the bone and is left out.
+  if (name == "ct-bone-and-skin") {
+    return computedTomography(manifest, {{-700, kSkin, 0},
+                                         {-400, kSkin, 0.1},
+                                         {-200, kSkin, 0.1},
+                                         {-50, kSkinLight, 0},
+                                         {130, kBone, 0},
+                                         {330, kBone, 0.9},
+                                         {1000, kWhite, 0.97}});
+  }
   if (name == "mr-head") return mrHead(manifest);
   if (name == "fog") return fog(manifest);
   if (name == "levelset") return levelSet(manifest);
   if (name == "grayscale") return grayscale(manifest);
-  std::string known;
-  for (const std::string& preset : presetNames()) known += (known.empty() ? "" : ", ") + preset;
-  throw Error(ErrorCode::kUsage, "'" + std::string(name) + "' is not a transfer function preset; there are " + known);
+  if (name == "fire") return colored(name, fogRange(manifest), fogOpacity(manifest));
+  if (name.starts_with(kIso)) return isoSurface(name.substr(kIso.size()), manifest);
+  if (isPreset(name)) return colored(name, usableRange(manifest), grayscaleOpacity(manifest));
+  throw Error(ErrorCode::kUsage,
+              "'" + std::string(name) + "' is not a transfer function preset; there are " + presetList());
 }
 
 }  // namespace kiln

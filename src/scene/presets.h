@@ -10,12 +10,24 @@
 
 namespace kiln {
 
-/// "auto", "ct-skin", "ct-bone", "mr-head", "fog", "levelset", "grayscale", in the order a list should show them.
+/// In the order a list should show them; "iso:VALUE" is one more, for any number.
 const std::vector<std::string>& presetNames();
+/// The names as a sentence has them: "auto, ct-skin, … or iso:VALUE".
+std::string presetList();
+
+/// Whether the name is one of the list, or begins with "iso:".
+bool isPreset(std::string_view name);
 
 /// A preset mapped to this volume's values. "auto" looks at the class and the histogram: a fog is a fog, a level set
-/// its zero surface, anything else the surface between what is empty (the lower Otsu class) and what is not. throws:
-/// Error kUsage naming the presets there are.
+/// its zero surface, anything else the surface between what is empty (the lower Otsu class) and what is not. The ct-
+/// presets are in Hounsfield units, "iso:VALUE" is solid from VALUE on, colour maps (viridis, …) rise in opacity over
+/// the range of values. throws: Error kUsage naming the presets there are, or what is wrong with VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
+
+/// The volume's range of values, or one to map to where it has none (all NaN) or one value only. Never empty, lo < hi.
+ValueRange usableRange(const Manifest& manifest);
+
+/// Opacity per mean voxel spacing at which the box of the volume, seen along its mean diagonal, is nearly opaque.
+double grayscaleOpacity(const Manifest& manifest);
 
 }  // namespace kiln

@@ -136,19 +136,26 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
   if (!owner.has("transferFunction")) return std::nullopt;
   if (!owner.isText("transferFunction")) return transferFunctionFrom(*owner.object("transferFunction"));
   const std::string name = *owner.text("transferFunction", "a preset, a file or an object");
-  const std::vector<std::string>& presets = presetNames();
-  if (std::find(presets.begin(), presets.end(), name) != presets.end()) return name;
+  if (isPreset(name)) return name;
   if (name.find_first_of("./") != std::string::npos) return besideJob(name, owner.path());
-  const std::vector<std::string_view> words(presets.begin(), presets.end());
+  const std::vector<std::string_view> words(presetNames().begin(), presetNames().end());
   owner.complain("transferFunction", "'" + name +
                                          "' is neither a preset nor a file name with an ending; did you mean '" +
                                          std::string(nearestWord(name, words)) + "'?");
 }
 
+std::optional<Window> windowFrom(const JobObject& owner) {
+  constexpr std::string_view kExpected = "[centre, width] in the volume's values, the width above 0";
+  const auto numbers = owner.numbers<2>("window", kExpected, legal::voxelValue);
+  if (!numbers) return std::nullopt;
+  if (!((*numbers)[1] > 0)) owner.refuse("window", kExpected);
+  return Window{(*numbers)[0], (*numbers)[1]};
+}
+
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
-  root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "shading", "visibility",
-                     "lattice", "level", "skipDamaged", "memory", "threads", "tile", "exr", "png"});
+  root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "window", "shading",
+                     "visibility", "lattice", "level", "skipDamaged", "memory", "threads", "tile", "exr", "png"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");
@@ -157,6 +164,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (const auto image = root.object("image")) readImage(*image, job.picture);
   if (const auto camera = root.object("camera")) job.picture.camera = cameraFrom(*camera);
   if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
+  job.picture.window = windowFrom(root);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root, job.picture);

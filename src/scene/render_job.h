@@ -8,11 +8,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "scene/camera.h"
 #include "scene/framing.h"
-#include "scene/transfer_function.h"
+#include "scene/transfer_function_choice.h"
 
 namespace kiln {
 
@@ -56,15 +55,13 @@ struct CameraSpec {
   Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
 };
 
-/// The name of a preset, a transfer function file's path, or the function itself.
-using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
-
 /// What the picture is.
 struct PictureOptions {
   ImageSize size;
   std::array<double, 4> background{0, 0, 0, 0};  // linear, premultiplied
   CameraSpec camera;
   TransferFunctionChoice transfer_function = std::string("auto");
+  std::optional<Window> window;  // the transfer function's first and last points lie at its ends
   Shading shading;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
@@ -101,9 +98,6 @@ struct RenderJob {
 /// later version may do; readJob also kNotFound, kIo.
 RenderJob parseJob(const std::string& text, const std::filesystem::path& path);
 RenderJob readJob(const std::filesystem::path& path);
-
-/// Reads a transfer function file: the `transferFunction` object of a job. throws: as parseJob.
-TransferFunction readTransferFunction(const std::filesystem::path& path);
 
 /// The job as JSON with every choice about the picture made: what an EXR header keeps. `camera` and `transfer_function`
 /// are the resolved ones. How fast and where to are left out, so that equal pictures have equal headers; `parseJob` of

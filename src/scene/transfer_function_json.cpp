@@ -1,13 +1,10 @@
 #include "scene/transfer_function_json.h"
 
-#include "base/file.h"
 #include "base/srgb.h"
-#include "scene/render_job.h"
 
 namespace kiln {
 namespace {
 
-constexpr std::uint64_t kLargestFile_bytes = 16u << 20;
 constexpr std::array<std::string_view, 2> kColorSpaceNames = {"linear", "srgb"};
 
 TransferPoint pointFrom(const JobObject& object, bool srgb) {
@@ -43,10 +40,6 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
     point.refuse("value", "a value not below that of the point before, for points are sorted");
   }
   return out;
-}
-
-TransferFunction readTransferFunction(const std::filesystem::path& path) {
-  return transferFunctionFrom(JobObject::parse(readTextFile(path, kLargestFile_bytes), path));
 }
 
 }  // namespace kiln

@@ -80,6 +80,28 @@ TEST(Presets, CtFollowsTheDescriptionOfTheUncHead) {
   EXPECT_NEAR(presetFor("ct-bone", head).points.front().value, 1150, 50);
 }
 
+// Bone is solid, skin is there but lets it through, and what lies between them is not there.
+TEST(Presets, BoneShowsThroughTranslucentSkin) {
+  const TransferFunction f = presetFor("ct-bone-and-skin", ctHead(0, VoxelType::i16));
+  EXPECT_FALSE(f.interesting(-900));
+  EXPECT_GT(f.at(-300).opacity, 0.01);
+  EXPECT_LT(f.at(-300).opacity, 0.2);
+  EXPECT_FALSE(f.interesting(50));
+  EXPECT_GT(f.at(500).opacity, 0.8);
+}
+
+TEST(Presets, AnIsoSurfaceIsSolidFromItsValueOn) {
+  const Manifest head = ctHead(0, VoxelType::i16);
+  const TransferFunction f = presetFor("iso:-312.5", head);
+  EXPECT_FALSE(f.interesting(-330));
+  EXPECT_NEAR(f.at(-312.5).opacity, 0.5 * 0.97, 1e-12);
+  EXPECT_EQ(f.at(2000).opacity, 0.97);
+  for (const char* wrong : {"iso:", "iso:bone", "iso:3x", "iso:nan", "iso:1e999"})
+    EXPECT_THROW(presetFor(wrong, head), Error) << wrong;
+  EXPECT_TRUE(isPreset("iso:3"));
+  EXPECT_FALSE(isPreset("iso"));
+}
+
 // 8 bits from air to dense bone: the same places of the range.
 TEST(Presets, CtWithoutAKnownScaleIsProportional) {
   const Manifest engine = volumeOf(VoxelType::u8, 0, 255, {{5, 700}, {120, 300}});

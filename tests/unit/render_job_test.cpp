@@ -282,9 +282,9 @@ TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
   std::ofstream(folder / "tf.json") << R"({"points": [{"value": 3, "color": [1, 1, 1], "opacity": 0.5}]})";
   std::ofstream(folder / "bad.json") << R"({"points": [{"value": 3, "color": [1, 1, 1], "opacity": 5}]})";
   EXPECT_EQ(readJob(folder / "job.json").volume, folder / "head.kiln");
-  EXPECT_EQ(readTransferFunction(folder / "tf.json").at(3).opacity, 0.5);
+  EXPECT_EQ(readTransferFunction(folder / "tf.json", Manifest{}).at(3).opacity, 0.5);
   try {
-    readTransferFunction(folder / "bad.json");
+    readTransferFunction(folder / "bad.json", Manifest{});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("bad.json: points[0].opacity"), std::string::npos) << error.what();

@@ -12,6 +12,7 @@
 #include "render/render_job_run.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
+#include "scene_arguments.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -21,7 +22,7 @@ namespace {
 struct Arguments {
   std::string input, output, stats;
   std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, area, lattice, level, memory,
-      exr_type, background;
+      exr_type, background, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
@@ -80,17 +81,9 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     picture.background = {rgb.r, rgb.g, rgb.b, 1.0};
   }
   if (a.tf) {
-    std::error_code ignored;
-    const bool preset = std::find(presetNames().begin(), presetNames().end(), *a.tf) != presetNames().end();
-    if (preset) {
-      picture.transfer_function = *a.tf;
-    } else if (fs::exists(*a.tf, ignored)) {
-      picture.transfer_function = fs::path(*a.tf);
-    } else {
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--tf: '{}' is neither a file nor one of {}", *a.tf, fmt::join(presetNames(), ", ")));
-    }
+    picture.transfer_function = transferFunctionNamed(*a.tf, "--tf");
   }
+  if (a.window) picture.window = parseWindow(*a.window, "--window");
   if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
   if (a.lattice) picture.lattice = named<Lattice>(kLatticeNames, *a.lattice, "--lattice");
   if (a.skip_damaged) picture.skip_damaged = true;
@@ -206,7 +199,13 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
   addCameraOptions(*command, *a);
   command->add_option("--tf", a->tf,
-                      fmt::format("transfer function: a file or one of {}", fmt::join(presetNames(), ", ")));
+                      fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "
+                                  "or a preset: {}",
+                                  presetList()));
+  command
+      ->add_option("--window", a->window,
+                   "stretch the transfer function so that it begins and ends with this window of values")
+      ->type_name("CENTRE,WIDTH");
   command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")
       ->type_name("R,G,B");
   command->add_option("--visibility", a->visibility,

@@ -3,6 +3,7 @@
 #include "commands.h"
 #include "output/image_file.h"
 #include "render/slice.h"
+#include "scene_arguments.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -21,10 +22,7 @@ void run(const Arguments& a, Context& context) {
     throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", a.axis));
   request.axis = static_cast<int>(axes.find(a.axis));
   request.index = a.index;
-  if (!a.window.empty()) {
-    const glm::dvec3 parsed = parseTriple(a.window + ",0", "--window");
-    request.window = Window{parsed.x, parsed.y};
-  }
+  if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   const Image image = renderSlice(StoreReader(a.store), request, context.progress);
   writeImage(image, {}, {}, a.output);
   context.progress.clear();

@@ -20,6 +20,7 @@ void addInfo(CLI::App& app, Context& context);
 void addVerify(CLI::App& app, Context& context);
 void addExport(CLI::App& app, Context& context);
 void addSlice(CLI::App& app, Context& context);
+void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addBench(CLI::App& app, Context& context);

@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
   addVerify(app, context);
   addExport(app, context);
   addSlice(app, context);
+  addTf(app, context);
   addRender(app, context);
   addCompare(app, context);
   addBench(app, context);

@@ -11,9 +11,8 @@
 #include "base/error.h"
 
 namespace kiln::tool {
-namespace {
 
-std::vector<double> numbers(const std::string& text, char separator, const char* option, const char* expected) {
+std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected) {
   std::vector<double> out;
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -29,10 +28,8 @@ std::vector<double> numbers(const std::string& text, char separator, const char*
   throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, expected, text));
 }
 
-}  // namespace
-
 glm::dvec3 parseTriple(const std::string& text, const char* option) {
-  const std::vector<double> values = numbers(text, ',', option, "three numbers X,Y,Z");
+  const std::vector<double> values = parseNumbers(text, ',', option, "three numbers X,Y,Z");
   if (values.size() != 3)
     throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
   return {values[0], values[1], values[2]};
@@ -40,7 +37,7 @@ glm::dvec3 parseTriple(const std::string& text, const char* option) {
 
 std::pair<int, int> parseSize(const std::string& text, const char* option) {
   const std::vector<double> values =
-      numbers(text, text.find('x') != std::string::npos ? 'x' : ',', option, "WIDTHxHEIGHT");
+      parseNumbers(text, text.find('x') != std::string::npos ? 'x' : ',', option, "WIDTHxHEIGHT");
   if (values.size() != 2 || values[0] != std::floor(values[0]) || values[1] != std::floor(values[1]) ||
       std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: expected WIDTHxHEIGHT, found '{}'", option, text));

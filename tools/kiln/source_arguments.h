@@ -19,6 +19,8 @@ struct SourceArguments {
 
 void addSourceArguments(CLI::App& command, SourceArguments& arguments);
 
+/// The finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".
+std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected);
 /// Three numbers "a,b,c". throws: Error kUsage naming `option`.
 glm::dvec3 parseTriple(const std::string& text, const char* option);
 /// Two integers "AxB" or "A,B". throws: Error kUsage naming `option`.

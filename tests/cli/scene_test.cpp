@@ -1,0 +1,101 @@
+// What a picture shows, as users set it on the command line. Known because the header of an EXR holds the job with
+// every choice made: drawn again it is the same file, byte for byte, whatever was set; and because a wrong option is
+// one line that names it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "support/procedural.h"
+#include "support/run_tool.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+class SceneCli : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = freshDirectory(std::string("cli_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    store_ = makeStore(head({{20, 20, 16}, VoxelType::i16, obliqueAffine()}, {-1000, 2000}),
+                       directory_.filename().string() + "/store", 16)
+                 .string();
+  }
+  std::string in(const std::string& name) const { return (directory_ / name).string(); }
+
+  Image drawn(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"render", store_, "-o", in("a.exr"), "--size", "24x20"});
+    const ToolResult result = runTool(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return readImage(in("a.exr"));
+  }
+  // The picture, after it was drawn again from its header and came out equal.
+  Image drawnTwice(const std::vector<std::string>& options) const {
+    const Image image = drawn(options);
+    std::ofstream(in("job.json")) << readImageText(in("a.exr")).at("kiln:job");
+    const ToolResult again = runTool({"render", in("job.json"), "-o", in("b.exr")});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(readTextFile(in("a.exr")), readTextFile(in("b.exr"))) << options.front();
+    return image;
+  }
+  void expectRefused(std::vector<std::string> options, const std::string& mentions) const {
+    options.insert(options.begin(), {"render", store_, "-o", in("r.exr"), "--size", "8x8"});
+    const ToolResult result = runTool(options);
+    EXPECT_EQ(result.exit_code, 2) << mentions;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
+    EXPECT_NE(result.err.find(mentions), std::string::npos) << result.err;
+  }
+
+  fs::path directory_;
+  std::string store_;
+};
+
+TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
+  std::ofstream(in("maps.json")) << R"([{"Name": "A", "RGBPoints": [0, 0, 0, 0, 1, 1, 1, 1], "ColorSpace": "RGB"},
+             {"Name": "B", "RGBPoints": [-500, 0, 0, 1, 900, 1, 0, 0], "Points": [-500, 0, 0.5, 0, 900, 1, 0.3, 0.6],
+              "ColorSpace": "Lab"}])";
+  const Image by_default = drawnTwice({"--tf", "auto"});
+  for (const char* tf : {"iso:300", "viridis", "fire"}) EXPECT_NE(drawnTwice({"--tf", tf}).rgba, by_default.rgba) << tf;
+  const Image whole = drawnTwice({"--tf", in("maps.json") + "#B"});
+  EXPECT_NE(drawnTwice({"--tf", in("maps.json") + "#B", "--window", "700,300"}).rgba, whole.rgba);
+  std::ofstream(in("windowed.json")) << R"({"volume": ")" + store_ +
+                                            R"(", "transferFunction": "maps.json#B", "window": [700, 300],
+                                              "image": {"width": 24, "height": 20}})";
+  EXPECT_EQ(runTool({"render", in("windowed.json"), "-o", in("w.exr")}).exit_code, 0);
+  EXPECT_EQ(readTextFile(in("a.exr")), readTextFile(in("w.exr")));
+  expectRefused({"--tf", in("maps.json")}, "A, B");
+  expectRefused({"--tf", "viridi"}, "--tf: 'viridi' is neither a file nor one of auto, ");
+  expectRefused({"--tf", "iso:high"}, "iso:high");
+  expectRefused({"--window", "3"}, "--window: expected CENTRE,WIDTH");
+  expectRefused({"--window", "3,0"}, "--window");
+}
+
+TEST_F(SceneCli, ATransferFunctionIsShown) {
+  const ToolResult preset = runTool({"tf", "ct-bone"});
+  EXPECT_EQ(preset.exit_code, 0) << preset.err;
+  EXPECT_NE(preset.out.find("330   0.90000"), std::string::npos) << preset.out;
+  EXPECT_NE(preset.out.find("#f1e7d1"), std::string::npos) << preset.out;
+  const ToolResult store = runTool({"tf", store_, "--tf", "grayscale", "--window", "100,50", "-o", in("tf.png")});
+  EXPECT_EQ(store.exit_code, 0) << store.err;
+  for (const char* says : {"75   0.00000", "2 points", "volume       values "})
+    EXPECT_NE(store.out.find(says), std::string::npos) << store.out;
+  const Image picture = readImage(in("tf.png"));
+  EXPECT_EQ(picture.width, 960);
+  // The red line of the opacity is there, at the bottom on the left and nowhere else in that column.
+  const auto red = [&](int x, int y) { return picture.pixel(x, y)[0] > 3 * picture.pixel(x, y)[1]; };
+  EXPECT_TRUE(red(60, 329));
+  for (int y = 30; y < 320; ++y) EXPECT_FALSE(red(60, y)) << y;
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"tf", "auto"},
+                                                {"tf", "ct-bone", "--tf", "fog"},
+                                                {"tf", "nothing"},
+                                                {"tf", "fog", "-o", "x.bmp"}}) {
+    const ToolResult refused = runTool(wrong);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_EQ(refused.errorLines().size(), 1u) << refused.err;
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test

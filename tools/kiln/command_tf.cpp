@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/srgb.h"
+#include "commands.h"
+#include "output/image_file.h"
+#include "render/transfer_function_picture.h"
+#include "scene/presets.h"
+#include "scene_arguments.h"
+#include "store/store_reader.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string input, tf, window, output;
+};
+
+// What a function is shown for: a store's volume, or, where none is named, values that people know: Hounsfield units
+// from air to dense bone for CT, else 0 to 1, voxels of 1.
+struct Subject {
+  Manifest manifest;
+  TransferFunctionChoice choice;
+  bool volume = false;
+};
+
+Manifest withoutVolume(const TransferFunctionChoice& choice) {
+  const auto* name = std::get_if<std::string>(&choice);
+  if (name != nullptr && (*name == "auto" || *name == "mr-head"))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("'{0}' is found in a volume's histogram: run kiln tf STORE --tf {0}", *name));
+  Manifest out;
+  out.type = VoxelType::f32;
+  out.range = {0, 1};
+  if (name != nullptr && name->starts_with("ct-")) out.range = {-1024, 3071};
+  out.levels.resize(1);
+  out.levels[0].geometry.dims = {256, 256, 256};
+  return out;
+}
+
+Subject subjectOf(const Arguments& a) {
+  std::error_code ignored;
+  if (fs::is_directory(a.input, ignored)) {
+    const std::string tf = a.tf.empty() ? "auto" : a.tf;
+    return {StoreReader(a.input).manifest(), transferFunctionNamed(tf, "--tf"), true};
+  }
+  if (!a.tf.empty()) throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store, and '{}' is none", a.input));
+  const TransferFunctionChoice choice = transferFunctionNamed(a.input, "kiln tf");
+  return {withoutVolume(choice), choice, false};
+}
+
+std::string hexOf(const glm::dvec3& linear) {
+  const auto byte = [](double channel) { return std::lround(255 * srgbFromLinear(channel)); };
+  return fmt::format("#{:02x}{:02x}{:02x}", byte(linear.r), byte(linear.g), byte(linear.b));
+}
+
+void print(const TransferFunction& f, const Subject& subject) {
+  const VolumeGeometry& geometry = subject.manifest.geometry();
+  const std::string unit = geometry.unit.empty() ? "world unit" : geometry.unit;
+  if (subject.volume)
+    fmt::print("volume       values {:.9g} to {:.9g}\n", subject.manifest.range.lo, subject.manifest.range.hi);
+  fmt::print("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
+  fmt::print("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
+             "red, green, blue (linear light)");
+  for (const TransferPoint& p : f.points) {
+    fmt::print("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
+               extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
+  }
+  fmt::print("{} points; extinction is per {}\n", f.points.size(), unit);
+}
+
+void run(const Arguments& a) {
+  if (!a.output.empty()) requireImagePath(a.output);
+  const Subject subject = subjectOf(a);
+  std::optional<Window> window;
+  if (!a.window.empty()) window = parseWindow(a.window, "--window");
+  const TransferFunction function = resolve(subject.choice, window, subject.manifest);
+  if (!a.output.empty()) writeImage(transferFunctionPicture(function, subject.manifest.histogram), {}, {}, a.output);
+  print(function, subject);
+}
+
+}  // namespace
+
+void addTf(CLI::App& app, Context& context) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
+  command
+      ->add_option("INPUT", a->input,
+                   fmt::format("a store, a transfer function file (FILE or FILE#NAME), or a preset: {}", presetList()))
+      ->required();
+  command->add_option("--tf", a->tf, "of a store: the file or preset to show; auto if not given");
+  command->add_option("--window", a->window, "stretch it so that it begins and ends with this window of values")
+      ->type_name("CENTRE,WIDTH");
+  command->add_option("-o,--output", a->output, "the picture, .png or .exr");
+  command->callback([a, &context] { context.action = [a] { run(*a); }; });
+}
+
+}  // namespace kiln::tool
