@@ -43,7 +43,8 @@ void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& ch
     if (use.finer) node = sumOfChildren(layers_.size() - 1, at);
     node.finer = node.interesting > 0;
     if (use.itself) {
-      node.drawn = interesting(store.index().at({added.level, brick}));
+      const bool shown = levels_.clipRegion(added.level).classify(voxelsOf(added, at)) != ClipRegion::Overlap::kOutside;
+      node.drawn = shown && interesting(store.index().at({added.level, brick}));
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
     }

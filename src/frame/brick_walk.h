@@ -18,7 +18,7 @@ namespace kiln {
 /// Bricks at the levels that the view asks for, as if nothing hid anything: they fill the volume without overlap.
 struct BrickWalkCounts {
   std::uint64_t bricks = 0;       // all of them, in the image or not
-  std::uint64_t interesting = 0;  // of these, with something below that the transfer function shows
+  std::uint64_t interesting = 0;  // of these, with something below that the transfer function and the clip region show
   std::uint64_t hidden = 0;       // of the interesting, in the image but behind opaque pixels
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
 };

@@ -33,7 +33,8 @@ double halfSmallestEdge(const VolumeGeometry& geometry) {
 
 }  // namespace
 
-FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area)
+FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area,
+                         const Clipping& clipping)
     : finest_(level.value_or(0)) {
   const int coarsest = level.value_or(static_cast<int>(volume.levels.size()) - 1);
   Extent3 span{1, 1, 1};
@@ -47,8 +48,8 @@ FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const
     // All levels of a frame end at the same distance from the eye.
     const double near_depth = halfSmallestEdge(volume.levels[static_cast<std::size_t>(finest_)].geometry);
     levels_.push_back({geometry.dims, Projector(geometry, view, area, near_depth),
-                       endVoxelsOf(volume.geometry().dims, geometry.dims, span), span,
-                       longestHalvedEdge(geometry, span)});
+                       endVoxelsOf(volume.geometry().dims, geometry.dims, span),
+                       ClipRegion(clipping, volume.geometry(), span), span, longestHalvedEdge(geometry, span)});
   }
 }
 

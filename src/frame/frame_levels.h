@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/clip_region.h"
 #include "splat/projector.h"
 #include "splat/splat_cell.h"
 #include "store/manifest.h"
@@ -15,14 +16,17 @@ namespace kiln {
 
 class FrameLevels {
  public:
-  /// One level where `level` names it, else all of the volume's. requires: 0 <= level < levels of the volume.
-  FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area);
+  /// One level where `level` names it, else all of the volume's. requires: 0 <= level < levels of the volume. throws:
+  /// Error kUsage where the clipping's region holds no voxel.
+  FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area,
+              const Clipping& clipping = {});
 
   int finest() const { return finest_; }
   int coarsest() const { return finest_ + static_cast<int>(levels_.size()) - 1; }
   const Extent3& dims(int level) const { return at(level).dims; }
   const Projector& projector(int level) const { return at(level).projector; }
   const EndVoxels& endVoxels(int level) const { return at(level).ends; }
+  const ClipRegion& clipRegion(int level) const { return at(level).clip; }
 
   /// How many voxels of level 0 a voxel of `level` spans along each axis.
   const Extent3& span(int level) const { return at(level).span; }
@@ -35,6 +39,7 @@ class FrameLevels {
     Extent3 dims;
     Projector projector;
     EndVoxels ends;
+    ClipRegion clip;
     Extent3 span;
     double edge;  // the longest of those that were halved. unit: world
   };

@@ -38,6 +38,7 @@ struct Walk {
 
   // Whether nothing of `box` can be seen in this tile.
   bool skipped(const VoxelBox& box, int level) const noexcept {
+    if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
     const PixelRect rect = intersection(frame.projector->bounds(box), tile.rect);
     if (rect.empty()) return true;
     const bool hidden = frame.visibility->hidden(rect);

@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -62,12 +63,19 @@ SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, Image& i
   return total;
 }
 
-void layOverBackground(Image& image, const std::array<double, 4>& background) {
-  if (background == std::array<double, 4>{0, 0, 0, 0}) return;
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    const float open = 1.0f - image.rgba[i + 3];
+void layOverBackground(Image& image, const Background& background) {
+  if (background == Background{}) return;
+  for (int y = 0; y < image.height; ++y) {
+    // From the middle of the first row to that of the last.
+    const double t = image.height > 1 ? static_cast<double>(y) / (image.height - 1) : 0;
+    float row[4];
     for (std::size_t channel = 0; channel < 4; ++channel)
-      image.rgba[i + channel] += open * static_cast<float>(background[channel]);
+      row[channel] = static_cast<float>(std::lerp(background.top[channel], background.bottom[channel], t));
+    for (int x = 0; x < image.width; ++x) {
+      float* pixel = image.pixel(x, y);
+      const float open = 1.0f - pixel[3];
+      for (int channel = 0; channel < 4; ++channel) pixel[channel] += open * row[channel];
+    }
   }
 }
 
@@ -86,10 +94,13 @@ void requireRequest(const StoreReader& store, const FrameRequest& request) {
   }
 }
 
+double opacityUnit(const StoreReader& store, const FrameRequest& request) {
+  return request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
+}
+
 Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
-  const double unit =
-      request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
-  return Classifier(request.transfer_function, unit, store.manifest().type, store.manifest().range);
+  return Classifier(request.transfer_function, opacityUnit(store, request), store.manifest().type,
+                    store.manifest().range);
 }
 
 BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
@@ -106,7 +117,7 @@ BrickWalk::Interesting interestingTo(const Classifier& classifier) {
 // What of the volume a frame asks for, before any of it is read.
 struct FramePlan {
   FramePlan(const StoreReader& store, const FrameRequest& request)
-      : levels(store.manifest(), request.level, request.view, request.visibility.area),
+      : levels(store.manifest(), request.level, request.view, request.visibility.area, request.clipping),
         classifier(classifierFor(store, request)) {
     if (request.lattice == Lattice::kPixel) {
       pixel.emplace(store.manifest(), levels, request.view, request.level, request.transfer_function, request.shading,
@@ -159,7 +170,9 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
     if (lookahead) cache.announce(lookahead->after(key, kAnnounced));
     if (!block) return;
     frame.projector = &plan.levels.projector(key.level);
-    frame.shader = Shader(request.shading, gradientNoise(manifest.range), *frame.projector);
+    frame.shader = Shader(request.shading, request.view, gradientNoise(manifest.range), *frame.projector);
+    frame.gradient_opacity = GradientOpacity(request.transfer_function, opacityUnit(store, request), *frame.projector);
+    frame.clip = &plan.levels.clipRegion(key.level);
     frame.ends = plan.levels.endVoxels(key.level);
     const SplatCounts drawn = pixel ? pixel->draw(*block, tilesOf(image, rect, request.tile_px), *visibility,
                                                   frame.test_samples, frame.opaque_at)

@@ -19,7 +19,8 @@ struct FrameRequest {
   View view;
   TransferFunction transfer_function;
   Shading shading;
-  std::array<double, 4> background{0, 0, 0, 0};
+  Clipping clipping;
+  Background background;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized

@@ -43,6 +43,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.view = resolve(camera, job.picture.size);
   request.transfer_function = transfer_function;
   request.shading = job.picture.shading;
+  request.clipping = job.picture.clipping;
   request.background = job.picture.background;
   request.opacity_threshold = job.picture.opacity_threshold;
   request.lattice = job.picture.lattice;

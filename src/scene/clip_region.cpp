@@ -25,6 +25,17 @@ void requireVoxels(const VoxelBox& region, const Extent3& dims) {
 
 }  // namespace
 
+std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi) {
+  std::vector<ClipPlane> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 along(0);
+    along[axis] = 1;
+    out.push_back({along, -lo[axis]});
+    out.push_back({-along, hi[axis]});
+  }
+  return out;
+}
+
 ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span) {
   if (clipping.region) {
     const VoxelBox& region = *clipping.region;
@@ -54,7 +65,7 @@ void ClipRegion::add(const glm::dvec3& normal, double offset, double least, cons
   out.normal = scale * normal;
   out.offset = offset + glm::dot(normal, 0.5 * (scale - 1.0));
   out.least = least;
-  out.half_voxel = 0.5 * (std::abs(out.normal.x) + std::abs(out.normal.y) + std::abs(out.normal.z));
+  out.voxel = std::abs(out.normal.x) + std::abs(out.normal.y) + std::abs(out.normal.z);
   out.world_distance = 1 / glm::length(glm::transpose(glm::inverse(glm::dmat3(finest.world_from_index))) * normal);
   out.gradient = glm::vec3(glm::normalize(out.normal));
   half_spaces_.push_back(out);
@@ -80,7 +91,7 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
       least += std::min(a, b);
     }
     if (!(most >= h.least)) return Overlap::kOutside;
-    if (!(least > 0)) out = Overlap::kCut;
+    if (!(least >= h.voxel)) out = Overlap::kCut;
   }
   return out;
 }
@@ -90,7 +101,7 @@ const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index) const noexcept
   double nearest = std::numeric_limits<double>::infinity();
   for (const HalfSpace& h : half_spaces_) {
     const double inside = glm::dot(h.normal, index) + h.offset;
-    if (!(inside <= h.half_voxel) || !(inside * h.world_distance < nearest)) continue;
+    if (!(inside < h.voxel) || !(inside * h.world_distance < nearest)) continue;
     nearest = inside * h.world_distance;
     gradient = &h.gradient;
   }

@@ -1,7 +1,7 @@
 // What of the volume a picture shows: a box of voxels and any number of half-spaces of the world. Of both, every level
 // of the pyramid has its own half-spaces in its own index space, so that a voxel is asked by products and sums alone. A
-// sample is shown where its centre is inside; where a plane cuts or touches its voxel, it is lit by the plane's normal,
-// so that a cut is a plain face (DESIGN §6).
+// sample is shown where its centre is inside. Within a voxel of a face it is lit by the face's normal, so that a cut is
+// plain (DESIGN §6): a voxel, because then there is a layer of voxels to show it, wherever the face runs between them.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -26,6 +26,9 @@ struct Clipping {
   bool operator==(const Clipping&) const = default;
 };
 
+/// The planes that show a box of the world, its faces included. requires: lo below hi along each axis.
+std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi);
+
 class ClipRegion {
  public:
   enum class Overlap { kOutside, kCut, kInside };
@@ -42,13 +45,13 @@ class ClipRegion {
   /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
   bool contains(const glm::dvec3& index) const noexcept;
 
-  /// For all points of the voxels' cubes: none is inside (kOutside), or all are and no plane cuts or touches one
-  /// (kInside).
+  /// For all points of the voxels' cubes: none is inside (kOutside), or all are, and none has a
+  /// `cutGradient` (kInside).
   Overlap classify(const VoxelBox& voxels) const noexcept;
 
-  /// What the shader takes for the gradient of a sample whose voxel a plane cuts or touches: the normal of the
-  /// nearest such plane, in the level's index space, any length above zero; null where there is none. requires:
-  /// contains(index).
+  /// What the shader takes for the gradient of a sample less than a voxel's extent (along the normal) inside of a face:
+  /// the normal of the nearest such face, in the level's index space, any length above zero; null where there is none.
+  /// requires: contains(index).
   const glm::vec3* cutGradient(const glm::dvec3& index) const noexcept;
 
  private:
@@ -56,7 +59,7 @@ class ClipRegion {
   struct HalfSpace {
     glm::dvec3 normal;
     double offset, least;
-    double half_voxel;      // how far normal·p changes from the middle of a voxel's cube to its farthest corner
+    double voxel;           // how far normal·p changes over a voxel's cube
     double world_distance;  // of a unit of normal·p
     glm::vec3 gradient;
   };

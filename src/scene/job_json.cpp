@@ -164,6 +164,11 @@ bool JobObject::isText(std::string_view key) const {
   return value && value->is_string();
 }
 
+bool JobObject::isObject(std::string_view key) const {
+  const json* value = find(key);
+  return value && value->is_object();
+}
+
 bool JobObject::isNumber(std::string_view key) const {
   const json* value = find(key);
   return value && value->is_number();
@@ -286,6 +291,8 @@ bool length(double v) { return std::abs(v) <= 1e30; }
 bool positiveLength(double v) { return v > 0 && v <= 1e30; }
 bool fraction(double v) { return v >= 0 && v <= 1; }
 bool voxelValue(double v) { return std::abs(v) <= 1e300; }
+bool shadingWeight(double v) { return v >= 0 && v <= 1000; }
+bool shadingPower(double v) { return v >= 0 && v <= 1e4; }
 }  // namespace legal
 
 }  // namespace kiln

@@ -34,6 +34,7 @@ class JobObject {
   bool has(std::string_view key) const { return find(key) != nullptr; }
   bool isText(std::string_view key) const;
   bool isNumber(std::string_view key) const;
+  bool isObject(std::string_view key) const;
 
   /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
   std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;
@@ -83,6 +84,8 @@ bool length(double v);
 bool positiveLength(double v);
 bool fraction(double v);  // [0, 1]
 bool voxelValue(double v);
+bool shadingWeight(double v);
+bool shadingPower(double v);
 }  // namespace legal
 
 }  // namespace kiln

@@ -16,7 +16,12 @@ Shading shadingFrom(const JobObject& object);
 /// where the key is not there. throws: Error kUsage where it is none of them.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner);
 
-/// The key `window` of `owner`. throws: as above.
+/// The keys of `owner` that say what a picture shows; what is not there keeps its default. throws: as above.
+Background backgroundFrom(const JobObject& owner);
+std::vector<Light> lightsFrom(const JobObject& owner);
+Clipping clippingFrom(const JobObject& owner);
 std::optional<Window> windowFrom(const JobObject& owner);
+/// Three lengths. throws: as above.
+std::optional<glm::dvec3> worldVectorFrom(const JobObject& owner, std::string_view key);
 
 }  // namespace kiln

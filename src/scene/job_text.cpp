@@ -30,7 +30,34 @@ ordered_json jsonOf(const TransferFunction& function) {
   for (const TransferPoint& point : function.points) {
     points.push_back({{"value", point.value}, {"color", listOf(point.color)}, {"opacity", point.opacity}});
   }
-  return {{"unit", function.unit}, {"colorSpace", "linear"}, {"points", points}};
+  ordered_json out = {{"unit", function.unit}, {"colorSpace", "linear"}, {"points", points}};
+  for (const GradientPoint& point : function.gradient_opacity)
+    out["gradientOpacity"].push_back({{"gradient", point.gradient}, {"factor", point.factor}});
+  return out;
+}
+
+ordered_json jsonOf(const Background& background) {
+  if (background.top == background.bottom) return background.top;
+  return {{"top", background.top}, {"bottom", background.bottom}};
+}
+
+ordered_json jsonOf(const Light& light) {
+  ordered_json out;
+  out["type"] = kLightNames[static_cast<std::size_t>(light.kind)];
+  if (light.kind == LightKind::kDirectional) out["direction"] = listOf(light.place);
+  if (light.kind == LightKind::kPoint) out["position"] = listOf(light.place);
+  out["color"] = listOf(light.color);
+  out["intensity"] = light.intensity;
+  return out;
+}
+
+void addClipping(const Clipping& clipping, ordered_json& out) {
+  if (const auto& region = clipping.region)
+    out["region"] = {region->lo.x, region->lo.y, region->lo.z, region->hi.x, region->hi.y, region->hi.z};
+  if (clipping.planes.empty()) return;
+  out["clip"] = ordered_json::array();
+  for (const ClipPlane& plane : clipping.planes)
+    out["clip"].push_back({{"normal", listOf(plane.normal)}, {"offset", plane.offset}});
 }
 
 }  // namespace
@@ -40,16 +67,19 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   ordered_json out;
   out["kiln"] = 1;
   out["volume"] = job.volume.generic_string();
-  out["image"] = {{"width", picture.size.width}, {"height", picture.size.height}, {"background", picture.background}};
+  out["image"] = {
+      {"width", picture.size.width}, {"height", picture.size.height}, {"background", jsonOf(picture.background)}};
   out["camera"] = jsonOf(camera);
   out["transferFunction"] = jsonOf(transfer_function);
   const Shading& shading = picture.shading;
   out["shading"] = {{"model", shading.phong ? "phong" : "none"},
-                    {"light", "headlight"},
                     {"ambient", shading.ambient},
                     {"diffuse", shading.diffuse},
                     {"specular", shading.specular},
                     {"power", shading.power}};
+  out["lights"] = ordered_json::array();
+  for (const Light& light : shading.lights) out["lights"].push_back(jsonOf(light));
+  addClipping(picture.clipping, out);
   out["visibility"] = {{"threshold", picture.opacity_threshold}};
   // The one method that changes the picture.
   const VisibilityOptions& visibility = job.speed.visibility;

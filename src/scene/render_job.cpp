@@ -19,11 +19,6 @@ constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
-std::optional<glm::dvec3> vectorFrom(const JobObject& object, std::string_view key) {
-  const auto v = object.numbers<3>(key, "[x, y, z] in world units", legal::length);
-  return v ? std::optional(glm::dvec3((*v)[0], (*v)[1], (*v)[2])) : std::nullopt;
-}
-
 [[noreturn]] void unsupported(const JobObject& object, std::string_view key, const std::string& sentence) {
   throw Error(ErrorCode::kUnsupported, object.path(), object.placeOf(key), sentence);
 }
@@ -32,9 +27,7 @@ void readImage(const JobObject& object, PictureOptions& picture) {
   object.requireKnown({"width", "height", "background"});
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
   picture.size.height = static_cast<int>(object.integer("height", 1, 65536).value_or(picture.size.height));
-  picture.background =
-      object.numbers<4>("background", "[red, green, blue, alpha] from 0 to 1, premultiplied", legal::fraction)
-          .value_or(picture.background);
+  picture.background = backgroundFrom(object);
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {
@@ -98,9 +91,9 @@ CameraSpec cameraFrom(const JobObject& object) {
   CameraSpec spec;
   if (const auto place = object.choice("projection", kProjectionNames))
     spec.projection = static_cast<Projection>(*place);
-  spec.eye = vectorFrom(object, "eye");
-  spec.target = vectorFrom(object, "target");
-  spec.up = vectorFrom(object, "up");
+  spec.eye = worldVectorFrom(object, "eye");
+  spec.target = worldVectorFrom(object, "target");
+  spec.up = worldVectorFrom(object, "up");
   spec.fov_deg = object.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; });
   spec.height = object.number("height", "a number of world units above 0", legal::positiveLength);
   if (const auto place = object.choice("view", kSideNames)) spec.side = static_cast<Side>(*place);
@@ -110,25 +103,6 @@ CameraSpec cameraFrom(const JobObject& object) {
       object.number("elevation", "a number of degrees from -90 to 90", [](double v) { return v >= -90 && v <= 90; });
   spec.zoom = object.number("zoom", "a number from 0.001 to 1000000", [](double v) { return v >= 1e-3 && v <= 1e6; });
   return spec;
-}
-
-Shading shadingFrom(const JobObject& object) {
-  object.requireKnown({"model", "light", "ambient", "diffuse", "specular", "power"});
-  static constexpr std::array<std::string_view, 2> kModels = {"phong", "none"};
-  static constexpr std::array<std::string_view, 1> kLights = {"headlight"};
-  Shading shading;
-  shading.phong = object.choice("model", kModels).value_or(0) == 0;
-  object.choice("light", kLights);
-  const auto weight = [&](std::string_view key, double otherwise) {
-    const auto legal_weight = [](double v) { return v >= 0 && v <= 1000; };
-    return object.number(key, "a number from 0 to 1000", legal_weight).value_or(otherwise);
-  };
-  shading.ambient = weight("ambient", shading.ambient);
-  shading.diffuse = weight("diffuse", shading.diffuse);
-  shading.specular = weight("specular", shading.specular);
-  shading.power = object.number("power", "a number from 0 to 10000", [](double v) { return v >= 0 && v <= 1e4; })
-                      .value_or(shading.power);
-  return shading;
 }
 
 // A name without a dot or a slash that is no preset is a misspelt preset, not a file.
@@ -144,18 +118,12 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
                                          std::string(nearestWord(name, words)) + "'?");
 }
 
-std::optional<Window> windowFrom(const JobObject& owner) {
-  constexpr std::string_view kExpected = "[centre, width] in the volume's values, the width above 0";
-  const auto numbers = owner.numbers<2>("window", kExpected, legal::voxelValue);
-  if (!numbers) return std::nullopt;
-  if (!((*numbers)[1] > 0)) owner.refuse("window", kExpected);
-  return Window{(*numbers)[0], (*numbers)[1]};
-}
-
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
-  root.requireKnown({"kiln", "volume", "output", "image", "camera", "transferFunction", "window", "shading",
-                     "visibility", "lattice", "level", "skipDamaged", "memory", "threads", "tile", "exr", "png"});
+  root.requireKnown({"kiln",       "volume",  "output", "image",       "camera",      "transferFunction",
+                     "window",     "shading", "lights", "region",      "worldRegion", "clip",
+                     "visibility", "lattice", "level",  "skipDamaged", "memory",      "threads",
+                     "tile",       "exr",     "png"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");
@@ -166,6 +134,8 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
   job.picture.window = windowFrom(root);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
+  if (root.has("lights")) job.picture.shading.lights = lightsFrom(root);
+  job.picture.clipping = clippingFrom(root);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root, job.picture);
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);

@@ -10,15 +10,12 @@
 #include <string>
 
 #include "scene/camera.h"
+#include "scene/clip_region.h"
 #include "scene/framing.h"
+#include "scene/shading.h"
 #include "scene/transfer_function_choice.h"
 
 namespace kiln {
-
-struct Shading {
-  bool phong = true;  // model "phong"; "none" leaves colours as the transfer function has them
-  double ambient = 0.2, diffuse = 0.8, specular = 0.2, power = 16;
-};
 
 enum class VisibilityMethod { kNone, kMask, kRangeTree, kQuadtree, kOverlay };
 /// The rectangle that stands for a node of the octree: around its projected box and the footprint, or around the
@@ -55,14 +52,22 @@ struct CameraSpec {
   Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
 };
 
+/// What is behind the volume: linear light, premultiplied, from the middle of the top row of pixels to that of the
+/// bottom row in equal steps.
+struct Background {
+  std::array<double, 4> top{0, 0, 0, 0}, bottom{0, 0, 0, 0};
+  bool operator==(const Background&) const = default;
+};
+
 /// What the picture is.
 struct PictureOptions {
   ImageSize size;
-  std::array<double, 4> background{0, 0, 0, 0};  // linear, premultiplied
+  Background background;
   CameraSpec camera;
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends
   Shading shading;
+  Clipping clipping;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kVoxel;
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized

@@ -16,6 +16,16 @@ Classified TransferFunction::at(double value) const {
   return {(1 - t) * below.color + t * upper->color, (1 - t) * below.opacity + t * upper->opacity};
 }
 
+double TransferFunction::gradientFactor(double gradient) const {
+  if (gradient_opacity.empty()) return 1;
+  const auto upper = std::upper_bound(gradient_opacity.begin(), gradient_opacity.end(), gradient,
+                                      [](double g, const GradientPoint& point) { return g < point.gradient; });
+  if (upper == gradient_opacity.begin()) return upper->factor;
+  const GradientPoint& below = *(upper - 1);
+  if (upper == gradient_opacity.end()) return below.factor;
+  return std::lerp(below.factor, upper->factor, (gradient - below.gradient) / (upper->gradient - below.gradient));
+}
+
 double extinctionOf(double opacity, double unit) {
   // The clamp keeps a fully opaque point finite (DESIGN.md §6).
   return -std::log1p(-std::min(opacity, 0.9999)) / unit;

@@ -14,6 +14,12 @@ struct TransferPoint {
   double opacity = 0;   // per `unit` of length, 0..1
 };
 
+/// The part of a sample's opacity that is left where the values change this fast.
+struct GradientPoint {
+  double gradient = 0;  // its length. unit: value per world unit
+  double factor = 1;    // 0..1
+};
+
 struct Classified {
   glm::dvec3 color;
   double opacity;
@@ -25,6 +31,12 @@ struct TransferFunction {
   /// Sorted by value; several points may share a value (a step: the last of them holds from there on).
   std::vector<TransferPoint> points;
 
+  /// What opacity is multiplied by, over the length of the gradient: sorted, linear between points, the end points hold
+  /// outside. Nothing here leaves opacities as they are.
+  std::vector<GradientPoint> gradient_opacity = {};
+
+  /// In 0..1.
+  double gradientFactor(double gradient) const;
   /// NaN is transparent. cost: a binary search.
   Classified at(double value) const;
   bool interesting(double value) const { return at(value).opacity > 0; }

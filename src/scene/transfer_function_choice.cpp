@@ -39,10 +39,13 @@ const JobObject& chosen(const std::vector<JobObject>& maps, const FileAndName& f
     names += (names.empty() ? "" : ", ") + nameOf(map);
   }
   constexpr std::size_t kLongest = 300;
-  if (names.size() > kLongest) names = names.substr(0, kLongest) + "…";
-  throw Error(ErrorCode::kUsage, from.file, "",
-              from.name.empty() ? "holds several maps; write FILE#NAME with one of: " + names
-                                : "holds no map named '" + from.name + "'; there are " + names);
+  if (names.size() > kLongest) {
+    names.resize(kLongest);
+    names += "…";
+  }
+  const std::string sentence = from.name.empty() ? "holds several maps; write FILE#NAME with one of: "
+                                                 : "holds no map named '" + from.name + "'; there are ";
+  throw Error(ErrorCode::kUsage, from.file, "", sentence + names);
 }
 
 TransferFunction functionOf(ParaViewMap map, const Manifest& manifest) {

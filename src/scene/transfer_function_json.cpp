@@ -23,10 +23,28 @@ TransferPoint pointFrom(const JobObject& object, bool srgb) {
   return point;
 }
 
+std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
+  const auto points = owner.objects("gradientOpacity", "a list of points [{gradient, factor}, …]");
+  std::vector<GradientPoint> out;
+  if (!points) return out;
+  for (const JobObject& point : *points) {
+    point.requireKnown({"gradient", "factor"});
+    for (const char* key : {"gradient", "factor"}) {
+      if (!point.has(key)) point.complain(key, "is missing; a point has gradient and factor");
+    }
+    const auto legal_gradient = [](double v) { return v >= 0 && legal::voxelValue(v); };
+    out.push_back({*point.number("gradient", "a number of values per world unit, 0 or above", legal_gradient),
+                   *point.number("factor", "a number from 0 to 1", legal::fraction)});
+    if (out.size() > 1 && out[out.size() - 2].gradient > out.back().gradient)
+      point.refuse("gradient", "a gradient not below that of the point before, for points are sorted");
+  }
+  return out;
+}
+
 }  // namespace
 
 TransferFunction transferFunctionFrom(const JobObject& object) {
-  object.requireKnown({"unit", "colorSpace", "points"});
+  object.requireKnown({"unit", "colorSpace", "points", "gradientOpacity"});
   TransferFunction out;
   const auto legal_unit = [](double v) { return v == 0 || legal::positiveLength(v); };
   out.unit = object.number("unit", "a length above 0, or 0 for the mean voxel spacing", legal_unit).value_or(0);
@@ -39,6 +57,7 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
     if (count < 2 || out.points[count - 2].value <= out.points[count - 1].value) continue;
     point.refuse("value", "a value not below that of the point before, for points are sorted");
   }
+  out.gradient_opacity = gradientOpacityFrom(object);
   return out;
 }
 

@@ -6,7 +6,8 @@
 
 namespace kiln {
 
-/// {unit, colorSpace, points}. throws: Error kUsage naming the point where values are not sorted or out of range.
+/// {unit, colorSpace, points, gradientOpacity}. throws: Error kUsage naming the point where values are not sorted or
+/// out of range.
 TransferFunction transferFunctionFrom(const JobObject& object);
 
 }  // namespace kiln

@@ -1,5 +1,6 @@
-// Shading, the same for every kernel: Phong with a headlight, two-sided (DESIGN §10). All that no sample changes is
-// prepared once for each level of a frame; what is left is inline and does not fail.
+// Shading, the same for every kernel: what scene/shading.h says. All that no sample changes is prepared once for each
+// level of a frame; what is left is inline and does not fail. A headlight, which most pictures have alone, costs one
+// product and one power.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +8,10 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <vector>
 
-#include "scene/render_job.h"
+#include "scene/camera.h"
+#include "scene/shading.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
 
@@ -26,34 +29,58 @@ class Shader {
  public:
   Shader() = default;
   /// `gradient_noise` is the length below which a gradient has no direction. unit: value per voxel of `level`.
-  Shader(const Shading& shading, float gradient_noise, const Projector& level)
-      : phong_(shading.phong),
-        perspective_(level.perspective()),
-        ambient_(static_cast<float>(shading.ambient)),
-        diffuse_(static_cast<float>(shading.diffuse)),
-        specular_(static_cast<float>(shading.specular)),
-        power_(static_cast<float>(shading.power)),
-        least_gradient_squared_(gradient_noise * gradient_noise),
-        view_from_index_gradient_(level.viewFromIndexGradient()) {}
+  Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level);
 
   /// The light that a sample of `material` sends to the eye. `index_gradient` is along the axes of the level,
   /// `view_point` where the sample is. unit: value per voxel; world, in view space.
   Color operator()(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
     if (!phong_ || !(glm::dot(index_gradient, index_gradient) > least_gradient_squared_))
       return {material.r, material.g, material.b};
-    const glm::vec3 normal = view_from_index_gradient_ * index_gradient;
-    const glm::vec3 to_eye = perspective_ ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
-    const float cosine = std::min(std::abs(glm::dot(normal, to_eye)) / glm::length(normal), 1.0f);
-    const float matte = ambient_ + diffuse_ * cosine;
-    const float gloss = specular_ > 0 ? specular_ * std::pow(cosine, power_) : 0.0f;
-    return {material.r * matte + gloss, material.g * matte + gloss, material.b * matte + gloss};
+    return lit(material, index_gradient, view_point);
+  }
+
+  /// The same where `index_normal` is no measured gradient but has a direction for certain: a clip plane's. requires: a
+  /// length above zero.
+  Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
+    if (!phong_) return {material.r, material.g, material.b};
+    return lit(material, index_normal, view_point);
   }
 
  private:
-  bool phong_ = false, perspective_ = false;
+  struct ViewLight {
+    bool point;
+    glm::vec3 place;  // towards it, of unit length, or where it is
+    glm::vec3 color;
+  };
+
+  Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
+    glm::vec3 normal = view_from_index_gradient_ * index_gradient;
+    const glm::vec3 to_eye = perspective_ ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
+    const float facing = glm::dot(normal, to_eye);
+    const float length = glm::length(normal);
+    const float cosine = std::min(std::abs(facing) / length, 1.0f);
+    glm::vec3 matte = ambient_ + diffuse_ * cosine * headlight_;
+    glm::vec3 gloss =
+        specular_ > 0 && has_headlight_ ? specular_ * std::pow(cosine, power_) * headlight_ : glm::vec3(0);
+    if (!lights_.empty()) normal *= (facing < 0 ? -1.0f : 1.0f) / length;
+    for (const ViewLight& light : lights_) {
+      const glm::vec3 to_light = light.point ? glm::normalize(light.place - glm::vec3(view_point)) : light.place;
+      const float lit = glm::dot(normal, to_light);
+      if (!(lit > 0)) continue;
+      matte += diffuse_ * lit * light.color;
+      if (!(specular_ > 0)) continue;
+      const float halfway = std::clamp(glm::dot(normal, glm::normalize(to_light + to_eye)), 0.0f, 1.0f);
+      gloss += specular_ * std::pow(halfway, power_) * light.color;
+    }
+    return {material.r * matte.r + gloss.r, material.g * matte.g + gloss.g, material.b * matte.b + gloss.b};
+  }
+
+  bool phong_ = false, perspective_ = false, has_headlight_ = false;
   float ambient_ = 0, diffuse_ = 0, specular_ = 0, power_ = 0;
   float least_gradient_squared_ = 0;
   glm::mat3 view_from_index_gradient_{1};
+  glm::vec3 headlight_{0};  // the sum of all at the eye
+  std::vector<ViewLight> lights_;
 };
 
 }  // namespace kiln

@@ -125,6 +125,7 @@ class CellSplatter {
       : frame_(frame), block_(block), voxels_(block.data<T>()), tile_(tile), counts_(counts) {}
 
   void cell(const VoxelBox& box) {
+    cut_ = frame_.clip->classify(box) == ClipRegion::Overlap::kCut;
     std::uint8_t order[3][kCellSize];
     int count[3] = {};
     for (int axis = 0; axis < 3; ++axis) {
@@ -150,6 +151,8 @@ class CellSplatter {
  private:
   void sample(const VoxelCoord& v, const T* value, const Material& material) {
     const Projector& projector = *frame_.projector;
+    const glm::dvec3 index(v.x, v.y, v.z);
+    if (cut_ && !frame_.clip->contains(index)) return;
     const glm::dvec3 p = projector.viewOf(v);
     if (projector.perspective() && p.z < projector.nearDepth()) return;
     const glm::dvec2 at = projector.pixelOf(p);
@@ -163,8 +166,12 @@ class CellSplatter {
     counts_.visited += counted ? 1 : 0;
     if (frame_.test_samples && frame_.visibility->hidden(touched)) return;
     counts_.splats += counted ? 1 : 0;
-    const float depth = material.tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));
-    accumulate(frame_, tile_, print, depth, frame_.shader(material, gradient(value), p));
+    const glm::vec3 slope = gradient(value);
+    const float tau = frame_.gradient_opacity.active() ? frame_.gradient_opacity(material.tau, slope) : material.tau;
+    const float depth = tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));
+    const glm::vec3* const face = cut_ ? frame_.clip->cutGradient(index) : nullptr;
+    accumulate(frame_, tile_, print, depth,
+               face != nullptr ? frame_.shader.onCut(material, *face, p) : frame_.shader(material, slope, p));
   }
 
   // Central differences at voxel scale. unit: value per voxel.
@@ -188,6 +195,7 @@ class CellSplatter {
   const T* voxels_;
   const TilePixels& tile_;
   SplatCounts& counts_;
+  bool cut_ = false;  // the cell in turn, by the clip region
 };
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <cstdint>
 
 #include "occlusion/visibility.h"
+#include "scene/clip_region.h"
 #include "splat/classifier.h"
+#include "splat/gradient_opacity.h"
 #include "splat/projector.h"
 #include "splat/shade.h"
 #include "store/brick_block.h"
@@ -27,6 +29,8 @@ struct SplatFrame {
   const Projector* projector = nullptr;  // of the brick's level
   EndVoxels ends;                        // the same
   Shader shader;                         // the same
+  GradientOpacity gradient_opacity;      // the same
+  const ClipRegion* clip = nullptr;      // the same
   const Classifier* classifier = nullptr;
   float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;

@@ -72,6 +72,44 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   expectRefused({"--window", "3,0"}, "--window");
 }
 
+// Each option changes the picture, and what it does is in the header.
+TEST_F(SceneCli, LightClippingAndBackground) {
+  const Image by_default = drawnTwice({"--tf", "auto"});
+  const std::vector<std::vector<std::string>> settings = {
+      {"--shading", "none"},
+      {"--ambient", "0.5", "--diffuse", "0.3", "--specular", "0.9", "--power", "2"},
+      {"--light", "point:3,4,50:1,0.5,0", "--light", "headlight:0.2,0.2,0.2", "--light", "dir:1,-2,0.5"},
+      {"--region", "2,0,0,12,20,16"},
+      {"--world-region", "0,-100,-100,12,100,100"},
+      {"--clip", "1,0,0,-8", "--clip", "0,0,-1,9"},
+      {"--background", "0.1,0.2,0.7:1,1,1"}};
+  for (const std::vector<std::string>& these : settings) EXPECT_NE(drawnTwice(these).rgba, by_default.rgba) << these[0];
+  EXPECT_EQ(
+      drawn({"--light", "headlight", "--shading", "phong", "--background", "transparent", "--region", "0,0,0,20,20,16"})
+          .rgba,
+      by_default.rgba);
+  const std::vector<std::vector<std::string>> wrong = {{"--shading", "flat"},
+                                                       {"--ambient", "-1"},
+                                                       {"--power", "1e9"},
+                                                       {"--light", "dir:0,0,0"},
+                                                       {"--light", "point:1,2,3:1,1,-1"},
+                                                       {"--region", "0,0,0,0.5,1,1"},
+                                                       {"--world-region", "0,0,0,0,1,1"},
+                                                       {"--clip", "0,0,0,1"},
+                                                       {"--background", "0,0,2"},
+                                                       {"--background", "0,0,0:1"}};
+  for (const std::vector<std::string>& these : wrong) expectRefused(these, these[0] + ": expected ");
+  expectRefused({"--region", "20,0,0,30,9,9"}, "the region from 20,0,0 to 30,9,9 (half-open) holds none");
+}
+
+TEST_F(SceneCli, OpacityByGradientIsInTheFunction) {
+  std::ofstream(in("plain.json")) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}]})";
+  std::ofstream(in("steep.json")) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}],
+      "gradientOpacity": [{"gradient": 10, "factor": 0}, {"gradient": 300, "factor": 1}]})";
+  EXPECT_NE(drawnTwice({"--tf", in("plain.json")}).rgba, drawnTwice({"--tf", in("steep.json")}).rgba);
+  EXPECT_NE(runTool({"tf", in("steep.json")}).out.find("of the opacity, by gradient"), std::string::npos);
+}
+
 TEST_F(SceneCli, ATransferFunctionIsShown) {
   const ToolResult preset = runTool({"tf", "ct-bone"});
   EXPECT_EQ(preset.exit_code, 0) << preset.err;

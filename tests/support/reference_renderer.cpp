@@ -84,6 +84,38 @@ class Field {
   std::vector<double> values_;
 };
 
+/// A face of the clip region; shows where normal·index + offset >= 0, in index space.
+struct Face {
+  glm::dvec3 normal;
+  double offset;
+  glm::dvec3 world_normal;  // as a gradient is brought into the world, any length
+
+  double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
+  double distance(const glm::dvec3& index) const { return at(index) / glm::length(world_normal); }
+  /// How far a voxel's cube reaches along the normal.
+  double voxel() const { return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z); }
+};
+
+std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume) {
+  std::vector<Face> faces;
+  for (int axis = 0; axis < 3 && clipping.region; ++axis) {
+    glm::dvec3 along(0);
+    along[axis] = 1;
+    // A face at the border of the volume cuts nothing.
+    const auto lo = static_cast<double>(clipping.region->lo[axis]), hi = static_cast<double>(clipping.region->hi[axis]);
+    if (lo > 0) faces.push_back({along, 0.5 - lo, {}});
+    if (hi < static_cast<double>(volume.dims[axis])) faces.push_back({-along, hi - 0.5, {}});
+  }
+  for (const ClipPlane& plane : clipping.planes) {
+    const glm::dvec4 world(plane.normal, plane.offset);
+    const glm::dvec4 index = glm::transpose(volume.world_from_index) * world;
+    faces.push_back({glm::dvec3(index), index.w, {}});
+  }
+  for (Face& face : faces)
+    face.world_normal = glm::transpose(glm::inverse(glm::dmat3(volume.world_from_index))) * face.normal;
+  return faces;
+}
+
 /// Everything about a picture that no ray changes.
 struct Scene {
   Scene(const DenseVolume& volume, const View& the_view, const TransferFunction& function,
@@ -93,8 +125,10 @@ struct Scene {
         transfer_function(function),
         settings(the_settings),
         dims(volume.geometry.dims),
+        world_from_index(volume.geometry.world_from_index),
         index_from_world(glm::inverse(volume.geometry.world_from_index)),
-        gradient_world_from_index(glm::transpose(glm::inverse(glm::dmat3(volume.geometry.world_from_index)))) {
+        gradient_world_from_index(glm::transpose(glm::inverse(glm::dmat3(volume.geometry.world_from_index)))),
+        faces(facesOf(the_settings.clipping, volume.geometry)) {
     const ValueRange range = volume.range();
     gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
     const glm::dvec3 spacing = volume.geometry.spacing();
@@ -111,8 +145,9 @@ struct Scene {
   const TransferFunction& transfer_function;
   const ReferenceSettings& settings;
   Extent3 dims;
-  glm::dmat4 index_from_world;
+  glm::dmat4 world_from_index, index_from_world;
   glm::dmat3 gradient_world_from_index;
+  std::vector<Face> faces;
   double gradient_noise = 0, step_world = 1, unit_world = 1;
   std::optional<EmptyBlocks> empty_blocks;
 };
@@ -137,6 +172,12 @@ Segment clipped(const Scene& scene, const Ray& ray) {
     segment.begin = std::max(segment.begin, std::min(a, b));
     segment.end = std::min(segment.end, std::max(a, b));
   }
+  for (const Face& face : scene.faces) {
+    const double at_origin = face.at(origin), slope = glm::dot(face.normal, direction);
+    if (slope == 0 && at_origin < 0) return {0, 0};
+    if (slope > 0) segment.begin = std::max(segment.begin, -at_origin / slope);
+    if (slope < 0) segment.end = std::min(segment.end, -at_origin / slope);
+  }
   return segment;
 }
 
@@ -160,16 +201,49 @@ void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   }
 }
 
-/// DESIGN §10: colour·(ambient + diffuse·|n·v|) + specular·|n·v|^power, the light at the eye, both sides lit.
-glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& color, const glm::dvec3& index,
-                  const glm::dvec3& to_eye) {
-  if (!shading.phong) return color;
+/// The direction of the surface at a sample: of the nearest face less than a voxel away, else of the gradient;
+/// zero where there is none.
+glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
+  const Face* nearest = nullptr;
+  for (const Face& face : scene.faces) {
+    if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index))) nearest = &face;
+  }
+  if (nearest) return glm::normalize(nearest->world_normal);
   const glm::dvec3 difference = scene.field.centralDifference(index);
   // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
-  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return color;
-  const glm::dvec3 normal = glm::normalize(scene.gradient_world_from_index * difference);
-  const double facing = std::abs(glm::dot(normal, to_eye));
-  return color * (shading.ambient + shading.diffuse * facing) + shading.specular * std::pow(facing, shading.power);
+  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
+  return glm::normalize(scene.gradient_world_from_index * difference);
+}
+
+/// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
+glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& color, const glm::dvec3& index,
+                  const glm::dvec3& world, const glm::dvec3& to_eye) {
+  if (!shading.phong) return color;
+  glm::dvec3 normal = normalAt(scene, index);
+  if (normal == glm::dvec3(0)) return color;
+  if (glm::dot(normal, to_eye) < 0) normal = -normal;
+  glm::dvec3 matte(shading.ambient), gloss(0);
+  for (const Light& light : shading.lights) {
+    glm::dvec3 to_light = to_eye;
+    if (light.kind == LightKind::kDirectional) to_light = glm::normalize(light.place);
+    if (light.kind == LightKind::kPoint) to_light = glm::normalize(light.place - world);
+    if (!(glm::dot(normal, to_light) > 0)) continue;
+    const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
+    matte += shading.diffuse * glm::dot(normal, to_light) * light.intensity * light.color;
+    gloss += shading.specular * std::pow(std::max(0.0, glm::dot(normal, halfway)), shading.power) * light.intensity *
+             light.color;
+  }
+  return color * matte + gloss;
+}
+
+/// Extinction at a sample of this opacity, by the length of the gradient where the function asks for it.
+double extinctionAt(const Scene& scene, double opacity, const glm::dvec3& index) {
+  double factor = 1;
+  if (!scene.transfer_function.gradient_opacity.empty()) {
+    const double slope = glm::length(scene.gradient_world_from_index * scene.field.centralDifference(index));
+    factor = scene.transfer_function.gradientFactor(std::isfinite(slope) ? slope : 0);
+  }
+  return extinctionOf(factor * std::min(opacity, 0.9999), scene.unit_world);
 }
 
 /// Premultiplied RGBA of one ray over nothing.
@@ -180,8 +254,9 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
   march(scene, ray, [&](const glm::dvec3& index, double length) {
     const Classified sample = scene.transfer_function.at(scene.field.at(index));
     if (!(sample.opacity > 0)) return true;
-    const double alpha = 1 - std::exp(-extinctionOf(sample.opacity, scene.unit_world) * length);
-    light += transmittance * alpha * shaded(scene, shading, sample.color, index, -ray.direction);
+    const double alpha = 1 - std::exp(-extinctionAt(scene, sample.opacity, index) * length);
+    const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
+    light += transmittance * alpha * shaded(scene, shading, sample.color, index, world, -ray.direction);
     transmittance *= 1 - alpha;
     closed = scene.settings.opacity_threshold < 1 && 1 - transmittance >= scene.settings.opacity_threshold;
     return !closed && transmittance >= kStopTransmittance;
@@ -194,7 +269,7 @@ double depthAlong(const Scene& scene, const Ray& ray) {
   double depth = 0;
   march(scene, ray, [&](const glm::dvec3& index, double length) {
     const Classified sample = scene.transfer_function.at(scene.field.at(index));
-    if (sample.opacity > 0) depth += extinctionOf(sample.opacity, scene.unit_world) * length;
+    if (sample.opacity > 0) depth += extinctionAt(scene, sample.opacity, index) * length;
     return true;
   });
   return depth;

@@ -31,6 +31,8 @@ struct ReferenceSettings {
   double opacity_threshold = 1;
   /// Steps over what is transparent without sampling it, which changes no bit of the picture.
   bool skip_empty = true;
+  /// Rays end at its faces exactly. Within a voxel of one (its extent along the normal) the normal is the face's.
+  Clipping clipping = {};
 
   /// What VTK and the like draw: one ray a pixel, a step of one voxel.
   static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }

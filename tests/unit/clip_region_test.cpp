@@ -87,10 +87,9 @@ TEST(ClipRegion, ABoxIsClassifiedAsItsPointsAre) {
         for (int i = 0; i < 1000; ++i) {
           const glm::dvec3 p = glm::dvec3(x, y, z) - 0.499 + 0.444 * glm::dvec3(i % 10, i / 10 % 10, i / 100);
           EXPECT_FALSE(overlap == ClipRegion::Overlap::kOutside && region.contains(p));
-          EXPECT_FALSE(overlap == ClipRegion::Overlap::kInside && !region.contains(p));
+          EXPECT_FALSE(overlap == ClipRegion::Overlap::kInside &&
+                       !(region.contains(p) && region.cutGradient(p) == nullptr));
         }
-        for (int i = 0; i < 64 && overlap == ClipRegion::Overlap::kInside; ++i)
-          EXPECT_EQ(region.cutGradient(glm::dvec3(x + i % 4, y + i / 4 % 4, z + i / 16)), nullptr);
       }
     }
   }
@@ -98,7 +97,7 @@ TEST(ClipRegion, ABoxIsClassifiedAsItsPointsAre) {
 }
 
 // The first layer of voxels behind a face has the face's normal, the second none; in a corner the nearer face wins.
-TEST(ClipRegion, VoxelsThatAPlaneCutsHaveItsNormal) {
+TEST(ClipRegion, TheFirstVoxelsBehindAFaceHaveItsNormal) {
   const ClipRegion region({VoxelBox{{2, 0, 0}, {8, 5, 8}}, {{{0, 0, 2}, -5.0}}}, volumeOf({8, 8, 8}));
   const auto normalAt = [&](const glm::dvec3& index) {
     const glm::vec3* gradient = region.cutGradient(index);

@@ -30,7 +30,7 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_EQ(job.output.path, "jobs/head_####.exr");
   EXPECT_EQ(job.picture.size.width, 640);
   EXPECT_EQ(job.picture.size.height, 480);
-  EXPECT_EQ(job.picture.background, (std::array<double, 4>{0, 0.25, 0, 0.5}));
+  EXPECT_EQ(job.picture.background, (Background{{0, 0.25, 0, 0.5}, {0, 0.25, 0, 0.5}}));
   EXPECT_EQ(job.picture.camera.projection, Projection::kPerspective);
   EXPECT_EQ(job.picture.camera.fov_deg, 60);
   EXPECT_EQ(job.picture.camera.eye, glm::dvec3(0, -500, 90));
@@ -83,6 +83,21 @@ TEST(RenderJob, FramingKeysAndNamedTransferFunctions) {
   EXPECT_EQ(job.speed.memory_bytes, 1000000u);
   job = parseJob(R"({"volume": "a", "transferFunction": "bone.json"})", "jobs/job.json");
   EXPECT_EQ(std::get<std::filesystem::path>(job.picture.transfer_function), "jobs/bone.json");
+}
+
+TEST(RenderJob, LightsAndClipping) {
+  const RenderJob job =
+      parseJob(R"({"volume": "a", "image": {"background": {"top": [1, 0, 0, 1], "bottom": [0, 0, 0, 0]}},
+      "lights": [{"type": "directional", "direction": [0, 2, 0], "color": [1, 0.5, 0], "intensity": 3}, {"type": "headlight"}],
+      "region": [1, 2, 3, 4, 5, 6], "worldRegion": [0, 0, 0, 9, 9, 9], "clip": [{"normal": [0, 0, -1], "offset": 7}]})",
+               "job.json");
+  EXPECT_EQ(job.picture.background, (Background{{1, 0, 0, 1}, {0, 0, 0, 0}}));
+  EXPECT_EQ(job.picture.shading.lights,
+            (std::vector<Light>{{LightKind::kDirectional, {0, 2, 0}, {1, 0.5, 0}, 3}, Light{}}));
+  EXPECT_EQ(job.picture.clipping.region, (VoxelBox{{1, 2, 3}, {4, 5, 6}}));
+  ASSERT_EQ(job.picture.clipping.planes.size(), 7u);
+  EXPECT_EQ(job.picture.clipping.planes[1], (ClipPlane{{-1, 0, 0}, 9}));
+  EXPECT_EQ(job.picture.clipping.planes[6], (ClipPlane{{0, 0, -1}, 7}));
 }
 
 // sRGB 0.5 is 21.4 % light.
@@ -146,6 +161,28 @@ const Wrong kWrong[] = {
     {R"("shading": {"light": "sun"})", ErrorCode::kUsage, "shading.light"},
     {R"("shading": {"ambient": -1})", ErrorCode::kUsage, "shading.ambient"},
     {R"("shading": {"power": "16"})", ErrorCode::kUsage, "shading.power"},
+    {R"("lights": {})", ErrorCode::kUsage, "lights: expected a list"},
+    {R"("lights": [{}])", ErrorCode::kUsage, "lights[0].type: is missing"},
+    {R"("lights": [{"type": "sun"}])", ErrorCode::kUsage, "lights[0].type: expected"},
+    {R"("lights": [{"type": "directional"}])", ErrorCode::kUsage, "lights[0].direction: is missing"},
+    {R"("lights": [{"type": "directional", "direction": [0, 0, 0]}])", ErrorCode::kUsage, "lights[0].direction"},
+    {R"("lights": [{"type": "point", "direction": [0, 0, 1]}])", ErrorCode::kUsage, "lights[0].direction: unknown"},
+    {R"("lights": [{"type": "headlight", "color": [1, 1, -1]}])", ErrorCode::kUsage, "lights[0].color"},
+    {R"("lights": [{"type": "headlight", "intensity": -1}])", ErrorCode::kUsage, "lights[0].intensity"},
+    {R"("region": [0, 0, 0, 1, 1])", ErrorCode::kUsage, "region: expected six whole numbers"},
+    {R"("region": [0, 0, 0, 1, 0, 1])", ErrorCode::kUsage, "region"},
+    {R"("region": [0, 0, 0, 1, 1, 1.5])", ErrorCode::kUsage, "region"},
+    {R"("worldRegion": [0, 0, 0, 1, 0, 1])", ErrorCode::kUsage, "worldRegion"},
+    {R"("clip": [{"normal": [0, 0, 0], "offset": 1}])", ErrorCode::kUsage, "clip[0].normal"},
+    {R"("clip": [{"normal": [0, 0, 1]}])", ErrorCode::kUsage, "clip[0].offset: is missing"},
+    {R"("window": [1, 0])", ErrorCode::kUsage, "window: expected [centre, width]"},
+    {R"("image": {"background": {"top": [0, 0, 0, 1]}})", ErrorCode::kUsage, "image.background.bottom: is missing"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": [0, 0, 0], "opacity": 1}],
+                             "gradientOpacity": [{"gradient": 2, "factor": 1}, {"gradient": 1, "factor": 1}]})",
+     ErrorCode::kUsage, "gradientOpacity[1].gradient"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": [0, 0, 0], "opacity": 1}],
+                             "gradientOpacity": [{"gradient": 2, "factor": 2}]})",
+     ErrorCode::kUsage, "gradientOpacity[0].factor"},
     {R"("visibility": {"method": "magic"})", ErrorCode::kUsage, "visibility.method"},
     {R"("visibility": {"area": "hexagon"})", ErrorCode::kUsage, "visibility.area"},
     {R"("visibility": {"samples": true})", ErrorCode::kUsage, "visibility.samples"},
@@ -213,11 +250,8 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.size.height, b.picture.size.height);
   EXPECT_EQ(a.picture.background, b.picture.background);
   EXPECT_EQ(a.picture.opacity_threshold, b.picture.opacity_threshold);
-  EXPECT_EQ(a.picture.shading.phong, b.picture.shading.phong);
-  EXPECT_EQ(a.picture.shading.ambient, b.picture.shading.ambient);
-  EXPECT_EQ(a.picture.shading.diffuse, b.picture.shading.diffuse);
-  EXPECT_EQ(a.picture.shading.specular, b.picture.shading.specular);
-  EXPECT_EQ(a.picture.shading.power, b.picture.shading.power);
+  EXPECT_EQ(a.picture.shading, b.picture.shading);
+  EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
@@ -235,7 +269,13 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   job.picture.shading.phong = false;
   job.picture.opacity_threshold = 1 / 1.1;
   job.picture.skip_damaged = true;
-  const TransferFunction function{1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}};
+  job.picture.background.bottom = {1 / 3.0, 0, 1 / 7.0, 1};
+  job.picture.shading.lights = {{LightKind::kPoint, {1 / 3.0, 2, -1 / 7.0}, {1 / 9.0, 2, 3}, 1 / 1.1},
+                                {LightKind::kDirectional, {1 / 3.0, 2, -1 / 7.0}},
+                                {LightKind::kHeadlight, {0, 0, 1}, {1, 0, 1 / 3.0}}};
+  job.picture.clipping = {VoxelBox{{1, -2, 3}, {40, 50, 60}}, {{{1 / 3.0, 0, -1 / 7.0}, 1 / 9.0}, {{0, 0, 1}, -3}}};
+  const TransferFunction function{
+      1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}, {{1 / 7.0, 0}, {3, 1 / 3.0}}};
   Camera camera;
   camera.eye = {1 / 3.0, -1e5 / 7, 2};
   camera.fov_deg = 100 / 3.0;
@@ -260,6 +300,8 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     EXPECT_EQ(points[0].value, -1 / 7.0);
     EXPECT_EQ(points[0].color, glm::dvec3(0.1, 1 / 3.0, 0));
     EXPECT_EQ(points[1].opacity, 1 / 9.0);
+    EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).gradientFactor(2),
+              function.gradientFactor(2));
     EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).unit, 1 / 3.0);
     EXPECT_EQ(text, resolvedJobText(again, seen, std::get<TransferFunction>(again.picture.transfer_function)));
   }

@@ -22,12 +22,13 @@ namespace {
 struct Arguments {
   std::string input, output, stats;
   std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, area, lattice, level, memory,
-      exr_type, background, window;
+      exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
   bool nodes_only = false, skip_damaged = false, dry_run = false;
   int repeat = 1;
+  SceneArguments scene;
   SourceArguments source;
 };
 
@@ -76,10 +77,7 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     picture.size = {width, height};
   }
   applyCamera(a, picture.camera);
-  if (a.background) {
-    const glm::dvec3 rgb = parseTriple(*a.background, "--background");
-    picture.background = {rgb.r, rgb.g, rgb.b, 1.0};
-  }
+  a.scene.apply(picture);
   if (a.tf) {
     picture.transfer_function = transferFunctionNamed(*a.tf, "--tf");
   }
@@ -206,8 +204,7 @@ void addRender(CLI::App& app, Context& context) {
       ->add_option("--window", a->window,
                    "stretch the transfer function so that it begins and ends with this window of values")
       ->type_name("CENTRE,WIDTH");
-  command->add_option("--background", a->background, "an opaque background, linear light; transparent if not given")
-      ->type_name("R,G,B");
+  addSceneArguments(*command, a->scene);
   command->add_option("--visibility", a->visibility,
                       fmt::format("how hidden parts are found, one of {}: the picture is the same but for quadtree",
                                   fmt::join(kVisibilityNames, ", ")));

@@ -68,6 +68,8 @@ void print(const TransferFunction& f, const Subject& subject) {
     fmt::print("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
                extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
   }
+  for (const GradientPoint& p : f.gradient_opacity)
+    fmt::print("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
   fmt::print("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 

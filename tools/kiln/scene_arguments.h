@@ -1,11 +1,25 @@
 // Values of options that say what a picture shows, as the command line writes them.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "scene/transfer_function_choice.h"
+#include "scene/render_job.h"
 
 namespace kiln::tool {
+
+/// Light, clipping and background: options that a picture has beside camera and transfer function.
+struct SceneArguments {
+  std::optional<std::string> shading, region, world_region, background;
+  std::vector<std::string> lights, planes;
+  std::optional<double> ambient, diffuse, specular, power;
+  /// Overrides what the options name. throws: Error kUsage naming the option.
+  void apply(PictureOptions& picture) const;
+};
+
+void addSceneArguments(CLI::App& command, SceneArguments& arguments);
 
 /// A preset or a file that exists. throws: Error kUsage naming `option` and the presets.
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option);
