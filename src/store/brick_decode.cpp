@@ -87,8 +87,6 @@ void forEachLeaf(Grid& grid, std::istream& in, F&& f) {
 template <class T>
 class Decoder {
  public:
-  using Grid = GridFor<T>;
-
   Decoder(const BrickFrame& frame, const std::filesystem::path& path, std::istream& in, BrickBlock& block)
       : core_(frame.core()),
         stored_(frame.stored()),
@@ -99,16 +97,12 @@ class Decoder {
         block_(block) {}
 
   void take(openvdb::GridBase& base) {
-    auto* const grid = dynamic_cast<Grid*>(&base);
-    if (grid == nullptr) fail(base.getName() + " holds " + base.valueType());
     const auto known = std::find(kGrids.begin(), kGrids.end(), base.getName());
     if (known == kGrids.end()) fail(base.getName() + " is no grid of a brick");
     const auto which = static_cast<std::size_t>(known - kGrids.begin());
     if (std::exchange(taken_[which], true)) fail(base.getName() + " is there twice");
-    if (which < 2)
-      takeVoxels(*grid, which == 0);
-    else
-      takeCells(*grid, which == 2);
+    if (!takeAs<BrickGridFor<T>>(base, which) && !takeAs<GridFor<T>>(base, which))
+      fail(base.getName() + " holds " + base.valueType());
   }
 
   // To be called when all grids are taken.
@@ -123,6 +117,18 @@ class Decoder {
  private:
   static constexpr std::array<std::string_view, 4> kGrids = {kCoreGrid, kApronGrid, kCellMinGrid, kCellMaxGrid};
 
+  template <class Grid>
+  bool takeAs(openvdb::GridBase& base, std::size_t which) {
+    auto* const grid = dynamic_cast<Grid*>(&base);
+    if (grid == nullptr) return false;
+    if (which < 2)
+      takeVoxels(*grid, which == 0);
+    else
+      takeCells(*grid, which == 2);
+    return true;
+  }
+
+  template <class Grid>
   void takeVoxels(Grid& grid, bool core) {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
     const VoxelBox& box = core ? core_ : stored_;
@@ -140,6 +146,7 @@ class Decoder {
     if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", grid.getName(), count, expected));
   }
 
+  template <class Grid>
   void takeCells(Grid& grid, bool least) {
     forEachLeaf(grid, in_, [&](const auto& leaf) {
       for (auto voxel = leaf.cbeginValueOn(); voxel; ++voxel) {
@@ -183,12 +190,13 @@ class Decoder {
   }
 
   // From z fastest to x fastest.
-  void copyLeaf(const typename Grid::ValueType* from, const VoxelCoord& origin, const VoxelBox& part, T* voxels) const {
+  template <class Value>
+  void copyLeaf(const Value* from, const VoxelCoord& origin, const VoxelBox& part, T* voxels) const {
     const Extent3 n = part.extent();
     for (std::int64_t z = 0; z < n.z; ++z) {
       for (std::int64_t y = 0; y < n.y; ++y) {
         T* const to = voxels + block_.offsetOf({part.lo.x, part.lo.y + y, part.lo.z + z});
-        const auto* const row =
+        const Value* const row =
             from + ((part.lo.x - origin.x) << 6 | (part.lo.y - origin.y + y) << 3 | (part.lo.z - origin.z + z));
         for (std::int64_t x = 0; x < n.x; ++x) to[x] = static_cast<T>(row[x << 6]);
       }

@@ -33,50 +33,69 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
 template <class T>
 class Encoder {
  public:
-  using Grid = GridFor<T>;
-  using Value = typename Grid::ValueType;
-  using Leaf = typename Grid::TreeType::LeafNodeType;
-
   Encoder(const BrickFrame& frame, std::span<const std::byte> voxels)
       : frame_(frame),
         core_(frame.core()),
         box_(frame.stored()),
         size_(box_.extent()),
         voxels_(reinterpret_cast<const T*>(voxels.data())),
-        half_(std::is_same_v<Grid, openvdb::FloatGrid> && fitHalf(std::span(voxels_, voxels.size() / sizeof(T)))) {}
+        half_(fitsHalf()) {}
 
-  // The core, or the apron. A core begins and ends where leaves do, or where the volume ends: no leaf has voxels of
-  // both.
+  // The core, or the apron.
   void voxelGrid(const char* name, bool core, PackedGrid& out) const {
-    const typename Grid::Ptr grid = makeGrid(name, transformOf(frame_.geometry.world_from_index), half_);
-    const VoxelBox& box = core ? core_ : box_;
-    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      if (!core && core_.contains(part.lo)) return;
-      // It has a mask and no values.
-      auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), coordOf(origin), Value(0));
-      leaf->setValueMask(maskOf(origin, part));
-      grid->tree().addLeaf(leaf.release());
-    });
-    out.grid = grid;
-    if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
-      if (half_) return addLeaves<std::uint16_t>(grid->tree(), box, toHalfBits<T>(), out.leaves);
+    if constexpr (kMayBeHalf) {
+      if (half_) return packVoxels<openvdb::FloatGrid>(name, core, true, halfBitsOf, out);
     }
-    addLeaves<Value>(
-        grid->tree(), box, [](T value) { return static_cast<Value>(value); }, out.leaves);
+    packVoxels<BrickGridFor<T>>(
+        name, core, false, [](T value) { return static_cast<typename BrickGridFor<T>::ValueType>(value); }, out);
   }
 
   void cellGrid(const char* name, std::span<const ValueRange> cells, bool least, PackedGrid& out) const {
-    // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
-    const double s = static_cast<double>(kCellSize);
-    glm::dmat4 index_from_cell(s);
-    index_from_cell[3] = glm::dvec4(glm::dvec3((s - 1) / 2), 1.0);
     // On coarser levels cells hold values of voxels below, which need not survive where the brick's own do.
     const bool half = half_ && std::all_of(cells.begin(), cells.end(), [](const ValueRange& cell) {
                         return cell.empty() ||
                                (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
                       });
+    if (half)
+      packCells<openvdb::FloatGrid>(name, cells, least, true, out);
+    else
+      packCells<BrickGridFor<T>>(name, cells, least, false, out);
+  }
+
+ private:
+  static constexpr bool kMayBeHalf = std::is_same_v<BrickGridFor<T>, openvdb::FloatGrid>;
+
+  bool fitsHalf() const {
+    if constexpr (kMayBeHalf) return fitHalf({voxels_, static_cast<std::size_t>(size_.count())});
+    return false;
+  }
+
+  // A core begins and ends where leaves do, or where the volume ends: no leaf has voxels of both core and apron.
+  template <class Grid, class F>
+  void packVoxels(const char* name, bool core, bool half, F storedOf, PackedGrid& out) const {
+    using Leaf = typename Grid::TreeType::LeafNodeType;
+    const typename Grid::Ptr grid = makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index), half);
+    const VoxelBox& box = core ? core_ : box_;
+    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      if (!core && core_.contains(part.lo)) return;
+      // It has a mask and no values.
+      auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), coordOf(origin), typename Grid::ValueType(0));
+      leaf->setValueMask(maskOf(origin, part));
+      grid->tree().addLeaf(leaf.release());
+    });
+    out.grid = grid;
+    addLeaves(grid->tree(), box, storedOf, out.leaves);
+  }
+
+  template <class Grid>
+  void packCells(const char* name, std::span<const ValueRange> cells, bool least, bool half, PackedGrid& out) const {
+    using Value = typename Grid::ValueType;
+    // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
+    const double s = static_cast<double>(kCellSize);
+    glm::dmat4 index_from_cell(s);
+    index_from_cell[3] = glm::dvec4(glm::dvec3((s - 1) / 2), 1.0);
     const typename Grid::Ptr grid =
-        makeGrid(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
+        makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
     const int edge = static_cast<int>(frame_.brick_size / kCellSize);
     auto accessor = grid->getAccessor();
     std::size_t i = 0;
@@ -106,10 +125,10 @@ class Encoder {
     }
   }
 
- private:
   // Of each leaf the voxels that are in the box, from x fastest to z fastest.
-  template <class Stored, class F>
-  void addLeaves(const typename Grid::TreeType& tree, const VoxelBox& box, F storedOf, PackedLeaves& out) const {
+  template <class Tree, class F>
+  void addLeaves(const Tree& tree, const VoxelBox& box, F storedOf, PackedLeaves& out) const {
+    using Stored = std::invoke_result_t<F, T>;
     const std::int64_t row = size_.x, slice = size_.x * size_.y;
     out.reserve(tree.leafCount(), sizeof(Stored));
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
@@ -127,8 +146,9 @@ class Encoder {
     }
   }
 
+  template <class Grid>
   typename Grid::Ptr makeGrid(const char* name, openvdb::math::Transform::Ptr transform, bool half) const {
-    typename Grid::Ptr grid = Grid::create(Value(0));
+    typename Grid::Ptr grid = Grid::create(typename Grid::ValueType(0));
     grid->setName(name);
     grid->setTransform(std::move(transform));
     grid->setSaveFloatAsHalf(half);

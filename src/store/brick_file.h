@@ -12,6 +12,11 @@ inline constexpr const char* kApronGrid = "apron";
 inline constexpr const char* kCellMinGrid = "cell_min";
 inline constexpr const char* kCellMaxGrid = "cell_max";
 
+/// The grid that a voxel type has in a brick. Of 8 and 16 bits as Int32 the upper bytes are almost constant, and cost
+/// next to nothing once Blosc has put the bytes of one place together; half and float spread the same bits wider.
+template <class T>
+using BrickGridFor = std::conditional_t<std::is_integral_v<T> && sizeof(T) <= 2, openvdb::Int32Grid, GridFor<T>>;
+
 /// The edge of a leaf of every grid. unit: voxels.
 inline constexpr std::int64_t kLeaf = 8;
 inline std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
