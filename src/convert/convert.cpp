@@ -63,12 +63,12 @@ std::string identityOf(const SourceInfo& info, Manifest draft) {
 class Conversion {
  public:
   Conversion(VolumeSource& source, StoreWriter& writer, const fs::path& directory, const JournalContent& earlier,
-             const ConversionPlan& plan, FileSystem& disk, Progress& progress)
+             const ConversionPlan& plan, bool half, FileSystem& disk, Progress& progress)
       : source_(source),
         writer_(writer),
         directory_(directory),
         progress_(progress),
-        pyramid_(writer, directory / "parts", disk),
+        pyramid_(writer, directory / "parts", disk, half),
         counters_(plan.lanes, ValueCounter(source.info().type)),
         totals_(counters_) {
     if (plan.window_slices > 0) {
@@ -103,6 +103,7 @@ class Conversion {
   }
 
   const ValueCounter& counter() const { return totals_.front(); }
+  double halfError() const { return pyramid_.largestError(); }
   std::uint64_t finishedBricks() const { return finished_bricks_; }
 
  private:
@@ -262,7 +263,7 @@ void run(VolumeSource& source, const Manifest& draft, const JournalContent& earl
   std::optional<Conversion> conversion;
   try {
     StoreWriter& writer = begun.emplace(destination.building(), draft, disk);
-    conversion.emplace(source, writer, destination.building(), earlier, plan, disk, progress);
+    conversion.emplace(source, writer, destination.building(), earlier, plan, options.half, disk, progress);
     report.bricks = brickCount(writer.manifest());
     if (conversion->finishedBricks() > 0) {
       progress.note(fmt::format("{} of {} bricks are finished already", conversion->finishedBricks(), report.bricks));
@@ -272,6 +273,7 @@ void run(VolumeSource& source, const Manifest& draft, const JournalContent& earl
     report.stored_bricks = writer.storedBricks();
     report.stored_bytes = writer.bytesWritten();
     report.nan_count = conversion->counter().nanCount();
+    report.half_error = conversion->halfError();
     conversion.reset();
     destination.commit();
   } catch (const Error& error) {

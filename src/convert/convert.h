@@ -23,6 +23,9 @@ struct ConvertOptions {
   /// of an uninterrupted one. Where there is nothing to go on with, begin; a finished store is left as it is. With
   /// `overwrite`, what cannot be gone on with is replaced.
   bool resume = false;
+  /// The means of the coarser levels are rounded to half. It is for a source that is (HalfSource): their bricks are
+  /// smaller then, too.
+  bool half = false;
   /// The most levels of the pyramid, the finest included.
   int most_levels = std::numeric_limits<int>::max();
   /// What the manifest says of its making.
@@ -35,6 +38,7 @@ struct ConvertReport {
   std::uint64_t source_bytes = 0, stored_bytes = 0;
   std::uint64_t nan_count = 0;
   std::uint64_t buffer_bytes = 0;  // the most the conversion planned to hold
+  double half_error = 0;           // the largest change of a mean by `half`. unit: the volume's values
   double seconds = 0;
 };
 

@@ -26,6 +26,13 @@ double roundAll(std::span<T> values) {
 
 }  // namespace
 
+double roundToHalf(VoxelType type, std::span<std::byte> voxels) {
+  return withVoxelType(type, [&]<class T>(std::type_identity<T>) -> double {
+    if constexpr (sizeof(T) == 1) return 0;  // a half holds them all
+    return roundAll(std::span(reinterpret_cast<T*>(voxels.data()), voxels.size() / sizeof(T)));
+  });
+}
+
 HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : exact_(std::move(exact)), info_(exact_->info()) {
   if (sizeOf(info_.type) > 4 || info_.type == VoxelType::i32 || info_.type == VoxelType::u32) {
     throw Error(ErrorCode::kUsage, "--half: rounds volumes of 16-bit integers and of floats; this one has " +
@@ -36,10 +43,7 @@ HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : exact_(std::move(e
 
 void HalfSource::read(const VoxelBox& box, std::span<std::byte> out) {
   exact_->read(box, out);
-  const double error = withVoxelType(info_.type, [&]<class T>(std::type_identity<T>) -> double {
-    if constexpr (sizeof(T) == 1) return 0;  // a half holds them all
-    return roundAll(std::span(reinterpret_cast<T*>(out.data()), out.size() / sizeof(T)));
-  });
+  const double error = roundToHalf(info_.type, out);
   const std::scoped_lock lock(mutex_);
   largest_error_ = std::max(largest_error_, error);
 }

@@ -8,6 +8,10 @@
 
 namespace kiln {
 
+/// Rounds voxels of `type` to the nearest values that a half holds; returns the largest change. Infinities and NaN
+/// stay.
+double roundToHalf(VoxelType type, std::span<std::byte> voxels);
+
 class HalfSource : public VolumeSource {
  public:
   /// throws: Error kUsage where the source has 32-bit integers or doubles.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "convert/half_source.h"
 #include "grid/pyramid.h"
 
 namespace kiln {
@@ -39,8 +40,8 @@ void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::
 
 }  // namespace
 
-PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk)
-    : writer_(writer), parts_(parts, disk) {
+PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk, bool half)
+    : writer_(writer), parts_(parts, disk), half_(half) {
   const std::vector<LevelInfo>& levels = writer.manifest().levels;
   levels_.resize(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l) levels_[l].by = halvingOf(levels[l].geometry);
@@ -154,6 +155,11 @@ PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   BrickRanges below;
   below.cells.resize(edge * edge * edge);
   forEachBrick(childrenOf(key), [&](const BrickCoord& brick) { gather({key.level - 1, brick}, key, voxels, below); });
+  if (half_) {
+    const double error = roundToHalf(frame.type, voxels);
+    const std::scoped_lock lock(mutex_);
+    largest_error_ = std::max(largest_error_, error);
+  }
   BrickRanges ranges = rangesOf(frame, voxels);
   for (std::size_t i = 0; i < ranges.cells.size(); ++i) ranges.cells[i].include(below.cells[i]);
   ranges.core.include(below.core);
@@ -163,6 +169,11 @@ PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   release(key);
   built.ready = add(key, voxels, box, ranges);
   return built;
+}
+
+double PyramidBuilder::largestError() const {
+  const std::scoped_lock lock(mutex_);
+  return largest_error_;
 }
 
 std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const BrickKey&)>& finished,

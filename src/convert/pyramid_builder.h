@@ -14,8 +14,9 @@ namespace kiln {
 
 class PyramidBuilder {
  public:
-  /// `parts` is a folder for this object alone. requires: `writer` and `disk` outlive this.
-  PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk);
+  /// `parts` is a folder for this object alone. With `half` every mean is rounded to the nearest value that a half
+  /// holds. requires: `writer` and `disk` outlive this.
+  PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk, bool half);
 
   /// A brick has been put. Returns the bricks of the next level that can be built now, each once. shape: as
   /// coarsePartOf. thread: safe for different keys.
@@ -25,6 +26,8 @@ class PyramidBuilder {
     BrickEntry entry;
     std::vector<BrickKey> ready;  // as of `add`
   };
+  /// The largest change of a mean by that rounding. unit: the volume's values.
+  double largestError() const;
   /// Builds and puts a brick that `add` or `takeUp` returned. thread: safe for different keys.
   Built build(const BrickKey& key);
 
@@ -57,8 +60,10 @@ class PyramidBuilder {
 
   StoreWriter& writer_;
   PartStore parts_;
+  const bool half_;
   std::vector<Level> levels_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;  // guards `awaited`, `parents` and what follows
+  double largest_error_ = 0;
 };
 
 }  // namespace kiln

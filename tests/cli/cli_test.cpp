@@ -644,6 +644,29 @@ TEST_F(Cli, HalfIsLossyAndSaysSo) {
   expectRefused({"convert", in("v.raw"), in("w.kiln"), "--dims", "2,1,1", "--type", "u32", "--half"}, 2, {"--half"});
 }
 
+// Known because 1024 and 1025 are halves and their mean, 1024.5, lies between them: ties go to the even one.
+TEST_F(Cli, HalfHoldsOnEveryLevel) {
+  std::vector<float> values(16 * 2 * 2, 1024);
+  for (std::size_t i = 0; i < values.size(); i += 2) values[i] = 1025;
+  write(in("v.raw"), {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)});
+  const auto convert = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"convert", in("v.raw"), in(name),       "--dims", "16,2,2",
+                                          "--type",  "f32",       "--brick-size", "8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return expectDone(arguments).out;
+  };
+  const auto coarse = [&](const std::string& name) {
+    const BrickBlock block = StoreReader(in(name)).read({1, {0, 0, 0}});
+    return block.data<float>()[block.offsetOf({1, 0, 0})];
+  };
+  convert("exact.kiln", {});
+  EXPECT_EQ(coarse("exact.kiln"), 1024.5f);
+  EXPECT_NE(convert("half.kiln", {"--half"})
+                .find("no value changed by more than 0, no mean of a coarser level by more than 0.5"),
+            std::string::npos);
+  EXPECT_EQ(coarse("half.kiln"), 1024);
+}
+
 // The files of a store, without what says when it was made.
 std::map<std::string, std::vector<std::byte>> filesWithoutTime(const fs::path& store) {
   auto files = filesOf(store);

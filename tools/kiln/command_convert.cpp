@@ -33,6 +33,7 @@ void run(const Arguments& a, Context& context) {
   options.memory_bytes = parseBytes(a.memory);
   options.overwrite = a.overwrite;
   options.resume = a.resume;
+  options.half = a.half;
   if (a.levels > 0) options.most_levels = a.levels;
   options.command = context.command_line;
   options.time = timeNow();
@@ -44,7 +45,10 @@ void run(const Arguments& a, Context& context) {
   fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
              report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds,
              static_cast<double>(report.voxels) / 1e6 / report.seconds, formatBytes(report.buffer_bytes));
-  if (rounded != nullptr) fmt::print("rounded to half: no value changed by more than {:g}\n", rounded->largestError());
+  if (rounded != nullptr) {
+    fmt::print("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
+               rounded->largestError(), report.half_error);
+  }
   if (report.nan_count > 0) fmt::print("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
