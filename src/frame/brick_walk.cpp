@@ -147,4 +147,15 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
   visit.draw({nodes.level, brick}, rect);
 }
 
+BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
+  return [&levels](int level, const VoxelBox& box) {
+    const bool itself = levels.fineEnough(level, box);
+    return BrickWalk::Use{itself, !itself};
+  };
+}
+
+BrickWalk::Interesting showsCore(const Classifier& classifier) {
+  return [&classifier](const BrickEntry& entry) { return classifier.interesting(entry.core); };
+}
+
 }  // namespace kiln

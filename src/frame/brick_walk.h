@@ -81,4 +81,10 @@ class BrickWalk {
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
 
+/// The choice of the voxel lattice: the coarsest brick whose voxels are small enough where it is nearest. requires:
+/// `levels` outlives the result.
+BrickWalk::Choice voxelChoice(const FrameLevels& levels);
+/// Whether the brick's own voxels show anything. requires: `classifier` outlives the result.
+BrickWalk::Interesting showsCore(const Classifier& classifier);
+
 }  // namespace kiln

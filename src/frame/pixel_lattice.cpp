@@ -6,17 +6,27 @@
 #include "base/parallel.h"
 
 namespace kiln {
+namespace {
+
+double unitOf(const Manifest& volume, const TransferFunction& function) {
+  return function.unit > 0 ? function.unit : volume.geometry().meanSpacing();
+}
+
+}  // namespace
 
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
                            std::optional<int> level, const TransferFunction& transfer_function, const Shading& shading,
                            float gradient_noise)
     : levels_(levels),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
-      table_(transfer_function, transfer_function.unit > 0 ? transfer_function.unit : volume.geometry().meanSpacing(),
-             volume.type, volume.range) {
+      table_(transfer_function, unitOf(volume, transfer_function), volume.type, volume.range) {
   for (const SlabZone& zone : zones_) {
-    frames_.push_back(std::make_unique<SlabFrame>(zone, levels.projector(zone.level), levels.dims(zone.level),
-                                                  levels.endVoxels(zone.level), table_, shading, gradient_noise));
+    const Projector& projector = levels.projector(zone.level);
+    const SampleLook look{shading, Shader(shading, view, gradient_noise, projector),
+                          GradientOpacity(transfer_function, unitOf(volume, transfer_function), projector),
+                          &levels.clipRegion(zone.level), gradient_noise};
+    frames_.push_back(std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level),
+                                                  levels.endVoxels(zone.level), table_, look));
   }
 }
 

@@ -12,7 +12,7 @@ namespace kiln {
 
 class PixelLattice {
  public:
-  /// requires: `levels` outlives this.
+  /// requires: `levels` and `transfer_function` outlive this.
   PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view, std::optional<int> level,
                const TransferFunction& transfer_function, const Shading& shading, float gradient_noise);
   PixelLattice(const PixelLattice&) = delete;

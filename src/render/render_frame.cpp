@@ -103,17 +103,6 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
                     store.manifest().range);
 }
 
-BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
-  return [&levels](int level, const VoxelBox& box) {
-    const bool itself = levels.fineEnough(level, box);
-    return BrickWalk::Use{itself, !itself};
-  };
-}
-
-BrickWalk::Interesting interestingTo(const Classifier& classifier) {
-  return [&classifier](const BrickEntry& entry) { return classifier.interesting(entry.core); };
-}
-
 // What of the volume a frame asks for, before any of it is read.
 struct FramePlan {
   FramePlan(const StoreReader& store, const FrameRequest& request)
@@ -124,7 +113,7 @@ struct FramePlan {
                     gradientNoise(store.manifest().range));
       bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), 1);
     } else {
-      bricks.emplace(store, levels, voxelChoice(levels), interestingTo(classifier));
+      bricks.emplace(store, levels, voxelChoice(levels), showsCore(classifier));
     }
   }
   FramePlan(const FramePlan&) = delete;

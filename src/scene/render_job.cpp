@@ -19,10 +19,6 @@ constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
-[[noreturn]] void unsupported(const JobObject& object, std::string_view key, const std::string& sentence) {
-  throw Error(ErrorCode::kUnsupported, object.path(), object.placeOf(key), sentence);
-}
-
 void readImage(const JobObject& object, PictureOptions& picture) {
   object.requireKnown({"width", "height", "background"});
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));

@@ -86,10 +86,11 @@ HWY_INLINE V before(D d, const DepthSpread& s, V t) {
 
 class Refiner {
  public:
-  Refiner(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out)
+  Refiner(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details)
       : l_(lattice),
         u_(unit),
         out_(out),
+        details_(details),
         width_(lattice.voxels[0] + 2 * kUnitMargin),
         height_(lattice.voxels[1] + 2 * kUnitMargin) {}
 
@@ -204,10 +205,14 @@ class Refiner {
 
     V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
     if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
-    if (l_.phong) {
+    if (l_.phong || details_ != nullptr) {
       if (!derived) derive(j);
       derived = true;
-      shade(base, next, t, u, v, oblique, r, g, b);
+      const Gradient slope = gradient(base, next, t);
+      if (details_ == nullptr)
+        shade(slope, u, v, oblique, r, g, b);
+      else
+        note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
     const V reach = hn::Set(d, l_.spread.reach);
@@ -215,8 +220,9 @@ class Refiner {
     const V s1 = hn::Min(hn::Floor(hn::Add(depth, reach)), hn::Set(d, static_cast<float>(l_.slabs - 1)));
     const V split = before(d, l_.spread, hn::Sub(hn::Add(s0, one), depth));
     const V front = hn::IfThenElse(hn::Gt(s1, s0), split, one);
-    V amount = hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray)));
-    amount = hn::Mul(amount, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
+    weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
+    const V amount = details_ == nullptr ? hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray))) : one;
+    if (details_ != nullptr) hn::Store(weight, d, noted_.weight);
 
     const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
     M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
@@ -241,21 +247,53 @@ class Refiner {
     hn::Store(hn::IfThenElseZero(alive, one), d, is);
     for (std::size_t n = 0; n < hn::Lanes(d); ++n) {
       if (is[n] == 0) continue;
+      if (details_ != nullptr) details_[count_] = noted_.at(n);
       out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], sf[n], sk[n], ss[n]};
     }
   }
 
-  void shade(VI base, VI next, V t, V u, V v, V oblique, V& r, V& g, V& b) const {
+  struct Gradient {
+    V x, y, z;
+  };
+  Gradient gradient(VI base, VI next, V t) const {
     const D d;
     const DI di;
     const V half = hn::Set(d, 0.5f);
     const VI after = hn::Add(next, hn::Set(di, 1));
     const VI previous = hn::Sub(base, hn::Set(di, 1));
-    const V at_base = pick(d, row_, base), at_next = pick(d, row_, next);
-    const V gx =
-        hn::Mul(half, hn::Sub(mix(d, at_next, pick(d, row_, after), t), mix(d, pick(d, row_, previous), at_base, t)));
-    const V gy = mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t);
-    const V gz = mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t);
+    const V up = mix(d, pick(d, row_, next), pick(d, row_, after), t);
+    const V down = mix(d, pick(d, row_, previous), pick(d, row_, base), t);
+    return {hn::Mul(half, hn::Sub(up, down)), mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
+            mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t)};
+  }
+
+  // Details of the vector in turn, for those of its samples that are kept.
+  struct Noted {
+    alignas(64) float offset[3][16], gradient[3][16], view[3][16], tau[16], ray[16], weight[16];
+    SampleDetails at(std::size_t n) const {
+      const auto vec = [&](const float(&from)[3][16]) { return glm::vec3(from[0][n], from[1][n], from[2][n]); };
+      return {vec(offset), vec(gradient), vec(view), tau[n], ray[n], weight[n]};
+    }
+  };
+  void note(const Gradient& offset, const Gradient& slope, const Gradient& view, V tau, V ray) {
+    const D d;
+    const V* const offsets[3] = {&offset.x, &offset.y, &offset.z};
+    const V* const slopes[3] = {&slope.x, &slope.y, &slope.z};
+    const V* const views[3] = {&view.x, &view.y, &view.z};
+    const V sum = hn::Add(hn::Abs(slope.x), hn::Add(hn::Abs(slope.y), hn::Abs(slope.z)));
+    const M finite = hn::Lt(sum, hn::Set(d, 1e38f));
+    for (int a = 0; a < 3; ++a) {
+      hn::Store(*offsets[a], d, noted_.offset[a]);
+      hn::Store(hn::IfThenElseZero(finite, *slopes[a]), d, noted_.gradient[a]);
+      hn::Store(*views[a], d, noted_.view[a]);
+    }
+    hn::Store(tau, d, noted_.tau);
+    hn::Store(ray, d, noted_.ray);
+  }
+
+  void shade(const Gradient& slope, V u, V v, V oblique, V& r, V& g, V& b) const {
+    const D d;
+    const V gx = slope.x, gy = slope.y, gz = slope.z;
     const auto squared = [](V a, V c, V e) { return hn::Add(hn::Mul(a, a), hn::Add(hn::Mul(c, c), hn::Mul(e, e))); };
     // False where it is NaN, too.
     const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, l_.least_gradient_squared)),
@@ -284,14 +322,16 @@ class Refiner {
   const UnitLattice& l_;
   const UnitInput& u_;
   SlabSample* const out_;
+  SampleDetails* const details_;
   const int width_, height_;
   int count_ = 0;
+  Noted noted_;
   alignas(64) float value_[kEdge + 1][kUnitSamples], along_z_[kEdge + 1][kUnitSamples];
   alignas(64) float row_[kUnitSamples], row_y_[kUnitSamples], row_z_[kUnitSamples];
 };
 
-int refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out) {
-  return Refiner(lattice, unit, out).run();
+int refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
+  return Refiner(lattice, unit, out, details).run();
 }
 
 const char* nameOfTarget() { return hwy::TargetName(HWY_TARGET); }
@@ -320,8 +360,8 @@ UnitAxis::UnitAxis(int n, int voxels) : refinement(n), samples(n * voxels) {
   }
 }
 
-int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out) {
-  return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out);
+int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
+  return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out, details);
 }
 
 const char* instructionSet() { return HWY_DYNAMIC_DISPATCH(nameOfTarget)(); }

@@ -54,7 +54,7 @@ struct UnitLattice {
   const float* table = nullptr;
   float table_scale = 1, table_last = 0;
   bool one_color = false;
-  // Phong with a headlight; otherwise samples keep their material's colour, and their gradient is for the caller.
+  // Phong with one white headlight, if any. What is more than that, the caller does for each sample with its details.
   bool phong = false;
   float ambient = 0, diffuse = 0, specular = 0, power = 0, least_gradient_squared = 0;
   glm::mat3 view_from_index_gradient{1};
@@ -79,8 +79,19 @@ struct SlabSample {
   std::int32_t slab;  // negative (~slab) where it is not to be counted
 };
 
-/// Appends the samples that are not transparent. shape: `out` has room for 16³. returns: how many.
-int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out);
+/// What a caller needs who shades, clips or modulates samples itself.
+struct SampleDetails {
+  glm::vec3 offset;    // from the unit's first voxel. unit: voxels
+  glm::vec3 gradient;  // unit: value per voxel; 0 where it is not finite
+  glm::vec3 view;      // place in view space
+  float tau;           // unit: 1 / world
+  float ray;           // through the slab. unit: world
+  float weight;        // of an opaque sample; `front` and `back` of the SlabSample are parts of one then
+};
+
+/// Appends the samples that are not transparent. With `details`, their colour is the material's and their opacity is
+/// left to the caller. shape: `out`, and `details` if not null, have room for 16³. returns: how many.
+int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details);
 
 /// The instruction set in use: "AVX3" and the like.
 const char* instructionSet();

@@ -37,8 +37,16 @@ DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
   return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
 }
 
+// The lights that refineUnit knows: one white headlight, or none.
+bool plainlyLit(const Shading& shading) {
+  if (!shading.phong) return true;
+  return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&
+         shading.lights[0].color == glm::dvec3(1);
+}
+
 UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
-                        const Shading& shading, float gradient_noise) {
+                        const SampleLook& look) {
+  const Shading& shading = look.shading;
   UnitLattice out;
   for (std::size_t a = 0; a < 3; ++a) {
     out.voxels[a] = unitVoxels(zone.refinement[a]);
@@ -66,10 +74,11 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.one_color = table.oneColor();
   out.phong = shading.phong;
   out.ambient = static_cast<float>(shading.ambient);
-  out.diffuse = static_cast<float>(shading.diffuse);
-  out.specular = static_cast<float>(shading.specular);
+  const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
+  out.diffuse = static_cast<float>(intensity * shading.diffuse);
+  out.specular = static_cast<float>(intensity * shading.specular);
   out.power = static_cast<float>(shading.power);
-  out.least_gradient_squared = gradient_noise * gradient_noise;
+  out.least_gradient_squared = look.gradient_noise * look.gradient_noise;
   out.view_from_index_gradient = projector.viewFromIndexGradient();
   return out;
 }
@@ -77,14 +86,16 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
 }  // namespace
 
 SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-                     const SampleTable& table, const Shading& shading, float gradient_noise)
+                     const SampleTable& table, const SampleLook& look)
     : zone_(zone),
       projector_(projector),
       dims_(dims),
       ends_(ends),
       table_(table),
+      look_(look),
+      detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
-      lattice_(unitLattice(zone, projector, table, shading, gradient_noise)),
+      lattice_(unitLattice(zone, projector, table, look)),
       // The apron's outermost voxels are for gradients, and for interpolation where there is some.
       ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? 5 : 4) {}
 
@@ -146,7 +157,7 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
-        if (cell.box.empty()) continue;
+        if (cell.box.empty() || frame.look().clip->classify(cell.box) == ClipRegion::Overlap::kOutside) continue;
         cell.bounds = frame.boundsOf(cell.box);
         if (!cell.bounds.empty()) out.push_back(cell);
       }
@@ -160,6 +171,7 @@ struct SweepMemory::Parts {
   std::vector<std::vector<Unit>> units;        // by their first slab, from the sweep's first
   std::vector<std::vector<SlabSample>> slabs;  // samples by their slab
   std::vector<SlabSample> refined, visible;
+  std::vector<SampleDetails> details;
   Sheet sheets[2];
   std::vector<Owned> owned;  // 64 pixels a block
   std::vector<std::uint8_t> owned_known;
@@ -273,12 +285,32 @@ class Sweep {
     }
     in.tile_x0 = static_cast<float>(tile_.rect.x0), in.tile_x1 = static_cast<float>(tile_.rect.x1);
     in.tile_y0 = static_cast<float>(tile_.rect.y0), in.tile_y1 = static_cast<float>(tile_.rect.y1);
-    const int count = refineUnit(l, in, m_.refined.data());
+    if (f_.detailed()) m_.details.resize(m_.refined.size());
+    const int count = refineUnit(l, in, m_.refined.data(), f_.detailed() ? m_.details.data() : nullptr);
     for (int i = 0; i < count; ++i) {
-      const SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
+      SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
+      if (f_.detailed() && !finish(s, m_.details[static_cast<std::size_t>(i)], unit.lo)) continue;
       const int slab = std::max(s.slab < 0 ? ~s.slab : s.slab, begin_);
       m_.slabs[static_cast<std::size_t>(slab - begin_)].push_back(s);
     }
+  }
+
+  // Shades, modulates and clips a sample by itself; false where it is clipped.
+  bool finish(SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) const {
+    const SampleLook& look = f_.look();
+    const glm::dvec3 index = glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset);
+    if (!look.clip->contains(index)) return false;
+    const Material material{s.r, s.g, s.b, details.tau};
+    const glm::vec3* const face = look.clip->cutGradient(index);
+    const glm::dvec3 view(details.view);
+    const Color color =
+        face != nullptr ? look.shader.onCut(material, *face, view) : look.shader(material, details.gradient, view);
+    s.r = color.r, s.g = color.g, s.b = color.b;
+    const float tau =
+        look.gradient_opacity.active() ? look.gradient_opacity(details.tau, details.gradient) : details.tau;
+    const float amount = -std::expm1(-tau * details.ray) * details.weight;
+    s.front *= amount, s.back *= amount;
+    return true;
   }
 
   // The unit's voxels and those around it; returns the range of what its samples interpolate. Voxels that the brick has

@@ -10,7 +10,10 @@
 #include <memory>
 #include <vector>
 
+#include "scene/clip_region.h"
+#include "splat/gradient_opacity.h"
 #include "splat/sample_table.h"
+#include "splat/shade.h"
 #include "splat/sheet.h"
 #include "splat/slab_grid.h"
 #include "splat/splat_cell.h"
@@ -18,18 +21,30 @@
 
 namespace kiln {
 
+/// How samples of a level look beside what the table says. requires: all outlive those who have it.
+struct SampleLook {
+  Shading shading;
+  Shader shader;  // of the level
+  GradientOpacity gradient_opacity;
+  const ClipRegion* clip = nullptr;
+  float gradient_noise = 0;  // unit: value per voxel
+};
+
 /// What all bricks and tiles of a zone share.
 class SlabFrame {
  public:
   /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
   SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-            const SampleTable& table, const Shading& shading, float gradient_noise);
+            const SampleTable& table, const SampleLook& look);
 
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }
   const Extent3& dims() const { return dims_; }
   const EndVoxels& ends() const { return ends_; }
   const SampleTable& table() const { return table_; }
+  const SampleLook& look() const { return look_; }
+  /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
+  bool detailed() const { return detailed_; }
   const FootprintTable& footprint() const { return footprint_; }
   const UnitLattice& lattice() const { return lattice_; }
   /// How far beyond its core a brick's samples are drawn. unit: voxels.
@@ -49,6 +64,8 @@ class SlabFrame {
   const Extent3 dims_;
   const EndVoxels ends_;
   const SampleTable& table_;
+  SampleLook look_;
+  bool detailed_;
   FootprintTable footprint_;
   UnitLattice lattice_;
   std::int64_t ghosts_;

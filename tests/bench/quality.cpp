@@ -34,7 +34,7 @@ struct Options {
   std::vector<std::string> projections{"orthographic", "perspective"};
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
   int size = 256, samples = 1;
-  std::string lattice = "voxel";
+  std::string lattice = "pixel";
   double opacity_threshold = 0.9999;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
@@ -51,7 +51,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--projections", o.projections)->check(CLI::IsMember(o.projections))->capture_default_str();
   app.add_option("--px-per-voxel", o.px_per_voxel)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", o.size, "pixels along each side")->capture_default_str();
-  app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"voxel"}))->capture_default_str();
+  app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"pixel", "voxel"}))->capture_default_str();
   app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
@@ -104,6 +104,7 @@ class Studio {
     request.transfer_function = transferFunctionOf(subject_, material);
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
+    request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
     FrameStatistics statistics;
     drawn(request, statistics);  // reads the bricks
     const Image image = drawn(request, statistics);

@@ -71,7 +71,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
     TransferFunction everything;
     everything.points = {{0, {1, 1, 1}, 1}};
     const Classifier classifier(everything, 1, VoxelType::u8, store_->manifest().range);
-    const BrickWalk walk(*store_, levels, classifier);
+    const BrickWalk walk(*store_, levels, voxelChoice(levels), showsCore(classifier));
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
     BrickWalkCounts counts;
     const std::vector<BrickInView> bricks = walk.inView(anywhere, counts);

@@ -5,10 +5,9 @@
 
 namespace kiln::test {
 
-inline constexpr Lattice kLattices[] = {Lattice::kVoxel};
+inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel};
 
-/// Nothing to say while there is one lattice only.
-inline void setLattice(FrameRequest& /*request*/, Lattice /*lattice*/) {}
+inline void setLattice(FrameRequest& request, Lattice lattice) { request.lattice = lattice; }
 
 inline const char* nameOf(Lattice lattice) { return lattice == Lattice::kVoxel ? "voxel" : "pixel"; }
 
