@@ -68,10 +68,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
 
   void check(const View& view, std::uint64_t seed) {
     const FrameLevels levels(store_->manifest(), std::nullopt, view, ProjectedArea::kBox);
-    TransferFunction everything;
-    everything.points = {{0, {1, 1, 1}, 1}};
-    const Classifier classifier(everything, 1, VoxelType::u8, store_->manifest().range);
-    const BrickWalk walk(*store_, levels, voxelChoice(levels), showsCore(classifier));
+    const BrickWalk walk(*store_, levels, voxelChoice(levels), [](const BrickEntry&) { return true; });
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
     BrickWalkCounts counts;
     const std::vector<BrickInView> bricks = walk.inView(anywhere, counts);

@@ -43,7 +43,8 @@ FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double thresho
   request.view = scene.view;
   request.transfer_function = scene.transfer_function;
   request.shading = scene.shading;
-  request.background = {scene.background, scene.background};
+  request.background = scene.background;
+  request.clipping = scene.clipping;
   request.opacity_threshold = threshold;
   return request;
 }

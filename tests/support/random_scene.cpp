@@ -118,6 +118,36 @@ Shading randomShading(Random& random) {
   return shading;
 }
 
+std::vector<Light> randomLights(Random& random, const VolumeGeometry& volume) {
+  std::vector<Light> lights(static_cast<std::size_t>(random.between(0, 3)));
+  for (Light& light : lights) {
+    light.kind = static_cast<LightKind>(random.between(0, 2));
+    light.place = random.direction();
+    if (light.kind == LightKind::kPoint) light.place = volume.worldOf(1.5 * randomIndex(random, volume.dims));
+    light.color = randomColor(random);
+    light.intensity = random.uniform(0, 2);
+  }
+  return lights;
+}
+
+Clipping randomClipping(Random& random, const VolumeGeometry& volume) {
+  Clipping clipping;
+  if (random.chance(0.5)) return clipping;
+  if (random.chance(0.6)) {
+    clipping.region.emplace();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto voxels = static_cast<int>(volume.dims[axis]);
+      clipping.region->lo[axis] = random.between(-2, voxels / 2);
+      clipping.region->hi[axis] = random.between(voxels / 2 + 1, voxels + 2);
+    }
+  }
+  for (int planes = random.between(0, 2); planes > 0; --planes) {
+    const glm::dvec3 normal = random.uniform(0.1, 5) * random.direction();
+    clipping.planes.push_back({normal, -glm::dot(normal, volume.worldOf(randomIndex(random, volume.dims)))});
+  }
+  return clipping;
+}
+
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size) {
   Random random(seed);
   RandomScene scene;
@@ -128,8 +158,11 @@ RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const Ima
   if (random.chance(0.5)) {
     const double alpha = random.uniform(0, 1);
     const glm::dvec3 color = alpha * randomColor(random);
-    scene.background = {color.r, color.g, color.b, alpha};
+    scene.background.top = {color.r, color.g, color.b, alpha};
+    scene.background.bottom = random.chance(0.5) ? scene.background.top : std::array<double, 4>{0, 0, 0, 1};
   }
+  scene.clipping = randomClipping(random, volume.geometry);
+  if (random.chance(0.5)) scene.shading.lights = randomLights(random, volume.geometry);
   return scene;
 }
 

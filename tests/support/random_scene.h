@@ -37,13 +37,18 @@ Camera randomCamera(Random& random, const VolumeGeometry& volume);
 /// One to six points over `range` (a little beyond it, too): surfaces, translucent media, windows, steps, constants.
 TransferFunction randomTransferFunction(Random& random, const ValueRange& range, double mean_spacing);
 Shading randomShading(Random& random);
+/// Up to three lights of any kind, in and around the volume.
+std::vector<Light> randomLights(Random& random, const VolumeGeometry& volume);
+/// Half of the time nothing; else a region, planes or both, each of which leaves some of the volume.
+Clipping randomClipping(Random& random, const VolumeGeometry& volume);
 
 struct RandomScene {
   Camera camera;
   View view;
   TransferFunction transfer_function;
   Shading shading;
-  std::array<double, 4> background{0, 0, 0, 0};  // linear, premultiplied
+  Background background;
+  Clipping clipping;
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
 
