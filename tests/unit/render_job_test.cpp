@@ -189,7 +189,6 @@ const Wrong kWrong[] = {
     {R"("visibility": {"epsilon": -1})", ErrorCode::kUsage, "visibility.epsilon"},
     {R"("tile": -64)", ErrorCode::kUsage, "tile"},
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
-    {R"("lattice": "pixel")", ErrorCode::kUnsupported, "lattice: this version splats the voxel lattice only"},
     {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},
     {R"("level": 1.5)", ErrorCode::kUsage, "level"},
     {R"("level": "best")", ErrorCode::kUsage, "level"},
@@ -252,6 +251,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.opacity_threshold, b.picture.opacity_threshold);
   EXPECT_EQ(a.picture.shading, b.picture.shading);
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
+  EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
@@ -283,6 +283,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     camera.projection = projection;
     if (projection == Projection::kOrthographic) job.picture.level = 2;
+    job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");
     expectSamePicture(job, again);
