@@ -13,8 +13,8 @@ struct BrickWalk::Visit {
 };
 
 BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice,
-                     const Interesting& interesting, std::int64_t halo)
-    : levels_(levels), brick_size_(store.manifest().brick_size), halo_(halo) {
+                     const Interesting& interesting, std::int64_t ghosts)
+    : levels_(levels), brick_size_(store.manifest().brick_size), ghosts_(ghosts) {
   for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
     Extent3 children{1, 1, 1};
     if (level > levels.finest()) {
@@ -43,7 +43,8 @@ void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& ch
     if (use.finer) node = sumOfChildren(layers_.size() - 1, at);
     node.finer = node.interesting > 0;
     if (use.itself) {
-      const bool shown = levels_.clipRegion(added.level).classify(voxelsOf(added, at)) != ClipRegion::Overlap::kOutside;
+      const bool shown = levels_.clipRegion(added.level).classify(dilated(voxelsOf(added, at), ghosts_)) !=
+                         ClipRegion::Overlap::kOutside;
       node.drawn = shown && interesting(store.index().at({added.level, brick}));
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
@@ -84,7 +85,7 @@ VoxelBox BrickWalk::voxelsOf(const Layer& layer, const VoxelCoord& at) const {
 // footprints are no larger than this level's.
 PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const {
   const bool holds_finer = node.finer && layer.level > levels_.finest();
-  const std::int64_t reach = std::max<std::int64_t>(halo_, holds_finer ? 1 : 0);
+  const std::int64_t reach = holds_finer || ghosts_ > 0 ? 1 : 0;
   return levels_.projector(layer.level).bounds(reach > 0 ? dilated(voxels, reach) : voxels);
 }
 

@@ -43,7 +43,7 @@ class BrickWalk {
   /// of a brick reaches at most `halo` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a
   /// seventh.
   BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, const Interesting& interesting,
-            std::int64_t halo = 0);
+            std::int64_t ghosts = 0);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
   /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn. `log`
@@ -77,7 +77,7 @@ class BrickWalk {
   void node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const;
 
   const FrameLevels& levels_;
-  std::int64_t brick_size_, halo_;
+  std::int64_t brick_size_, ghosts_;
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
 

@@ -111,7 +111,7 @@ struct FramePlan {
     if (request.lattice == Lattice::kPixel) {
       pixel.emplace(store.manifest(), levels, request.view, request.level, request.transfer_function, request.shading,
                     gradientNoise(store.manifest().range));
-      bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), 1);
+      bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), kMostGhosts);
     } else {
       bricks.emplace(store, levels, voxelChoice(levels), showsCore(classifier));
     }

@@ -96,8 +96,8 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
       lattice_(unitLattice(zone, projector, table, look)),
-      // The apron's outermost voxels are for gradients, and for interpolation where there is some.
-      ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? 5 : 4) {}
+      // Where there is interpolation, one voxel more is for that.
+      ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   double x0 = kFar, y0 = kFar, z0 = kFar * kFar, x1 = -kFar, y1 = -kFar, z1 = -kFar * kFar;

@@ -21,6 +21,10 @@
 
 namespace kiln {
 
+/// How far beyond its core a brick's samples are drawn, at most: the apron, but for a voxel that gradients need. unit:
+/// voxels.
+inline constexpr std::int64_t kMostGhosts = 5;
+
 /// How samples of a level look beside what the table says. requires: all outlive those who have it.
 struct SampleLook {
   Shading shading;

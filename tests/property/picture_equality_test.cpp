@@ -49,6 +49,24 @@ FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double thresho
   return request;
 }
 
+// A brick's apron holds every sample that its pixels need where voxels are at least this large; of smaller ones a frame
+// takes a coarser level, if the store has one. unit: pixels.
+constexpr double kLeastVoxel = 0.45;
+
+// The same view, so much magnified that no voxel is smaller than that.
+void magnify(View& view, const VolumeGeometry& volume) {
+  const glm::dvec3 spacing = volume.spacing();
+  double depth = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    const glm::dvec3 at = side * glm::dvec3(volume.dims.x, volume.dims.y, volume.dims.z) - 0.5;
+    depth = std::max(depth, (view.view_from_world * glm::dvec4(volume.worldOf(at), 1)).z);
+  }
+  const double edge = std::min({spacing.x, spacing.y, spacing.z});
+  view.focal_px =
+      std::max(view.focal_px, kLeastVoxel / edge * (view.projection == Projection::kPerspective ? depth : 1));
+}
+
 bool equalBits(const Image& a, const Image& b) {
   return a.width == b.width && a.height == b.height &&
          std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
@@ -96,6 +114,7 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
       const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
       FrameRequest request = requestOf(scene, std::get<1>(GetParam()), threshold);
       request.level = 0;
+      if (request.lattice == Lattice::kPixel) magnify(request.view, volume_.geometry);
       request.visibility.method = VisibilityMethod::kNone;
       const Image truth = draw(stores_[3], request);
       for (std::size_t at = 3; at < truth.rgba.size(); at += 4) {
