@@ -44,9 +44,9 @@ PixelLattice::Depths PixelLattice::depthsOf(int level, const VoxelBox& box) cons
   return out;
 }
 
-// With a slab on either side: the outermost bricks own what lies beyond.
+// With two slabs on either side: samples have a depth, and the outermost bricks own what lies beyond.
 bool PixelLattice::reaches(const Depths& depths, const SlabZone& zone) {
-  return depths.far >= zone.near - zone.thickness && depths.near <= zone.far + zone.thickness;
+  return depths.far >= zone.near - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
 }
 
 BrickWalk::Choice PixelLattice::choice() const {

@@ -199,8 +199,9 @@ class Refiner {
     const V x = hn::Add(hn::Mul(u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
     const V y = hn::Add(hn::Mul(v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
     const V depth = hn::Mul(hn::Sub(pz, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
-    alive =
-        hn::And(alive, hn::And(hn::Ge(depth, hn::Zero(d)), hn::Lt(depth, hn::Set(d, static_cast<float>(l_.slabs)))));
+    const V reach = hn::Set(d, l_.spread.reach);
+    const V end = hn::Set(d, static_cast<float>(l_.slabs));
+    alive = hn::And(alive, hn::And(hn::Gt(hn::Add(depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(depth, reach), end)));
     if (hn::AllFalse(d, alive)) return;
 
     V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
@@ -215,11 +216,17 @@ class Refiner {
         note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
-    const V reach = hn::Set(d, l_.spread.reach);
-    const V s0 = hn::Max(hn::Floor(hn::Sub(depth, reach)), hn::Zero(d));
-    const V s1 = hn::Min(hn::Floor(hn::Add(depth, reach)), hn::Set(d, static_cast<float>(l_.slabs - 1)));
+    // The parts of it in its first slab and in the next; none outside of the zone, whose neighbours draw theirs.
+    const V s0 = hn::Floor(hn::Sub(depth, reach));
+    const V s1 = hn::Floor(hn::Add(depth, reach));
     const V split = before(d, l_.spread, hn::Sub(hn::Add(s0, one), depth));
-    const V front = hn::IfThenElse(hn::Gt(s1, s0), split, one);
+    V front = hn::IfThenElse(hn::Gt(s1, s0), split, one);
+    V back = hn::Sub(one, front);
+    const M early = hn::Lt(s0, hn::Zero(d));
+    front = hn::IfThenElse(early, back, front);
+    back = hn::IfThenZeroElse(hn::Or(early, hn::Ge(s0, hn::Set(d, static_cast<float>(l_.slabs - 1)))), back);
+    const V first = hn::Max(s0, hn::Zero(d));
+    alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
     weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
     const V amount = details_ == nullptr ? hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray))) : one;
     if (details_ != nullptr) hn::Store(weight, d, noted_.weight);
@@ -229,7 +236,8 @@ class Refiner {
                                           hn::Lt(lane, hn::Set(di, u_.core_end[0]))));
     counted = hn::And(counted, hn::And(hn::Ge(x, hn::Set(d, u_.tile_x0)), hn::Lt(x, hn::Set(d, u_.tile_x1))));
     counted = hn::And(counted, hn::And(hn::Ge(y, hn::Set(d, u_.tile_y0)), hn::Lt(y, hn::Set(d, u_.tile_y1))));
-    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, s0));
+    counted = hn::And(counted, hn::And(hn::Ge(depth, hn::Zero(d)), hn::Lt(depth, end)));
+    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
     const VI marked = hn::IfThenElse(hn::RebindMask(di, counted), slab, hn::Not(slab));
 
     alignas(64) float sx[16], sy[16], sr[16], sg[16], sb[16], sf[16], sk[16];
@@ -239,9 +247,8 @@ class Refiner {
     hn::Store(r, d, sr);
     hn::Store(g, d, sg);
     hn::Store(b, d, sb);
-    const V near_part = hn::Mul(amount, front);
-    hn::Store(near_part, d, sf);
-    hn::Store(hn::Sub(amount, near_part), d, sk);
+    hn::Store(hn::Mul(amount, front), d, sf);
+    hn::Store(hn::Mul(amount, back), d, sk);
     hn::Store(marked, di, ss);
     alignas(64) float is[16];
     hn::Store(hn::IfThenElseZero(alive, one), d, is);

@@ -14,8 +14,8 @@ namespace {
 // caster's (ARCHITECTURE.md has the figures). unit: pixels.
 constexpr double kSpacing = 0.75;
 // A footprint is a pixel's square folded with a Gaussian of this deviation, in spacings: a full lattice then adds up to
-// one within 1 % rms, and no wider.
-constexpr double kSigma = 0.42;
+// one within 1 % rms and 2 % at worst, and it is no wider than that takes.
+constexpr double kSigma = 0.52;
 // A lattice finer than half a pixel, where there is no coarser level, is smoothed no less than this. unit: pixels.
 constexpr double kLeastSigma = 0.15;
 constexpr int kZonesOfOctave = 8;

@@ -133,16 +133,18 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
     if (behind) x0 = y0 = -kFar, x1 = y1 = kFar;
   }
   Bounds out;
-  if (z1 < zone_.near || z0 >= zone_.far) return out;
+  // A sample has a depth of its own.
+  const double reach = lattice_.spread.reach * zone_.thickness;
+  if (z1 + reach < zone_.near || z0 - reach >= zone_.far) return out;
   // Half a pixel to the nearest centre and rounding beside the footprint.
   const double r = footprint_.radius() + 0.51;
   out.rect = {floorOf(x0 - r), floorOf(y0 - r), floorOf(x1 + r) + 1, floorOf(y1 + r) + 1};
   const auto slab = [&](double z) {
     return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));
   };
-  // A sample's own depth, and rounding.
-  out.first = std::max(0, slab(z0) - 1);
-  out.last = slab(z1);
+  // One for rounding.
+  out.first = std::max(0, slab(z0 - reach) - 1);
+  out.last = slab(z1 + reach);
   return out;
 }
 
