@@ -50,7 +50,10 @@ Json jsonOf(const FrameMeasurement& f) {
            {{"total", s.bricks_total},
             {"interesting", s.bricks_interesting},
             {"read", s.bricks_read},
-            {"hidden", s.bricks_hidden}}},
+            {"hidden", s.bricks_hidden},
+            {"read_bytes", s.bricks_read_bytes},
+            {"contributing", s.bricks_contributing},
+            {"contributing_bytes", s.bricks_contributing_bytes}}},
           {"identical", f.identical},
           {"distance", jsonOf(f.distance)}};
 }

@@ -145,6 +145,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   Image image(request.view.size.width, request.view.size.height);
   SplatFrame frame = splatFrameOf(request, plan.classifier, *visibility);
   SplatCounts counts;
+  statistics = {};
   statistics.levels.assign(manifest.levels.size(), {});
   BrickWalkCounts walked;
   const PixelRect whole{0, 0, image.width, image.height};
@@ -168,6 +169,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
                                     : drawBrick(frame, *block, image, rect, request);
     counts.add(drawn);
     statistics.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
+    if (drawn.splats > 0) statistics.addContributing(store.index().at(key).file_bytes);
   };
   plan.bricks->run(whole, *visibility, draw, walked, request.node_log);
   cache.settle();

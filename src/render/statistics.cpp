@@ -17,6 +17,12 @@ nlohmann::ordered_json levelsOf(const FrameStatistics& frame) {
   return out;
 }
 
+// 1 is a frame from nothing that reads what it draws; null where nothing was drawn from a file.
+nlohmann::ordered_json readToContributing(const FrameStatistics& frame) {
+  if (frame.bricks_contributing_bytes == 0) return nullptr;
+  return static_cast<double>(frame.bricks_read_bytes) / static_cast<double>(frame.bricks_contributing_bytes);
+}
+
 nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
   return {{"voxels", {{"visited", frame.voxels_visited}, {"splats", frame.voxels_splats}}},
           {"nodes", {{"tested", frame.nodes_tested}, {"hidden", frame.nodes_hidden}}},
@@ -27,7 +33,10 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"hidden", frame.bricks_hidden},
             {"unused", frame.bricks_unused},
             {"damaged", frame.bricks_damaged},
-            {"read_bytes", frame.bricks_read_bytes}}},
+            {"read_bytes", frame.bricks_read_bytes},
+            {"contributing", frame.bricks_contributing},
+            {"contributing_bytes", frame.bricks_contributing_bytes},
+            {"read_to_contributing", readToContributing(frame)}}},
           {"levels", levelsOf(frame)}};
 }
 

@@ -24,7 +24,13 @@ struct FrameStatistics {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
+  /// Bricks of which at least one splat was drawn, and the bytes of their files: the least that a frame has to read.
+  std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
   std::vector<LevelStatistics> levels;  // of the store, 0 first
+  void addContributing(std::uint64_t file_bytes) {
+    ++bricks_contributing;
+    bricks_contributing_bytes += file_bytes;
+  }
 };
 
 struct RenderStatistics {
