@@ -84,6 +84,15 @@ struct NodeSlice {
   NodeLog log;
 };
 
+/// One size of the scaling study.
+struct ScalingPoint {
+  VolumeSummary volume;
+  double first_s = 0;              // the frame from an empty cache, reading included
+  double render_s = 0;             // the median frame after it
+  std::uint64_t memory_bytes = 0;  // bricks at their most, image, visibility and index
+  FrameStatistics first;           // of the frame from an empty cache
+};
+
 struct Measurements {
   Suite suite;
   Machine machine;
@@ -95,6 +104,7 @@ struct Measurements {
   std::vector<ArtifactStudy> artifacts;
   std::vector<NodeSlice> slices;
   VisibilityCosts costs;
+  std::vector<ScalingPoint> scaling;  // as the suite has the volumes
 };
 
 }  // namespace kiln

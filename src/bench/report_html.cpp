@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "bench/published.h"
 #include "bench/report_figures.h"
+#include "bench/report_scaling.h"
 #include "bench/report_style.h"
 #include "bench/report_tables.h"
 #include "bench/report_words.h"
@@ -235,6 +236,7 @@ std::string measurementsHtml(const Measurements& m) {
                         timesTable(m, VisibilityMethod::kOverlay, "5(b)"));
   }
   if (!m.costs.updates.empty()) body += section("costs", "Tests and updates", costSection(m));
+  if (!m.scaling.empty()) body += section("scaling", "Volumes of several sizes", scalingTable(m) + scalingFigure(m));
   if (!m.slices.empty()) body += section("nodes", "Nodes visited", nodeSliceFigures(m));
   std::string pictures;
   for (const Projection projection : m.suite.projections)

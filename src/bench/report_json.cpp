@@ -127,10 +127,21 @@ Json jsonOf(const VisibilityCosts& costs) {
   return {{"updates", updates}, {"tests", tests}};
 }
 
+Json jsonOf(const ScalingPoint& p) {
+  return {{"volume", jsonOf(p.volume)},
+          {"first_s", p.first_s},
+          {"render_s", p.render_s},
+          {"memory_bytes", p.memory_bytes},
+          {"voxels_visited", p.first.voxels_visited},
+          {"read_bytes", p.first.bricks_read_bytes},
+          {"contributing_bytes", p.first.bricks_contributing_bytes}};
+}
+
 }  // namespace
 
 std::string measurementsJson(const Measurements& m) {
-  Json volumes = Json::array(), runs = Json::array(), artifacts = Json::array(), standings = Json::array();
+  Json volumes = Json::array(), runs = Json::array(), artifacts = Json::array(), standings = Json::array(),
+       scaling = Json::array();
   for (const VolumeSummary& v : m.volumes) volumes.push_back(jsonOf(v));
   for (const MeasuredRun& run : m.runs) runs.push_back(jsonOf(m, run));
   for (const ArtifactStudy& study : m.artifacts) artifacts.push_back(jsonOf(m, study));
@@ -142,6 +153,7 @@ std::string measurementsJson(const Measurements& m) {
                          {"least_speed_up", s.least_speed_up},
                          {"greatest_speed_up", s.greatest_speed_up}});
   }
+  for (const ScalingPoint& p : m.scaling) scaling.push_back(jsonOf(p));
   const Json out = {{"kiln_report", 1},
                     {"title", m.suite.title},
                     {"time", m.time},
@@ -154,7 +166,8 @@ std::string measurementsJson(const Measurements& m) {
                     {"runs", runs},
                     {"standings", standings},
                     {"artifacts", artifacts},
-                    {"costs", jsonOf(m.costs)}};
+                    {"costs", jsonOf(m.costs)},
+                    {"scaling", scaling}};
   return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

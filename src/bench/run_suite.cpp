@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "bench/artifacts.h"
 #include "bench/case_drawing.h"
+#include "bench/scaling.h"
 #include "bench/suite_stores.h"
 #include "output/png_file.h"
 
@@ -147,11 +148,19 @@ Measurements runSuite(const Suite& suite, const BenchOptions& options, Progress&
   // Everything is converted first: a file that is not there is found before an hour is spent, and all threads help.
   std::vector<SuiteStore> stores;
   for (const SuiteCase& c : suite.cases)
-    stores.push_back(suiteStore(c.volume, options.stores, options.command, options.time, progress));
+    stores.push_back(
+        suiteStore(c.volume, SuiteLevels::kFinest, options.stores, options.command, options.time, progress));
+  std::vector<SuiteStore> scaling;
+  for (const std::string& volume : suite.scaling.volumes)
+    scaling.push_back(suiteStore(volume, SuiteLevels::kAll, options.stores, options.command, options.time, progress));
   const ThreadLimit threads(suite.threads);
   out.costs = measureVisibilityCosts(suite.methods, suite.cost, progress);
   SuiteRun run(out, progress, on_run);
   for (std::size_t i = 0; i < suite.cases.size(); ++i) run.drawCase(i, stores[i].path, stores[i].convert_s);
+  for (const SuiteStore& store : scaling) {
+    out.scaling.push_back(measureScaling(suite, store.path, progress));
+    out.scaling.back().volume = summaryOfStore(StoreReader(store.path), store.convert_s);
+  }
   out.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return out;
 }

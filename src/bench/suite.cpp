@@ -67,6 +67,10 @@ int repeatFrom(const JobObject& object, int otherwise) {
   return static_cast<int>(object.integer("repeat", 1, 1000).value_or(otherwise));
 }
 
+std::string volumeFrom(const JobObject& object, const std::string& name) {
+  return namesPhantom(name) ? name : (object.path().parent_path() / name).string();
+}
+
 SuiteCase caseFrom(const JobObject& object, int repeat) {
   object.requireKnown({"name", "classification", "volume", "note", "paper", "transferFunction", "shading", "camera",
                        "sizes", "node_slice", "artifacts", "quick", "repeat"});
@@ -76,7 +80,7 @@ SuiteCase caseFrom(const JobObject& object, int repeat) {
   c.name = *name;
   const auto volume = object.text("volume", "a store, a volume file or phantom:NAME:XxYxZ");
   if (!volume) object.complain("volume", "is missing; a case names the store or volume file to draw");
-  c.volume = namesPhantom(*volume) ? *volume : (object.path().parent_path() / *volume).string();
+  c.volume = volumeFrom(object, *volume);
   c.classification = object.text("classification", "a few words").value_or("");
   c.note = object.text("note", "a sentence").value_or("");
   readPaper(object, c);
@@ -143,12 +147,26 @@ void readArtifactsAndCost(const JobObject& root, Suite& suite) {
   }
 }
 
+void readScaling(const JobObject& object, ScalingRequest& scaling) {
+  object.requireKnown({"volumes", "size", "transferFunction", "camera", "repeat"});
+  const auto volumes = object.texts("volumes", "a list of stores, volume files or phantom:NAME:XxYxZ");
+  if (!volumes || volumes->size() < 2) object.refuse("volumes", "a list of at least two volumes, the smallest first");
+  for (const std::string& volume : *volumes) scaling.volumes.push_back(volumeFrom(object, volume));
+  if (const auto size = object.numberList("size", "[width, height] in pixels", isPixels)) {
+    if (size->size() != 2) object.refuse("size", "[width, height] in pixels");
+    scaling.size = {static_cast<int>((*size)[0]), static_cast<int>((*size)[1])};
+  }
+  scaling.transfer_function = transferFunctionChoiceFrom(object).value_or(scaling.transfer_function);
+  if (const auto camera = object.object("camera")) scaling.camera = cameraFrom(*camera);
+  scaling.repeat = repeatFrom(object, scaling.repeat);
+}
+
 }  // namespace
 
 Suite parseSuite(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown({"kiln_suite", "title", "methods", "projections", "fov", "threshold", "views", "turn_deg", "repeat",
-                     "threads", "tile_px", "area", "test_samples", "memory", "epsilon_px", "cost", "cases"});
+                     "threads", "tile_px", "area", "test_samples", "memory", "epsilon_px", "cost", "scaling", "cases"});
   if (!root.has("kiln_suite")) root.complain("kiln_suite", "is missing; a suite says \"kiln_suite\": 1");
   root.number("kiln_suite", "1, the suite format of this version", [](double v) { return v == 1; });
   Suite suite;
@@ -158,6 +176,7 @@ Suite parseSuite(const std::string& text, const fs::path& path) {
   readMethods(root, suite);
   readDrawing(root, suite);
   readArtifactsAndCost(root, suite);
+  if (const auto scaling = root.object("scaling")) readScaling(*scaling, suite.scaling);
   const auto cases = root.objects("cases", "a list of cases [{name, volume, …}, …]");
   if (!cases || cases->empty()) root.refuse("cases", "a list of at least one case {name, volume, …}");
   const int repeat = repeatFrom(root, SuiteCase().repeat);
@@ -180,6 +199,7 @@ Suite quickened(Suite suite) {
     c.repeat = 1;
   }
   suite.views = std::min(suite.views, 2);
+  suite.scaling.repeat = 1;
   std::erase_if(suite.cost.sizes_px, [](int size) { return size > 1024; });
   suite.quick = true;
   return suite;

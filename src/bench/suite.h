@@ -42,6 +42,16 @@ struct CostRequest {
   std::vector<int> areas_px = {4, 8, 16, 32, 64, 128};
 };
 
+/// One object at several sizes, drawn as `kiln render` does by default: how a frame's time and memory grow with the
+/// volume. No volumes leave the measurement out.
+struct ScalingRequest {
+  std::vector<std::string> volumes;  // as a case's
+  ImageSize size{1024, 1024};
+  TransferFunctionChoice transfer_function = std::string("auto");
+  CameraSpec camera;
+  int repeat = 5;  // draws after the first; their median counts
+};
+
 struct Suite {
   std::filesystem::path path;
   std::string text;  // as it was read
@@ -62,6 +72,7 @@ struct Suite {
   /// Enlargements of the quadtree's area that `artifacts` tries, ascending. unit: pixels.
   std::vector<int> epsilons_px = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
   CostRequest cost;
+  ScalingRequest scaling;
   std::vector<SuiteCase> cases;
   bool quick = false;  // what `quickened` made it
 };

@@ -14,8 +14,10 @@ struct SuiteStore {
   double convert_s = 0;  // 0 where it was there
 };
 
+enum class SuiteLevels { kFinest, kAll };
+
 /// `command` and `time` are for a new store's manifest. throws: as openSource and convert.
-SuiteStore suiteStore(const std::string& volume, const std::filesystem::path& stores, const std::string& command,
-                      const std::string& time, Progress& progress);
+SuiteStore suiteStore(const std::string& volume, SuiteLevels levels, const std::filesystem::path& stores,
+                      const std::string& command, const std::string& time, Progress& progress);
 
 }  // namespace kiln

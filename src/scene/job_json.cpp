@@ -231,6 +231,18 @@ std::optional<std::vector<std::size_t>> JobObject::choices(std::string_view key,
   return out;
 }
 
+std::optional<std::vector<std::string>> JobObject::texts(std::string_view key, std::string_view expected) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_array()) refuse(key, expected);
+  std::vector<std::string> out;
+  for (const json& item : *value) {
+    if (!item.is_string()) refuse(key, expected);
+    out.push_back(item.get<std::string>());
+  }
+  return out;
+}
+
 std::optional<std::vector<double>> JobObject::numberList(std::string_view key, std::string_view expected,
                                                          bool (*legal)(double)) const {
   const json* value = find(key);

@@ -45,6 +45,7 @@ class JobObject {
   std::optional<bool> flag(std::string_view key) const;
   /// A list of words, none of them twice: their places in `names`.
   std::optional<std::vector<std::size_t>> choices(std::string_view key, std::span<const std::string_view> names) const;
+  std::optional<std::vector<std::string>> texts(std::string_view key, std::string_view expected) const;
   std::optional<std::vector<double>> numberList(std::string_view key, std::string_view expected,
                                                 bool (*legal)(double)) const;
   std::optional<std::vector<std::array<double, 2>>> pairs(std::string_view key, std::string_view expected,

@@ -35,6 +35,7 @@ const Measurements& measurements() {
     const Suite suite = parseSuite(
         R"({"kiln_suite": 1, "title": "A <small> \"suite\" & more", "views": 2, "repeat": 1, "epsilon_px": [0, 2, 64],
             "cost": {"sizes": [64, 128], "areas": [4, 8]},
+            "scaling": {"volumes": ["phantom:head:16x16x16", "phantom:head:32x32x32"], "size": [24, 16], "repeat": 1},
             "cases": [{"name": "HEAD", "classification": "bone, and \"skin\"", "paper": "HEAD", "volume": ")" +
             store + R"(", "sizes": [[96, 96], [256, 256]], "node_slice": {}, "artifacts": true},
                       {"name": "<other>", "volume": ")" +
@@ -149,6 +150,15 @@ TEST(BenchReport, JsonHasEverythingMeasured) {
   EXPECT_EQ(json["costs"]["updates"].size(), 2u * 4);
   EXPECT_EQ(json["costs"]["tests"].size(), 2u * 2 * 4);
   EXPECT_EQ(json["standings"].size(), 5u);
+  ASSERT_EQ(json["scaling"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Json& point = json["scaling"][i];
+    EXPECT_EQ(point["volume"]["dims"][0], 16 << i);
+    EXPECT_GT(point["render_s"], 0);
+    EXPECT_GT(point["memory_bytes"], 24 * 16 * 16);
+    EXPECT_GT(point["contributing_bytes"], 0);
+    EXPECT_GE(point["read_bytes"], point["contributing_bytes"]);
+  }
   EXPECT_FALSE(json["machine"]["processor"].get<std::string>().empty());
 }
 
@@ -184,7 +194,7 @@ TEST(BenchReport, ThePageIsWholeAndNeedsNothingBesideIt) {
   EXPECT_EQ(unbalancedElement(html), "");
   for (const char* part : {"Table 1.", "Table 2(a).", "Table 2(b).", "Table 2(c).", "Table 3(a).", "Table 3(b).",
                            "Table 3(c).", "Table 4.", "Table 5(a).", "Table 5(b).", "Figure 7.", "Figure 8.",
-                           "Figure 9.", "Figure 10.", "Figure 11.", "Histogram.", "Standings."})
+                           "Figure 9.", "Figure 10.", "Figure 11.", "Histogram.", "Standings.", "Scaling.", "Growth."})
     EXPECT_EQ(countOf(html, part), 1u) << part;
   for (const char* foreign : {"http://", "https://", "url(", "@import", "<script", "<link"})
     EXPECT_EQ(html.find(foreign), std::string::npos) << foreign;

@@ -36,6 +36,8 @@ TEST(BenchSuite, EveryKeyIsRead) {
     "kiln_suite": 1, "title": "T", "methods": ["none", "mask"], "projections": ["perspective"], "fov": 45,
     "threshold": 0.9, "views": 7, "turn_deg": 30, "repeat": 2, "threads": 3, "tile_px": 128, "area": "box",
     "test_samples": true, "memory": "1G", "epsilon_px": [0, 5], "cost": {"sizes": [128], "areas": [4, 9]},
+    "scaling": {"volumes": ["phantom:body:8x8x16", "b.kiln"], "size": [30, 20], "transferFunction": "fog",
+                "camera": {"azimuth": 5}, "repeat": 4},
     "cases": [
       {"name": "A", "classification": "bone", "volume": "phantom:head:8x9x10", "note": "n", "paper": "HEAD",
        "transferFunction": "ct-bone", "camera": {"azimuth": 10, "zoom": 2}, "sizes": [[10, 20], [30, 40]],
@@ -57,6 +59,12 @@ TEST(BenchSuite, EveryKeyIsRead) {
   EXPECT_EQ(suite.epsilons_px, (std::vector{0, 5}));
   EXPECT_EQ(suite.cost.sizes_px, std::vector{128});
   EXPECT_EQ(suite.cost.areas_px, (std::vector{4, 9}));
+  EXPECT_EQ(suite.scaling.volumes, (std::vector<std::string>{"phantom:body:8x8x16", "dir/b.kiln"}));
+  EXPECT_EQ(suite.scaling.size.width, 30);
+  EXPECT_EQ(suite.scaling.size.height, 20);
+  EXPECT_EQ(std::get<std::string>(suite.scaling.transfer_function), "fog");
+  EXPECT_EQ(suite.scaling.camera.azimuth_deg, 5);
+  EXPECT_EQ(suite.scaling.repeat, 4);
   const SuiteCase& a = suite.cases[0];
   EXPECT_EQ(a.volume, "phantom:head:8x9x10");  // no file, so no folder before it
   EXPECT_EQ(a.classification, "bone");
@@ -105,6 +113,8 @@ const Wrong kWrong[] = {
     {R"("projections": [], "cases": [{"name": "A", "volume": "a"}])", "projections"},
     {R"("views": 0, "cases": [{"name": "A", "volume": "a"}])", "views: expected a whole number from 1"},
     {R"("threshold": 0, "cases": [{"name": "A", "volume": "a"}])", "threshold"},
+    {R"("scaling": {"volumes": ["a"]}, "cases": [{"name": "A", "volume": "a"}])",
+     "scaling.volumes: expected a list of at"},
     {R"("tile_px": 96, "cases": [{"name": "A", "volume": "a"}])", "tile_px: expected 0, the whole image"},
     {R"("epsilon_px": [1, 2], "cases": [{"name": "A", "volume": "a"}])", "epsilon_px"},
     {R"("epsilon_px": [0, 3, 2], "cases": [{"name": "A", "volume": "a"}])", "epsilon_px"},
