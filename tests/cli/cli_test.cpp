@@ -12,9 +12,11 @@
 #include <thread>
 
 #include "base/file.h"
+#include "base/memory.h"
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "store/store_reader.h"
+#include "support/foreign_files.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/run_tool.h"
@@ -642,6 +644,48 @@ TEST_F(Cli, HalfIsLossyAndSaysSo) {
   const std::uint16_t* found = block.data<std::uint16_t>() + block.offsetOf({0, 0, 0});
   EXPECT_EQ(std::vector(found, found + 4), (std::vector<std::uint16_t>{10, 4096, 65504, 2048}));
   expectRefused({"convert", in("v.raw"), in("w.kiln"), "--dims", "2,1,1", "--type", "u32", "--half"}, 2, {"--half"});
+}
+
+// Known because the conversion follows: it writes what samples of the same noise say within a tenth, plans the same
+// buffers, and a dry run leaves nothing behind. Of a stream, which has no samples, it writes less than the bound.
+TEST_F(Cli, ADryRunForetellsTheConversion) {
+  const DenseVolume volume = noise({{60, 50, 70}, VoxelType::u16}, 3, usualRange(VoxelType::u16));
+  write(in("c.raw"), textOf(volume.voxels));
+  write(in("c.nrrd"), "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 60 50 70\nencoding: gzip\nendian: little\n\n" +
+                          gzipped(textOf(volume.voxels)));
+  // The amount of memory that stands behind some words.
+  const auto amountAfter = [](const std::string& text, const std::string& words) {
+    const std::size_t at = text.find(words);
+    EXPECT_NE(at, std::string::npos) << "'" << words << "' is not in: " << text;
+    std::string number, unit;
+    std::istringstream(at == std::string::npos ? "0 K" : text.substr(at + words.size())) >> number >> unit;
+    return static_cast<double>(parseBytes(number + unit));
+  };
+  for (const bool stream : {false, true}) {
+    std::vector<std::string> arguments = {"convert", in(stream ? "c.nrrd" : "c.raw"), "--brick-size", "16"};
+    if (!stream) arguments.insert(arguments.end(), {"--dims", "60,50,70", "--type", "u16"});
+    std::vector<std::string> dry = arguments;
+    dry.push_back("--dry-run");
+    const std::string foretold = expectDone(dry).out;
+    EXPECT_EQ(listing(), (std::vector<std::string>{"c.nrrd", "c.raw"}));
+    arguments.push_back(in("c.kiln"));
+    const std::string done = expectDone(arguments).out;
+    const double written =
+        Json::parse(expectDone({"info", in("c.kiln"), "--json"}).out)["storage"]["diskBytes"].get<double>();
+    EXPECT_EQ(amountAfter(foretold, "memory       up to "), amountAfter(done, "buffers up to "));
+    EXPECT_GT(amountAfter(foretold, "scratch      up to "), 0);
+    if (stream) {
+      EXPECT_NE(foretold.find("1 pass, in order, through a window of"), std::string::npos) << foretold;
+      EXPECT_GE(amountAfter(foretold, "writing      at most "), written);
+      EXPECT_NE(foretold.find("time         not known"), std::string::npos) << foretold;
+    } else {
+      EXPECT_NE(foretold.find("1 pass, in boxes"), std::string::npos) << foretold;
+      EXPECT_NEAR(amountAfter(foretold, "writing      about ") / written, 1, 0.1);
+      EXPECT_NE(foretold.find("million voxels/s"), std::string::npos) << foretold;
+    }
+    fs::remove_all(in("c.kiln"));
+  }
+  expectRefused({"convert", in("c.nrrd")}, 2, {"OUT"});
 }
 
 // Known because 1024 and 1025 are halves and their mean, 1024.5, lies between them: ties go to the even one.

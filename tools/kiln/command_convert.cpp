@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "commands.h"
+#include "convert/conversion_cost.h"
 #include "convert/convert.h"
 #include "convert/half_source.h"
 #include "source_arguments.h"
@@ -14,12 +15,51 @@ struct Arguments {
   std::string input, output, memory = "2G";
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
-  bool overwrite = false, resume = false, half = false;
+  bool overwrite = false, resume = false, half = false, dry_run = false;
   int levels = 0;
   SourceArguments source;
 };
 
+std::string firstLine(const SourceInfo& info) {
+  const Extent3& dims = info.geometry.dims;
+  return fmt::format("{} x {} x {} voxels of {} ({}) from {}", dims.x, dims.y, dims.z, nameOf(info.type),
+                     formatBytes(static_cast<std::uint64_t>(dims.count()) * sizeOf(info.type)), info.format);
+}
+
+std::string readingOf(const ConversionCost& cost) {
+  if (cost.order == ReadOrder::kAnyBox) return "1 pass, in boxes of a brick with its apron";
+  return fmt::format("1 pass, in order, through a window of {} slices {}", cost.plan.window_slices,
+                     cost.plan.window_on_disk ? "in a scratch file" : "in memory");
+}
+
+void printCost(const Arguments& a, VolumeSource& source, const ConvertOptions& options, Context& context) {
+  const ConversionCost cost = conversionCost(source, options, context.progress);
+  context.progress.clear();
+  fmt::print("{}: {}\n", a.input, firstLine(source.info()));
+  fmt::print("reading      {}\n", readingOf(cost));
+  fmt::print("memory       up to {} in buffers, of {} allowed; {} thread{}\n", formatBytes(cost.plan.total()),
+             formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
+  const std::string bricks = fmt::format("{} brick{} of {} level{}", cost.bricks, cost.bricks == 1 ? "" : "s",
+                                         cost.levels, cost.levels == 1 ? "" : "s");
+  if (cost.sampled_bricks > 0) {
+    fmt::print("writing      about {} in {}, as {} of them say that were read and encoded\n",
+               formatBytes(cost.store_bytes), bricks, cost.sampled_bricks);
+  } else {
+    fmt::print("writing      at most {} in {}; a stream is not read to say it more closely\n",
+               formatBytes(cost.store_bytes), bricks);
+  }
+  fmt::print("scratch      up to {} beside it until it is finished\n", formatBytes(cost.scratch_bytes));
+  if (cost.seconds) {
+    fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", *cost.seconds,
+               static_cast<double>(source.info().geometry.dims.count()) / 1e6 / *cost.seconds);
+  } else {
+    fmt::print("time         not known before the stream is read\n");
+  }
+  fmt::print("nothing was written\n");
+}
+
 void run(const Arguments& a, Context& context) {
+  if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
   const ThreadLimit threads(a.threads);
   std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
   const HalfSource* rounded = nullptr;
@@ -37,11 +77,10 @@ void run(const Arguments& a, Context& context) {
   if (a.levels > 0) options.most_levels = a.levels;
   options.command = context.command_line;
   options.time = timeNow();
+  if (a.dry_run) return printCost(a, *source, options, context);
   const ConvertReport report = convert(*source, a.output, options, context.progress);
   context.progress.clear();
-  const Extent3& dims = source->info().geometry.dims;
-  fmt::print("{}: {} x {} x {} voxels of {} ({}) from {}\n", a.output, dims.x, dims.y, dims.z,
-             nameOf(source->info().type), formatBytes(report.source_bytes), source->info().format);
+  fmt::print("{}: {}\n", a.output, firstLine(source->info()));
   fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
              report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds,
              static_cast<double>(report.voxels) / 1e6 / report.seconds, formatBytes(report.buffer_bytes));
@@ -63,7 +102,7 @@ void addConvert(CLI::App& app, Context& context) {
                    "the volume to read: a file, a directory of TIFF or DICOM slices, or a computed one: "
                    "phantom:body:XxYxZ, head, brain or engine")
       ->required();
-  command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln")->required();
+  command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
   command->add_option("--memory", a->memory, "the most memory for buffers")->capture_default_str()->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
   command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
@@ -72,6 +111,8 @@ void addConvert(CLI::App& app, Context& context) {
       ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
       ->check(CLI::PositiveNumber);
   command->add_flag("--half", a->half, "round values to 16-bit floats: smaller bricks; the largest error is printed");
+  command->add_flag("--dry-run", a->dry_run,
+                    "write nothing; say how it would be read, what memory, disk and time it takes");
   auto* overwrite =
       command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
   command
