@@ -97,7 +97,9 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
 std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
   const auto begun = std::chrono::steady_clock::now();
   Lock lock(mutex_);
-  std::erase(announced_, key);
+  // The turn of those before it has passed: they became hidden.
+  const auto due = std::find(announced_.begin(), announced_.end(), key);
+  if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
   auto slot = slots_.find(key);
   if (slot != slots_.end()) {
     ++counts_.hits;

@@ -50,8 +50,9 @@ class BrickCache {
   std::shared_ptr<const BrickBlock> get(const BrickKey& key);
 
   /// Says which bricks will be asked for next, in that order: they are read as far as there is room beside what is held
-  /// and announced. What was announced before and is not now is dropped, if its reading has not begun. A brick that
-  /// cannot be read is no error before it is asked for. thread: as `get`.
+  /// and announced. What was announced before and is not now is dropped, if its reading has not begun, and so is what
+  /// stands before a brick that is asked for. A brick that cannot be read is no error before it is asked for. thread:
+  /// as `get`.
   void announce(std::span<const BrickKey> next);
   /// Whether announcing gains anything.
   bool readsAhead() const { return !readers_.empty(); }
