@@ -1,21 +1,26 @@
 #include "bench/report_scaling.h"
 
+#include <algorithm>
+
 #include "bench/charts.h"
 #include "bench/report_table_parts.h"
 
 namespace kiln {
 namespace {
 
-double voxelsOf(const ScalingPoint& p) { return static_cast<double>(p.volume.dims.count()); }
+double longestEdge(const ScalingPoint& p) {
+  const Extent3& n = p.volume.dims;
+  return static_cast<double>(std::max({n.x, n.y, n.z}));
+}
 double mebibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 template <class Value>
 std::string chart(const Measurements& m, const std::string& label, const std::string& y_title, Value value) {
-  LineChart out{label, "voxels", y_title, true, true, {}, {}};
+  LineChart out{label, "longest edge, voxels", y_title, true, true, {}, {}};
   ChartLine line{"mask", classOf(VisibilityMethod::kMask), {}};
   for (const ScalingPoint& p : m.scaling) {
-    out.x_ticks.push_back(voxelsOf(p));
-    line.points.push_back({voxelsOf(p), value(p)});
+    out.x_ticks.push_back(longestEdge(p));
+    line.points.push_back({longestEdge(p), value(p)});
   }
   out.lines.push_back(std::move(line));
   return drawLines(out).inlined();
