@@ -51,7 +51,8 @@ DrawnFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visibili
   request.transfer_function = transfer_function_;
   request.shading = case_.shading;
   request.opacity_threshold = suite_.threshold;
-  request.level = 0;  // the paper's octree, each voxel once
+  request.lattice = Lattice::kVoxel;  // Lee and Ihm's algorithm: the octree of level 0, each voxel once
+  request.level = 0;
   request.visibility = visibility;
   request.tile_px = suite_.tile_px;
   request.node_log = log;

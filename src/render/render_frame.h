@@ -22,7 +22,7 @@ struct FrameRequest {
   Clipping clipping;
   Background background;
   double opacity_threshold = 0.998;
-  Lattice lattice = Lattice::kVoxel;
+  Lattice lattice = Lattice::kPixel;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;             // as SpeedOptions has it

@@ -69,7 +69,7 @@ struct PictureOptions {
   Shading shading;
   Clipping clipping;
   double opacity_threshold = 0.998;
-  Lattice lattice = Lattice::kVoxel;
+  Lattice lattice = Lattice::kPixel;
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };

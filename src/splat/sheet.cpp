@@ -18,12 +18,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using DI = hn::RebindToSigned<D>;
 
-// Four pixels of RGBA are one row of 16 numbers.
-HWY_INLINE void addRows(const float* wide, const float* down, int taps, const float* color, std::int32_t* to,
+// Four pixels of RGBA are one row of 16 numbers. shape: `width` pixels, a multiple of four, in `taps` rows.
+HWY_INLINE void addRows(const float* wide, const float* down, int taps, int width, const float* color, std::int32_t* to,
                         std::ptrdiff_t stride) {
   const D d;
   const DI di;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(4 * taps); i += hn::Lanes(d)) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(4 * width); i += hn::Lanes(d)) {
     const auto c = hn::Mul(hn::LoadU(d, wide + i), hn::LoadU(d, color + i % 16));
     std::int32_t* row = to + i;
     for (int j = 0; j < taps; ++j, row += stride)
@@ -42,7 +42,7 @@ void addSamplesOn(std::span<const SlabSample> samples, const FootprintTable& foo
       const float scale = amount * Sheet::kOne;
       for (int p = 0; p < 16; p += 4)
         color[p] = scale * s.r, color[p + 1] = scale * s.g, color[p + 2] = scale * s.b, color[p + 3] = scale;
-      addRows(wide, down, footprint.taps(), color, sheet.at(x0, y0), sheet.stride());
+      addRows(wide, down, footprint.taps(), footprint.padded(), color, sheet.at(x0, y0), sheet.stride());
     };
     if (s.front > 0) add(s.front, here);
     if (s.back > 0) add(s.back, next);
@@ -65,7 +65,9 @@ double normalBelow(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 HWY_EXPORT(addSamplesOn);
 
 FootprintTable::FootprintTable(double sigma_px) {
-  const double reach = 3 * sigma_px + 0.5;
+  double reach = 3 * sigma_px + 0.5;
+  // Four pixels are one vector: a tail of a thousandth is not worth another.
+  if (reach < 2.1) reach = std::min(reach, 2.0);
   taps_ = 2 * std::max(2, static_cast<int>(std::ceil(reach)));
   radius_ = std::min(reach, 0.5 * taps_);
   for (int phase = 0; phase < kPhases; ++phase) {
@@ -83,12 +85,13 @@ FootprintTable::FootprintTable(double sigma_px) {
       weights_.push_back(static_cast<float>(v / sum));
       wide_.insert(wide_.end(), 4, weights_.back());
     }
+    wide_.resize(static_cast<std::size_t>((phase + 1) * 4 * padded()), 0.0f);
   }
 }
 
-void Sheet::reset(const PixelRect& rect, int taps) {
+void Sheet::reset(const PixelRect& rect, int margin) {
   rect_ = rect;
-  margin_ = taps;
+  margin_ = margin;
   width_ = rect.x1 - rect.x0 + 2 * margin_;
   blocks_x_ = (rect.x1 - rect.x0 + 7) / 8;
   const int height = rect.y1 - rect.y0;

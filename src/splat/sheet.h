@@ -32,8 +32,10 @@ class FootprintTable {
   int first(float at) const { return static_cast<int>(std::floor(at + 0.5f)) - taps_ / 2; }
   /// shape: taps().
   const float* weights(int phase) const { return &weights_[static_cast<std::size_t>(phase * taps_)]; }
-  /// The same, each four times. shape: 4 taps().
-  const float* wide(int phase) const { return &wide_[static_cast<std::size_t>(phase * 4 * taps_)]; }
+  /// The same, each four times, and zeros after. shape: 4 padded().
+  const float* wide(int phase) const { return &wide_[static_cast<std::size_t>(phase * 4 * padded())]; }
+  /// taps() rounded up to whole vectors of four pixels.
+  int padded() const { return (taps_ + 3) / 4 * 4; }
   /// Beyond this distance from a sample along an axis, no pixel centre takes light from it. unit: pixels.
   double radius() const { return radius_; }
 
@@ -48,8 +50,8 @@ class Sheet {
   /// A sum's unit.
   static constexpr float kOne = 1 << 24;
 
-  /// Empties it for the pixels of `rect` and footprints of `taps`.
-  void reset(const PixelRect& rect, int taps);
+  /// Empties it for the pixels of `rect`; samples may add to `margin` pixels around it, which nobody reads.
+  void reset(const PixelRect& rect, int margin);
   bool empty() const { return dirty_.empty(); }
   /// The pixels that samples were added to, as blocks of 8×8 that count from the rectangle's corner.
   std::span<const std::int32_t> dirty() const { return dirty_; }
@@ -58,7 +60,7 @@ class Sheet {
     return intersection({x, y, x + 8, y + 8}, rect_);
   }
   int blocks() const { return static_cast<int>(touched_.size()); }
-  /// shape: RGBA a pixel, from (x, y) on to the right. requires: in the rectangle, or less than `taps` beside it.
+  /// shape: RGBA a pixel, from (x, y) on to the right. requires: in the rectangle, or at most `margin` beside it.
   std::int32_t* at(int x, int y) {
     return &sums_[4 * (static_cast<std::size_t>(y - rect_.y0 + margin_) * static_cast<std::size_t>(width_) +
                        static_cast<std::size_t>(x - rect_.x0 + margin_))];

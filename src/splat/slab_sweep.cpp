@@ -215,7 +215,7 @@ class Sweep {
     // A sample puts light into the slab after its own, too.
     const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
     if (m_.slabs.size() < slabs) m_.slabs.resize(slabs), m_.units.resize(slabs);
-    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().taps());
+    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().padded());
     m_.owned.resize(static_cast<std::size_t>(m_.sheets[0].blocks()) * 64);
     m_.owned_known.assign(static_cast<std::size_t>(m_.sheets[0].blocks()), 0);
     std::size_t next = 0;

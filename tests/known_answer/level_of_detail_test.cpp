@@ -122,6 +122,7 @@ TEST(LevelOfDetail, UniformMediumHasNoSeams) {
   constexpr double kTau = 0.004;
   Frames frames(makeStore(fill({dims, VoxelType::u8}, [](auto...) { return 100.0; }), "fog", 16));
   FrameRequest request;
+  request.lattice = Lattice::kVoxel;
   request.shading.phong = false;
   request.opacity_threshold = 1;
   request.transfer_function = linearExtinction(100, kTau);
@@ -160,6 +161,7 @@ TEST(LevelOfDetail, PerspectiveMixesLevels) {
   const DenseVolume volume = cheese(shape, 4, usualRange(VoxelType::i16));
   Frames frames(makeStore(volume, "cheese", 16));
   FrameRequest request;
+  request.lattice = Lattice::kVoxel;
   request.transfer_function = skin(volume.range());
   Camera camera;
   camera.fov_deg = 100;
@@ -202,6 +204,7 @@ TEST_P(Zoom, DoesNotPop) {
   Frames frames(makeStore(volume, "head", 16));
   const Camera base = cameraFrom(volume.geometry, {-0.6, -1, 0.3}, GetParam());
   FrameRequest request;
+  request.lattice = Lattice::kVoxel;
   request.transfer_function = skin(volume.range());
   constexpr int kFrames = 60;
   Image last, last_fine;

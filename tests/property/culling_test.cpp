@@ -106,6 +106,7 @@ TEST(HiddenBricks, AreNotRead) {
   camera.up = {0, 0, 1};
   camera.height = 50;
   FrameRequest request;
+  request.lattice = Lattice::kVoxel;
   request.view = resolve(camera, {200, 200});
   request.transfer_function.points = {{100, {1, 1, 1}, 0}, {140, {1, 0.8, 0.6}, 1}};
   request.visibility.method = VisibilityMethod::kNone;

@@ -34,6 +34,7 @@ class RealExactness : public ::testing::Test {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       Random random(seed);
       FrameRequest request;
+      request.lattice = Lattice::kVoxel;
       request.view = resolve(randomCamera(random, volume), {210, 170});
       request.transfer_function = randomTransferFunction(random, reader.manifest().range, volume.meanSpacing());
       request.shading = randomShading(random);
