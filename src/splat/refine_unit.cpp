@@ -216,16 +216,19 @@ class Refiner {
         note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
-    // The parts of it in its first slab and in the next; none outside of the zone, whose neighbours draw theirs.
+    // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.
     const V s0 = hn::Floor(hn::Sub(depth, reach));
     const V s1 = hn::Floor(hn::Add(depth, reach));
-    const V split = before(d, l_.spread, hn::Sub(hn::Add(s0, one), depth));
-    V front = hn::IfThenElse(hn::Gt(s1, s0), split, one);
-    V back = hn::Sub(one, front);
-    const M early = hn::Lt(s0, hn::Zero(d));
-    front = hn::IfThenElse(early, back, front);
-    back = hn::IfThenZeroElse(hn::Or(early, hn::Ge(s0, hn::Set(d, static_cast<float>(l_.slabs - 1)))), back);
     const V first = hn::Max(s0, hn::Zero(d));
+    const V split = before(d, l_.spread, hn::Sub(hn::Add(first, one), depth));
+    V front = hn::IfThenElse(hn::Gt(s1, first), split, one);
+    V back = hn::Sub(one, front);
+    const M crossing = hn::Or(hn::Lt(s0, hn::Zero(d)), hn::Ge(s1, end));
+    if (!hn::AllFalse(d, crossing)) {
+      front = hn::Max(hn::Sub(front, before(d, l_.spread, hn::Neg(depth))), hn::Zero(d));
+      back = hn::Max(hn::Sub(back, before(d, l_.spread, hn::Sub(depth, end))), hn::Zero(d));
+      back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
+    }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
     weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
     const V amount = details_ == nullptr ? hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray))) : one;
