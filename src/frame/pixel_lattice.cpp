@@ -12,12 +12,26 @@ double unitOf(const Manifest& volume, const TransferFunction& function) {
   return function.unit > 0 ? function.unit : volume.geometry().meanSpacing();
 }
 
+// A tile's squares are swept by its thread: pixels of a tile are closed by one thread at a time.
+std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge) {
+  std::vector<TilePixels> out;
+  for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
+    for (int x = tile.rect.x0; x < tile.rect.x1; x += edge) {
+      out.push_back({intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect),
+                     tile.rgba + (y - tile.rect.y0) * tile.stride + std::ptrdiff_t{4} * (x - tile.rect.x0),
+                     tile.stride});
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
                            std::optional<int> level, const TransferFunction& transfer_function, const Shading& shading,
-                           float gradient_noise)
+                           float gradient_noise, int sweep_px)
     : levels_(levels),
+      sweep_px_(sweep_px),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
       table_(transfer_function, unitOf(volume, transfer_function), volume.type, volume.range) {
   for (const SlabZone& zone : zones_) {
@@ -83,19 +97,28 @@ SplatCounts PixelLattice::drawZone(const SlabFrame& frame, const BrickBlock& blo
   const std::vector<SlabCell> cells = interestingCells(frame, block);
   std::vector<SplatCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) {
-    std::vector<const SlabCell*> touching;
-    for (const SlabCell& cell : cells) {
-      if (!intersection(cell.bounds.rect, tiles[i].rect).empty()) touching.push_back(&cell);
-    }
-    if (touching.empty()) return;
     std::unique_ptr<SweepMemory> memory = takeMemory();
-    sweepSlabs(frame, block, touching, tiles[i], visibility, test_samples, opaque_at, *memory, counts[i]);
+    std::vector<const SlabCell*> touching;
+    for (const TilePixels& square : squaresOf(tiles[i], sweep_px_)) {
+      touching.clear();
+      for (const SlabCell& cell : cells) {
+        if (!intersection(cell.bounds.rect, square.rect).empty()) touching.push_back(&cell);
+      }
+      sweepSlabs(frame, block, touching, square, visibility, test_samples, opaque_at, *memory, counts[i]);
+    }
     const std::lock_guard lock(mutex_);
     memory_.push_back(std::move(memory));
   });
   SplatCounts total;
   for (const SplatCounts& tile : counts) total.add(tile);
   return total;
+}
+
+std::uint64_t PixelLattice::bytes() const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t sum = 0;
+  for (const std::unique_ptr<SweepMemory>& memory : memory_) sum += memory->bytes();
+  return sum;
 }
 
 std::unique_ptr<SweepMemory> PixelLattice::takeMemory() {

@@ -12,9 +12,9 @@ namespace kiln {
 
 class PixelLattice {
  public:
-  /// requires: `levels` and `transfer_function` outlive this.
+  /// Sweeps squares of `sweep_px` pixels. requires: `levels` and `transfer_function` outlive this.
   PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view, std::optional<int> level,
-               const TransferFunction& transfer_function, const Shading& shading, float gradient_noise);
+               const TransferFunction& transfer_function, const Shading& shading, float gradient_noise, int sweep_px);
   PixelLattice(const PixelLattice&) = delete;
   PixelLattice& operator=(const PixelLattice&) = delete;
 
@@ -25,6 +25,9 @@ class PixelLattice {
   /// Draws what the tiles show of what the brick owns, its zones from near to far, tiles in parallel.
   SplatCounts draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
                    bool test_samples, float opaque_at);
+
+  /// What its threads have needed so far. unit: bytes.
+  std::uint64_t bytes() const;
 
  private:
   struct Depths {
@@ -37,10 +40,11 @@ class PixelLattice {
   std::unique_ptr<SweepMemory> takeMemory();
 
   const FrameLevels& levels_;
+  const int sweep_px_;
   std::vector<SlabZone> zones_;
   SampleTable table_;
   std::vector<std::unique_ptr<SlabFrame>> frames_;    // one a zone
-  std::mutex mutex_;                                  // guards what follows
+  mutable std::mutex mutex_;                          // guards what follows
   std::vector<std::unique_ptr<SweepMemory>> memory_;  // of threads that sweep nothing now
 };
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/parallel.h"
 #include "frame/brick_walk.h"
 #include "render/render_job_run.h"
 
@@ -19,6 +20,7 @@ std::uint64_t decodedBytes(const BrickFrame& brick) {
 }  // namespace
 
 DryRun dryRun(const RenderJob& job) {
+  const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
   const Camera camera = cameraFor(job.picture, store);
   const FrameRequest request = frameRequest(job, camera, transferFunctionFor(job.picture, store));
@@ -52,6 +54,7 @@ std::string dryRunText(const DryRun& run) {
                                         {"smallest_bytes", run.memory.smallest()},
                                         {"framebuffer_bytes", run.memory.image},
                                         {"visibility_bytes", run.memory.visibility},
+                                        {"slabs_bytes", run.memory.slabs},
                                         {"index_bytes", run.memory.index},
                                         {"brick_bytes", run.memory.brick}}}};
   return out.dump(1) + "\n";

@@ -15,13 +15,16 @@ struct FrameMemory {
   std::uint64_t image = 0;       // RGBA in floats
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
-  std::uint64_t slabs = 0;       // of the pixel lattice: of each thread, sheets, samples that wait and what they are of
+  std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t brick = 0;       // reading one, the largest of the store
 
   std::uint64_t besideBricks() const { return image + visibility + index + slabs; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const { return besideBricks() + brick; }
 };
+
+/// The edge of the squares that threads sweep, small enough that they take little of the job's budget. unit: pixels.
+int sweepEdge(const RenderJob& job);
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 

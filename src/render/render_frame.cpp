@@ -110,7 +110,7 @@ struct FramePlan {
         classifier(classifierFor(store, request)) {
     if (request.lattice == Lattice::kPixel) {
       pixel.emplace(store.manifest(), levels, request.view, request.level, request.transfer_function, request.shading,
-                    gradientNoise(store.manifest().range));
+                    gradientNoise(store.manifest().range), request.sweep_px);
       bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), kMostGhosts);
     } else {
       bricks.emplace(store, levels, voxelChoice(levels), showsCore(classifier));
@@ -187,6 +187,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   statistics.bricks_unused = after.unused - before.unused;
   statistics.bricks_damaged = after.skipped - before.skipped;
   statistics.bricks_read_bytes = after.read_bytes - before.read_bytes;
+  statistics.slab_bytes = pixel ? pixel->bytes() : 0;
   statistics.load_s = after.load_seconds - before.load_seconds;
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return image;

@@ -25,7 +25,8 @@ struct FrameRequest {
   Lattice lattice = Lattice::kPixel;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
-  int tile_px = 64;             // as SpeedOptions has it
+  int tile_px = 64;   // as SpeedOptions has it
+  int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/memory.h"
@@ -50,6 +51,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;
+  request.sweep_px = sweepEdge(job);
   return request;
 }
 
@@ -94,6 +96,9 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   statistics.framebuffer_bytes = memory.image;
   statistics.visibility_bytes = memory.visibility;
   statistics.index_bytes = memory.index;
+  statistics.slabs_bytes = memory.slabs;
+  for (const FrameStatistics& frame : statistics.frames)
+    statistics.peak_slabs_bytes = std::max(statistics.peak_slabs_bytes, frame.slab_bytes);
   statistics.peak_rss_bytes = peakResidentBytes();
   return result;
 }

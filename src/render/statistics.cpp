@@ -54,6 +54,7 @@ std::string statisticsText(const RenderStatistics& s) {
   out["memory"] = {{"budget_bytes", s.budget_bytes},         {"cache_bytes", s.cache_bytes},
                    {"peak_cache_bytes", s.peak_cache_bytes}, {"framebuffer_bytes", s.framebuffer_bytes},
                    {"visibility_bytes", s.visibility_bytes}, {"index_bytes", s.index_bytes},
+                   {"slabs_bytes", s.slabs_bytes},           {"peak_slabs_bytes", s.peak_slabs_bytes},
                    {"peak_rss_bytes", s.peak_rss_bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
   return out.dump(1) + "\n";

@@ -26,6 +26,7 @@ struct FrameStatistics {
                 bricks_damaged = 0, bricks_read_bytes = 0;
   /// Bricks of which at least one splat was drawn, and the bytes of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
+  std::uint64_t slab_bytes = 0;         // that the threads swept with, at the most
   std::vector<LevelStatistics> levels;  // of the store, 0 first
   void addContributing(std::uint64_t file_bytes) {
     ++bricks_contributing;
@@ -35,8 +36,9 @@ struct FrameStatistics {
 
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
-  std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility and index
+  std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
+  std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
 };

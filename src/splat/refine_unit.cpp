@@ -199,6 +199,10 @@ class Refiner {
     const V x = hn::Add(hn::Mul(u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
     const V y = hn::Add(hn::Mul(v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
     const V depth = hn::Mul(hn::Sub(pz, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
+    const auto touches = [&](V p, float lo, float hi) {
+      return hn::And(hn::Gt(p, hn::Set(d, lo - l_.reach_px)), hn::Lt(p, hn::Set(d, hi + l_.reach_px)));
+    };
+    alive = hn::And(alive, hn::And(touches(x, u_.tile_x0, u_.tile_x1), touches(y, u_.tile_y0, u_.tile_y1)));
     const V reach = hn::Set(d, l_.spread.reach);
     const V end = hn::Set(d, static_cast<float>(l_.slabs));
     alive = hn::And(alive, hn::And(hn::Gt(hn::Add(depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(depth, reach), end)));

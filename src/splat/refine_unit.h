@@ -49,7 +49,8 @@ struct UnitLattice {
   float near = 0, slabs_per_depth = 1, thickness = 1;
   int slabs = 0;
   DepthSpread spread;
-  float weight = 1;  // V_sample / (A_px D); in perspective times depth squared
+  float reach_px = 0;  // of a footprint, from its sample
+  float weight = 1;    // V_sample / (A_px D); in perspective times depth squared
   // Classification: shape: entries of r, g, b, tau; see SampleTable.
   const float* table = nullptr;
   float table_scale = 1, table_last = 0;
@@ -89,8 +90,9 @@ struct SampleDetails {
   float weight;        // of an opaque sample; `front` and `back` of the SlabSample are parts of one then
 };
 
-/// Appends the samples that are not transparent. With `details`, their colour is the material's and their opacity is
-/// left to the caller. shape: `out`, and `details` if not null, have room for 16³. returns: how many.
+/// Appends the samples that are not transparent and whose footprints may touch the tile. With `details`, their colour
+/// is the material's and their opacity is left to the caller. shape: `out`, and `details` if not null, have room for
+/// 16³. returns: how many.
 int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details);
 
 /// The instruction set in use: "AVX3" and the like.

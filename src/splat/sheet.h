@@ -52,6 +52,11 @@ class Sheet {
 
   /// Empties it for the pixels of `rect`; samples may add to `margin` pixels around it, which nobody reads.
   void reset(const PixelRect& rect, int margin);
+  /// unit: bytes.
+  std::size_t bytes() const {
+    return sums_.capacity() * sizeof sums_[0] + touched_.capacity() * sizeof touched_[0] +
+           dirty_.capacity() * sizeof dirty_[0];
+  }
   bool empty() const { return dirty_.empty(); }
   /// The pixels that samples were added to, as blocks of 8×8 that count from the rectangle's corner.
   std::span<const std::int32_t> dirty() const { return dirty_; }

@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "splat/waiting_samples.h"
+
 namespace kiln {
 namespace {
 
@@ -23,8 +25,13 @@ struct Unit {
 
 int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar))); }
 
-int unitVoxels(int refinement) {
-  return std::min(kUnitVoxels, static_cast<int>(std::bit_floor(static_cast<unsigned>(kUnitSamples / refinement))));
+// A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
+// slabs (ARCHITECTURE.md has the figures).
+constexpr int kUnitRows = 4;
+
+int unitVoxels(int refinement, std::size_t axis) {
+  const int whole = std::max(1, (axis == 0 ? kUnitSamples : kUnitRows) / refinement);
+  return std::min(kUnitVoxels, static_cast<int>(std::bit_floor(static_cast<unsigned>(whole))));
 }
 
 DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
@@ -44,12 +51,12 @@ bool plainlyLit(const Shading& shading) {
          shading.lights[0].color == glm::dvec3(1);
 }
 
-UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
-                        const SampleLook& look) {
+UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
+                        const SampleTable& table, const SampleLook& look) {
   const Shading& shading = look.shading;
   UnitLattice out;
   for (std::size_t a = 0; a < 3; ++a) {
-    out.voxels[a] = unitVoxels(zone.refinement[a]);
+    out.voxels[a] = unitVoxels(zone.refinement[a], a);
     out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a]);
   }
   out.perspective = projector.perspective();
@@ -65,6 +72,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.thickness = static_cast<float>(zone.thickness);
   out.slabs = zone.slabs;
   out.spread = depthSpread(zone, projector);
+  out.reach_px = 0.5f * static_cast<float>(footprint.taps()) + 1;
   const double samples = zone.refinement[0] * zone.refinement[1] * zone.refinement[2];
   out.weight =
       static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
@@ -95,7 +103,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       look_(look),
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
-      lattice_(unitLattice(zone, projector, table, look)),
+      lattice_(unitLattice(zone, projector, footprint_, table, look)),
       // Where there is interpolation, one voxel more is for that.
       ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
 
@@ -169,9 +177,9 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
 }
 
 struct SweepMemory::Parts {
-  std::vector<const SlabCell*> cells;          // by their first slab
-  std::vector<std::vector<Unit>> units;        // by their first slab, from the sweep's first
-  std::vector<std::vector<SlabSample>> slabs;  // samples by their slab
+  std::vector<const SlabCell*> cells;    // by their first slab
+  std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
+  WaitingSamples waiting;                // by their slab
   std::vector<SlabSample> refined, visible;
   std::vector<SampleDetails> details;
   Sheet sheets[2];
@@ -184,6 +192,15 @@ SweepMemory::SweepMemory() : parts_(std::make_unique<Parts>()) {
   parts_->refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
 }
 SweepMemory::~SweepMemory() = default;
+
+std::size_t SweepMemory::bytes() const {
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  const Parts& p = *parts_;
+  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + of(p.refined) + of(p.visible) + of(p.details) +
+                    of(p.owned) + of(p.owned_known) + p.sheets[0].bytes() + p.sheets[1].bytes() + of(p.units);
+  for (const std::vector<Unit>& units : p.units) sum += of(units);
+  return sum;
+}
 
 namespace {
 
@@ -214,7 +231,8 @@ class Sweep {
     for (const SlabCell* cell : m_.cells) end = std::max(end, cell->bounds.last + 1);
     // A sample puts light into the slab after its own, too.
     const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
-    if (m_.slabs.size() < slabs) m_.slabs.resize(slabs), m_.units.resize(slabs);
+    m_.waiting.reset(slabs);
+    if (m_.units.size() < slabs) m_.units.resize(slabs);
     for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().padded());
     m_.owned.resize(static_cast<std::size_t>(m_.sheets[0].blocks()) * 64);
     m_.owned_known.assign(static_cast<std::size_t>(m_.sheets[0].blocks()), 0);
@@ -225,8 +243,8 @@ class Sweep {
       for (const Unit& unit : m_.units[i]) refine(unit);
       m_.units[i].clear();
       Sheet& here = m_.sheets[slab & 1];
-      splat(m_.slabs[i], here, m_.sheets[(slab + 1) & 1]);
-      m_.slabs[i].clear();
+      Sheet& next_sheet = m_.sheets[(slab + 1) & 1];
+      m_.waiting.take(i, [&](std::span<const SlabSample> samples) { splat(samples, here, next_sheet); });
       if (!here.empty()) composite(here, slab);
     }
   }
@@ -293,7 +311,7 @@ class Sweep {
       SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
       if (f_.detailed() && !finish(s, m_.details[static_cast<std::size_t>(i)], unit.lo)) continue;
       const int slab = std::max(s.slab < 0 ? ~s.slab : s.slab, begin_);
-      m_.slabs[static_cast<std::size_t>(slab - begin_)].push_back(s);
+      m_.waiting.add(static_cast<std::size_t>(slab - begin_), s);
     }
   }
 

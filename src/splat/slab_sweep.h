@@ -89,6 +89,8 @@ class SweepMemory {
  public:
   SweepMemory();
   ~SweepMemory();
+  /// unit: bytes.
+  std::size_t bytes() const;
   struct Parts;
   Parts& parts() { return *parts_; }
 

@@ -16,7 +16,7 @@ namespace kiln {
 struct BrickEntry {
   bool constant = false;
   ValueRange core;     // of the brick's own voxels
-  ValueRange support;  // of all voxels within 2 of them: bounds every value interpolated in the core
+  ValueRange support;  // of core and apron: bounds every value that is interpolated in them
   std::uint64_t file_bytes = 0;
   Hash128 checksum;
 };

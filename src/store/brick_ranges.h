@@ -12,7 +12,7 @@ struct BrickRanges {
   /// shape: edge³ cells from the core's first voxel, x fastest; empty ranges outside of the volume.
   std::vector<ValueRange> cells;
   ValueRange core;     // of the brick's own voxels, and of what lies below them
-  ValueRange support;  // of every value that is interpolated in the core, at this level or below
+  ValueRange support;  // of every value that is interpolated in core and apron, at this level or below
 };
 
 /// The ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.

@@ -173,7 +173,7 @@ void expectBrick(const DenseVolume& volume, const StoreReader& store, const Bric
 
   const BrickEntry& entry = store.index().at(key);
   EXPECT_EQ(entry.core, rangeIn(volume, block.core));
-  EXPECT_EQ(entry.support, rangeIn(volume, intersection(dilated(block.core, 2), boxOf(volume.geometry.dims))));
+  EXPECT_EQ(entry.support, rangeIn(volume, storedBox(block.core, 6, volume.geometry.dims)));
   EXPECT_EQ(entry.constant, isConstant(volume, storedBox(block.core, 6, volume.geometry.dims)));
   EXPECT_EQ(fs::exists(store.path() / brickPath(key)), !entry.constant);
 }

@@ -14,10 +14,10 @@ namespace {
 // Known because a cache with room for all reads no brick twice, so what the second frame reads is what the first did
 // not; the skin of a head hides most of its bricks, and a degree moves its outline by a hundredth of its radius.
 TEST(Paging, AFrameReadsWhatItDraws) {
-  const auto head = openSource("phantom:head:128x128x128", {});
+  const auto head = openSource("phantom:head:256x256x256", {});
   const std::filesystem::path path = freshDirectory("paging") / "head.kiln";
   ConvertOptions options;
-  options.brick_size = 16;
+  options.brick_size = 32;  // in smaller ones the apron, which is read with them, is more than they are
   Progress progress;
   convert(*head, path, options, progress);
   const StoreReader store(path);

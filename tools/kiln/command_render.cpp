@@ -137,9 +137,11 @@ void sayCost(const Arguments& a, const RenderJob& job) {
   fmt::print("disk         a frame reads at most {} files, {}; it does not read what is hidden behind opaque parts\n",
              cost.files_in_view, formatBytes(cost.file_bytes_in_view));
   const FrameMemory& memory = cost.memory;
-  fmt::print("memory       {} of image ({} x {} pixels), {} of visibility, {} of index, {} to read one brick\n",
-             formatBytes(memory.image), job.picture.size.width, job.picture.size.height, formatBytes(memory.visibility),
-             formatBytes(memory.index), formatBytes(memory.brick));
+  fmt::print(
+      "memory       {} of image ({} x {} pixels), {} of visibility, {} of index, {} of slabs, {} to read one "
+      "brick\n",
+      formatBytes(memory.image), job.picture.size.width, job.picture.size.height, formatBytes(memory.visibility),
+      formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.brick));
   fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
