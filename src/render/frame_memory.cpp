@@ -25,6 +25,9 @@ constexpr std::uint64_t kSweepMargin = 4;
 // A unit's voxels and samples.
 constexpr std::uint64_t kUnitBytes = 512u << 10;
 
+// In smaller squares, units that touch several are refined too often. unit: pixels.
+constexpr int kLeastSweep = 16;
+
 std::uint64_t slabBytes(const RenderJob& job, int edge) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
@@ -33,20 +36,20 @@ std::uint64_t slabBytes(const RenderJob& job, int edge) {
 
 }  // namespace
 
-int sweepEdge(const RenderJob& job) {
-  int edge = 64;
-  while (edge > 16 && slabBytes(job, edge) > job.speed.memory_bytes / 8) edge /= 2;
-  return edge;
-}
-
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   out.image = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * 4 * sizeof(float);
   out.visibility = visibilityBytes(job.speed.visibility.method, size);
   out.index = store.index().size() * (sizeof(BrickEntry) + kWalkBytes + sizeof(BrickInView));
-  if (job.picture.lattice == Lattice::kPixel) out.slabs = slabBytes(job, sweepEdge(job));
   out.brick = store.largestReadBytes();
+  if (job.picture.lattice == Lattice::kPixel) {
+    const std::uint64_t budget = job.speed.memory_bytes;
+    const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
+    out.least_slabs = slabBytes(job, kLeastSweep);
+    out.slabs = slabBytes(job, out.sweep_px);
+    while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2);
+  }
   return out;
 }
 
@@ -56,7 +59,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                 fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
                             "of index, {} of slabs, {} to read one brick)",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()), formatBytes(memory.image),
-                            formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.slabs),
+                            formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             formatBytes(memory.brick)));
   }
   return budget_bytes - memory.besideBricks();

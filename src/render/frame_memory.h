@@ -18,13 +18,13 @@ struct FrameMemory {
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t brick = 0;       // reading one, the largest of the store
 
+  std::uint64_t least_slabs = 0;  // with the smallest squares
+  int sweep_px = 64;              // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
+
   std::uint64_t besideBricks() const { return image + visibility + index + slabs; }
   /// The least budget that draws the frame.
-  std::uint64_t smallest() const { return besideBricks() + brick; }
+  std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs + brick; }
 };
-
-/// The edge of the squares that threads sweep, small enough that they take little of the job's budget. unit: pixels.
-int sweepEdge(const RenderJob& job);
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 

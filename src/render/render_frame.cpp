@@ -169,7 +169,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
                                     : drawBrick(frame, *block, image, rect, request);
     counts.add(drawn);
     statistics.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
-    if (drawn.splats > 0) statistics.addContributing(store.index().at(key).file_bytes);
+    if (drawn.changed) statistics.addContributing(store.index().at(key).file_bytes);
   };
   plan.bricks->run(whole, *visibility, draw, walked, request.node_log);
   cache.settle();

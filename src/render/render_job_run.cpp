@@ -51,7 +51,6 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;
-  request.sweep_px = sweepEdge(job);
   return request;
 }
 
@@ -69,7 +68,8 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   RenderResult result;
   result.camera = cameraFor(job.picture, store);
   result.transfer_function = transferFunctionFor(job.picture, store);
-  const FrameRequest request = frameRequest(job, result.camera, result.transfer_function);
+  FrameRequest request = frameRequest(job, result.camera, result.transfer_function);
+  request.sweep_px = memory.sweep_px;
 
   RenderStatistics& statistics = result.statistics;
   for (int i = 0; i < repeat; ++i) {

@@ -24,7 +24,7 @@ struct FrameStatistics {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
-  /// Bricks of which at least one splat was drawn, and the bytes of their files: the least that a frame has to read.
+  /// Bricks without which a pixel would be another, and the bytes of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
   std::uint64_t slab_bytes = 0;         // that the threads swept with, at the most
   std::vector<LevelStatistics> levels;  // of the store, 0 first

@@ -446,6 +446,7 @@ class Sweep {
         for (int x = area.x0; x < area.x1; ++x, pixel += 4, sum += 4) {
           const Owned& o = owned[(y - area.y0) * 8 + x - area.x0];
           if (sum[3] == 0 || pixel[3] == 1.0f || slab < o.first || slab >= o.end) continue;
+          counts_.changed = true;
           // More than all is as much as all.
           const float open = (1.0f - pixel[3]) / std::max(static_cast<float>(sum[3]), Sheet::kOne);
           for (int c = 0; c < 4; ++c) pixel[c] += open * static_cast<float>(sum[c]);

@@ -166,6 +166,7 @@ class CellSplatter {
     counts_.visited += counted ? 1 : 0;
     if (frame_.test_samples && frame_.visibility->hidden(touched)) return;
     counts_.splats += counted ? 1 : 0;
+    counts_.changed = true;
     const glm::vec3 slope = gradient(value);
     const float tau = frame_.gradient_opacity.active() ? frame_.gradient_opacity(material.tau, slope) : material.tau;
     const float depth = tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));

@@ -237,13 +237,15 @@ TEST_F(StoreDamage, ADirectoryInAFilesPlaceIsNamed) {
 }
 
 // Known because without gradients a sample is drawn by its own value: a brick drawn as nothing is a brick of a value
-// that the transfer function does not show.
+// that the transfer function does not show. (The pixel lattice interpolates between it and its neighbours, which have
+// its voxels in their aprons.)
 TEST_F(StoreDamage, ASkippedBrickIsDrawnAsNothing) {
   const ValueRange range = volume_.range();
   volume_.set(39, 32, 20, range.hi);  // in a brick that stays: the classes of values are the same without the others
   store_ = makeStore(volume_, "damage_with");
   request_.transfer_function = {0, {{range.lo, {1, 1, 1}, 0}, {range.hi, {1, 0.5, 0}, 0.9}}};
   request_.shading.phong = false;
+  request_.lattice = Lattice::kVoxel;
   for (const std::int32_t x : {0, 1}) {
     DenseVolume without = volume_;
     for (std::int64_t k = 0; k < 21; ++k) {
