@@ -235,8 +235,7 @@ class Refiner {
     }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
     weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
-    const V amount = details_ == nullptr ? hn::Mul(weight, opacityOf(d, hn::Mul(tau, ray))) : one;
-    if (details_ != nullptr) hn::Store(weight, d, noted_.weight);
+    const V opacity = opacityOf(d, hn::Mul(tau, ray));
 
     const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
     M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
@@ -247,22 +246,23 @@ class Refiner {
     const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
     const VI marked = hn::IfThenElse(hn::RebindMask(di, counted), slab, hn::Not(slab));
 
-    alignas(64) float sx[16], sy[16], sr[16], sg[16], sb[16], sf[16], sk[16];
+    alignas(64) float sx[16], sy[16], sr[16], sg[16], sb[16], so[16], sf[16], sk[16];
     alignas(64) std::int32_t ss[16];
     hn::Store(x, d, sx);
     hn::Store(y, d, sy);
     hn::Store(r, d, sr);
     hn::Store(g, d, sg);
     hn::Store(b, d, sb);
-    hn::Store(hn::Mul(amount, front), d, sf);
-    hn::Store(hn::Mul(amount, back), d, sk);
+    hn::Store(opacity, d, so);
+    hn::Store(hn::Mul(weight, front), d, sf);
+    hn::Store(hn::Mul(weight, back), d, sk);
     hn::Store(marked, di, ss);
     alignas(64) float is[16];
     hn::Store(hn::IfThenElseZero(alive, one), d, is);
     for (std::size_t n = 0; n < hn::Lanes(d); ++n) {
       if (is[n] == 0) continue;
       if (details_ != nullptr) details_[count_] = noted_.at(n);
-      out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], sf[n], sk[n], ss[n]};
+      out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], so[n], sf[n], sk[n], ss[n]};
     }
   }
 
@@ -283,10 +283,10 @@ class Refiner {
 
   // Details of the vector in turn, for those of its samples that are kept.
   struct Noted {
-    alignas(64) float offset[3][16], gradient[3][16], view[3][16], tau[16], ray[16], weight[16];
+    alignas(64) float offset[3][16], gradient[3][16], view[3][16], tau[16], ray[16];
     SampleDetails at(std::size_t n) const {
       const auto vec = [&](const float(&from)[3][16]) { return glm::vec3(from[0][n], from[1][n], from[2][n]); };
-      return {vec(offset), vec(gradient), vec(view), tau[n], ray[n], weight[n]};
+      return {vec(offset), vec(gradient), vec(view), tau[n], ray[n]};
     }
   };
   void note(const Gradient& offset, const Gradient& slope, const Gradient& view, V tau, V ray) {

@@ -76,7 +76,8 @@ struct UnitInput {
 struct SlabSample {
   float x, y;  // unit: pixels
   float r, g, b;
-  float front, back;  // weight times opacity, in the two slabs
+  float opacity;
+  float front, back;  // what of the two slabs it fills, of a pixel's area
   std::int32_t slab;  // negative (~slab) where it is not to be counted
 };
 
@@ -87,7 +88,6 @@ struct SampleDetails {
   glm::vec3 view;      // place in view space
   float tau;           // unit: 1 / world
   float ray;           // through the slab. unit: world
-  float weight;        // of an opaque sample; `front` and `back` of the SlabSample are parts of one then
 };
 
 /// Appends the samples that are not transparent and whose footprints may touch the tile. With `details`, their colour

@@ -31,6 +31,19 @@ HWY_INLINE void addRows(const float* wide, const float* down, int taps, int widt
   }
 }
 
+// What they fill: one number a pixel.
+HWY_INLINE void addRow(const float* row, const float* down, int taps, int width, float fill, std::int32_t* to,
+                       std::ptrdiff_t stride) {
+  const hn::CappedTag<float, 4> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(width); i += hn::Lanes(d)) {
+    const auto c = hn::Mul(hn::LoadU(d, row + i), hn::Set(d, fill));
+    std::int32_t* at = to + i;
+    for (int j = 0; j < taps; ++j, at += stride)
+      hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
+  }
+}
+
 void addSamplesOn(std::span<const SlabSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
   for (const SlabSample& s : samples) {
     int phase_x, phase_y;
@@ -39,10 +52,13 @@ void addSamplesOn(std::span<const SlabSample> samples, const FootprintTable& foo
     const float* const down = footprint.weights(phase_y);
     alignas(64) float color[16];
     const auto add = [&](float amount, Sheet& sheet) {
-      const float scale = amount * Sheet::kOne;
+      const float fill = amount * Sheet::kOne;
+      const float scale = fill * s.opacity;
       for (int p = 0; p < 16; p += 4)
         color[p] = scale * s.r, color[p + 1] = scale * s.g, color[p + 2] = scale * s.b, color[p + 3] = scale;
       addRows(wide, down, footprint.taps(), footprint.padded(), color, sheet.at(x0, y0), sheet.stride());
+      addRow(footprint.row(phase_x), down, footprint.taps(), footprint.padded(), fill, sheet.filledAt(x0, y0),
+             sheet.stride() / 4);
     };
     if (s.front > 0) add(s.front, here);
     if (s.back > 0) add(s.back, next);
@@ -85,6 +101,8 @@ FootprintTable::FootprintTable(double sigma_px) {
       weights_.push_back(static_cast<float>(v / sum));
       wide_.insert(wide_.end(), 4, weights_.back());
     }
+    rows_.insert(rows_.end(), weights_.end() - taps_, weights_.end());
+    rows_.resize(static_cast<std::size_t>((phase + 1) * padded()), 0.0f);
     wide_.resize(static_cast<std::size_t>((phase + 1) * 4 * padded()), 0.0f);
   }
 }
@@ -96,6 +114,7 @@ void Sheet::reset(const PixelRect& rect, int margin) {
   blocks_x_ = (rect.x1 - rect.x0 + 7) / 8;
   const int height = rect.y1 - rect.y0;
   sums_.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height + 2 * margin_), 0);
+  filled_.assign(sums_.size() / 4, 0);
   touched_.assign(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>((height + 7) / 8), 0);
   dirty_.clear();
 }
@@ -103,7 +122,10 @@ void Sheet::reset(const PixelRect& rect, int margin) {
 void Sheet::clear() {
   for (const std::int32_t block : dirty_) {
     const PixelRect area = blockRect(block);
-    for (int y = area.y0; y < area.y1; ++y) std::fill_n(at(area.x0, y), 4 * (area.x1 - area.x0), 0);
+    for (int y = area.y0; y < area.y1; ++y) {
+      std::fill_n(at(area.x0, y), 4 * (area.x1 - area.x0), 0);
+      std::fill_n(filledAt(area.x0, y), area.x1 - area.x0, 0);
+    }
     touched_[static_cast<std::size_t>(block)] = 0;
   }
   dirty_.clear();

@@ -1,4 +1,5 @@
-// The slab in turn, for the pixels of one tile: premultiplied light and coverage of all of its samples. Sums are in
+// The slab in turn, for the pixels of one tile: premultiplied light of all of its samples, and what of each pixel they
+// fill, opaque or not. Sums are in
 // fixed point, so that they do not depend on the order of samples: pictures are the same bit for bit whatever brick or
 // tile a sample came with.
 #pragma once
@@ -33,6 +34,8 @@ class FootprintTable {
   /// shape: taps().
   const float* weights(int phase) const { return &weights_[static_cast<std::size_t>(phase * taps_)]; }
   /// The same, each four times, and zeros after. shape: 4 padded().
+  /// The same, once, and zeros after. shape: padded().
+  const float* row(int phase) const { return &rows_[static_cast<std::size_t>(phase * padded())]; }
   const float* wide(int phase) const { return &wide_[static_cast<std::size_t>(phase * 4 * padded())]; }
   /// taps() rounded up to whole vectors of four pixels.
   int padded() const { return (taps_ + 3) / 4 * 4; }
@@ -42,7 +45,7 @@ class FootprintTable {
  private:
   int taps_ = 4;
   double radius_ = 2;
-  std::vector<float> weights_, wide_;
+  std::vector<float> weights_, wide_, rows_;
 };
 
 class Sheet {
@@ -54,7 +57,7 @@ class Sheet {
   void reset(const PixelRect& rect, int margin);
   /// unit: bytes.
   std::size_t bytes() const {
-    return sums_.capacity() * sizeof sums_[0] + touched_.capacity() * sizeof touched_[0] +
+    return (sums_.capacity() + filled_.capacity()) * sizeof sums_[0] + touched_.capacity() * sizeof touched_[0] +
            dirty_.capacity() * sizeof dirty_[0];
   }
   bool empty() const { return dirty_.empty(); }
@@ -69,6 +72,11 @@ class Sheet {
   std::int32_t* at(int x, int y) {
     return &sums_[4 * (static_cast<std::size_t>(y - rect_.y0 + margin_) * static_cast<std::size_t>(width_) +
                        static_cast<std::size_t>(x - rect_.x0 + margin_))];
+  }
+  /// What of the pixel samples fill. shape: one a pixel, from (x, y) on to the right; as `at`.
+  std::int32_t* filledAt(int x, int y) {
+    return &filled_[static_cast<std::size_t>(y - rect_.y0 + margin_) * static_cast<std::size_t>(width_) +
+                    static_cast<std::size_t>(x - rect_.x0 + margin_)];
   }
   /// Marks the blocks of pixels that `rect` touches.
   void mark(const PixelRect& rect) {
@@ -88,7 +96,7 @@ class Sheet {
  private:
   PixelRect rect_;
   int margin_ = 0, width_ = 0, blocks_x_ = 0;
-  std::vector<std::int32_t> sums_;
+  std::vector<std::int32_t> sums_, filled_;
   std::vector<std::uint8_t> touched_;
   std::vector<std::int32_t> dirty_;
 };

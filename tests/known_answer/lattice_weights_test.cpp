@@ -128,7 +128,7 @@ TEST_P(LatticeWeights, SumToOne) {
   for (const double px_per_voxel : {0.6, 1.0, 1.37, 2.0, 3.3, 5.0}) {
     double worst_rms = 0, worst = 0, worst_mean = 0;
     int pixels = 0;
-    for (std::uint64_t view = 0; view < 20; ++view) {
+    for (std::uint64_t view = 0; view < (px_per_voxel < 3 ? 20 : 6); ++view) {
       Random random(view);
       const glm::dvec3 along(view == 0, view == 1, view == 2);
       constexpr int kPixels = 64;
@@ -144,7 +144,7 @@ TEST_P(LatticeWeights, SumToOne) {
       worst = std::max(worst, ripple.worst);
       worst_mean = std::max(worst_mean, std::abs(ripple.mean()));
     }
-    std::printf("%s lattice, %s, %.2f px/voxel: of 20 views at worst mean %.2f %%, rms %.2f %%, a pixel %.2f %%\n",
+    std::printf("%s lattice, %s, %.2f px/voxel: at worst mean %.2f %%, rms %.2f %%, a pixel %.2f %%\n",
                 nameOf(lattice), nameOf(projection), px_per_voxel, 100 * worst_mean, 100 * worst_rms, 100 * worst);
     EXPECT_GT(pixels, 200) << px_per_voxel;
     EXPECT_LT(worst_rms, 0.01) << px_per_voxel;
@@ -215,8 +215,8 @@ TEST_P(LatticeWeights, OpaqueSilhouettesAreNotFattened) {
     }
     std::printf("%s lattice, %s, %.0f px/voxel: silhouette grows by %+.2f to %+.2f px, by its area %+.2f to %+.2f px\n",
                 nameOf(lattice), nameOf(projection), px_per_voxel, least, most, least_by_area, most_by_area);
-    // Compositing splat by splat fattens by as much as footprints are wide; slab by slab, by half a pixel.
-    const double allowed = lattice == Lattice::kVoxel ? 0.4 + 1.1 * px_per_voxel : 0.65;
+    // Compositing splat by splat fattens, by as much as footprints are wide.
+    const double allowed = lattice == Lattice::kVoxel ? 0.4 + 1.1 * px_per_voxel : 0.35;
     EXPECT_LT(most, allowed) << px_per_voxel;
     EXPECT_LT(most_by_area, allowed) << px_per_voxel;
     EXPECT_GT(least, -0.15) << px_per_voxel;
