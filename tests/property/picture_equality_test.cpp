@@ -19,19 +19,14 @@ namespace {
 
 constexpr ImageSize kSize{150, 117};  // neither is a multiple of a tile
 
-// The thread sanitizer slows a store of a thousand one-cell bricks to minutes, and has no more to see in it than in a
-// hundred.
-#if defined(__SANITIZE_THREAD__)
+// Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr std::int64_t kSmallestBrick = 16;
 constexpr int kAllQuickScenes = 2;
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox};
 #else
 constexpr std::int64_t kSmallestBrick = 8;
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kAllQuickScenes = 4;
-#else
 constexpr int kAllQuickScenes = 10;
-#endif
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 #endif
 
@@ -128,6 +123,7 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
         EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
       const ThreadLimit one(1);
       request.tile_px = 64 << seed % 3;
+      request.sweep_px = 16 << seed % 2;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request)))
           << "one thread, tiles of " << request.tile_px << ", seed " << seed;
       checkLeastMemory(stores_[1], request, truth, seed);
