@@ -37,7 +37,7 @@ for preset in "${presets[@]}"; do
   targets=()
   # The largest of the real files, and those that sum up many pictures, take minutes under the address sanitizer, and
   # smaller ones go the same ways.
-  if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|HasItsClosedForm'); fi
+  if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|HasItsClosedForm|PictureQuality'); fi
   if [ "$preset" = tsan ]; then
     chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench')
     targets=(--target kiln_unit_tests kiln_property_tests)

@@ -144,8 +144,8 @@ TEST_P(LatticeWeights, SumToOne) {
       worst = std::max(worst, ripple.worst);
       worst_mean = std::max(worst_mean, std::abs(ripple.mean()));
     }
-    std::printf("%s lattice, %s, %.2f px/voxel: at worst mean %.2f %%, rms %.2f %%, a pixel %.2f %%\n",
-                nameOf(lattice), nameOf(projection), px_per_voxel, 100 * worst_mean, 100 * worst_rms, 100 * worst);
+    std::printf("%s lattice, %s, %.2f px/voxel: at worst mean %.2f %%, rms %.2f %%, a pixel %.2f %%\n", nameOf(lattice),
+                nameOf(projection), px_per_voxel, 100 * worst_mean, 100 * worst_rms, 100 * worst);
     EXPECT_GT(pixels, 200) << px_per_voxel;
     EXPECT_LT(worst_rms, 0.01) << px_per_voxel;
     EXPECT_LT(worst, lattice == Lattice::kVoxel ? 0.025 : 0.02) << px_per_voxel;

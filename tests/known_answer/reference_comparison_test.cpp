@@ -1,7 +1,7 @@
-// The splatted picture beside the reference renderer's: the same volume, camera, transfer function and shading, traced
-// finely in double precision. Splatting the plain voxel lattice is a little blurred and its silhouettes a little fat,
-// so the figure is reported, and the bounds only catch what is wrong (a flip, a seam, a wrong light): they are what a
-// picture shifted by two pixels does not reach. Pictures stay in the test's output: reference, splatted, difference.
+// A real head beside the reference renderer's: the same volume, camera, transfer function and shading, traced in double
+// precision; in the quick test by one ray a pixel, which is less sure of edges than the picture it judges, so that the
+// figure is reported, and the bounds catch what is wrong (a flip, a seam, a wrong light): they are what a picture
+// shifted by two pixels does not reach. Pictures stay in the test's output: reference, splatted, difference.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -53,21 +53,11 @@ void compareWithReference(const DenseVolume& volume, const fs::path& store, cons
   Image shifted(pixels, pixels);
   for (int y = 0; y < pixels; ++y) std::copy_n(reference.pixel(0, y), 4 * (pixels - 2), shifted.pixel(2, y));
   EXPECT_GT(d.foreground_psnr_db, compareImages(reference, shifted).foreground_psnr_db);
-  EXPECT_GT(d.foreground_psnr_db, 16);
-  EXPECT_NEAR(d.mean_brightness_ratio, 1, 0.12);
+  EXPECT_GT(d.foreground_psnr_db, 25);
+  EXPECT_NEAR(d.mean_brightness_ratio, 1, 0.02);
 }
 
 class ReferenceComparison : public ::testing::TestWithParam<Projection> {};
-
-TEST_P(ReferenceComparison, ProceduralHead) {
-  const DenseVolume volume = head({{64, 64, 48}, VoxelType::i16, anisotropicAffine()}, usualRange(VoxelType::i16));
-  const std::string suffix = GetParam() == Projection::kPerspective ? "perspective" : "orthographic";
-  const fs::path store = makeStore(volume, "reference_head_" + suffix, 32);
-  const ValueRange range = volume.range();
-  const double span = range.hi - range.lo;
-  compareWithReference(volume, store, cameraFrom(volume.geometry, {-0.6, -1, 0.3}, GetParam()),
-                       skin(range.lo + 0.15 * span, range.lo + 0.3 * span), 128, {2, 0.25, 1}, "head_" + suffix);
-}
 
 void realHead(Projection projection, const ReferenceSettings& settings, const std::string& name) {
   const fs::path input = fs::path(KILN_TEST_DATA_DIR) / "cthead_256x256x113_u16le.nrrd";

@@ -1,0 +1,90 @@
+// Pictures beside the reference renderer's of 16 rays a pixel and steps of a quarter of a voxel, over a head that is
+// computed: from far (a pixel a voxel) and from near, opaque and through translucent skin. Known because the reference
+// is the picture's definition, sampled densely. What must be reached: so many decibels over the foreground, more than a
+// ray caster that goes voxel by voxel, and the reference's brightness. The pictures are
+// kept as one sheet in the test's output: ours, the reference's, and their difference, a row each.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "output/compare.h"
+#include "output/image_file.h"
+#include "scene/presets.h"
+#include "support/contact_sheet.h"
+#include "support/drawing.h"
+#include "support/lattices.h"
+#include "support/quality_scenes.h"
+#include "support/reference_renderer.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr int kPixels = 128;
+
+// What must be reached. At a pixel a voxel, the head's wood grain is as fine as the pixels, a voxel's step may meet it
+// by luck, and silhouettes, 0.3 pixel too wide, are a larger part of the picture.
+struct Magnification {
+  double px_per_voxel, least_db, over_voxel_steps_db, brightness;
+};
+constexpr Magnification kMagnifications[] = {{1, 30, -1, 0.025}, {2, 34, 5, 0.01}, {4, 34, 10, 0.01}};
+
+Camera cameraAt(const VolumeGeometry& volume, Projection projection, double px_per_voxel) {
+  Camera camera = cameraFrom(volume, {-0.55, -1, 0.25}, projection);
+  if (px_per_voxel > 1) camera.target = volume.worldOf({60, 30, 78});  // an eye and a cheek
+  camera.eye +=
+      camera.target - volume.worldOf(glm::dvec3(volume.dims.x - 1, volume.dims.y - 1, volume.dims.z - 1) / 2.0);
+  camera.height = kPixels / px_per_voxel * volume.meanSpacing();
+  camera.fov_deg =
+      2 * std::atan(0.5 * camera.height / glm::length(camera.eye - camera.target)) * 180 / std::numbers::pi;
+  return camera;
+}
+
+class PictureQuality : public ::testing::TestWithParam<Projection> {};
+
+TEST_P(PictureQuality, IsThatOfTheReference) {
+  const DenseVolume volume = readVolume("phantom:head:144x144x144");
+  const std::filesystem::path store = makeStore(volume, "quality_head", 64);
+  const StoreReader reader(store);
+  std::vector<std::vector<Image>> sheet(6);
+  std::size_t row = 0;
+  for (const char* preset : {"ct-skin", "ct-bone-and-skin"}) {
+    for (const Magnification& must : kMagnifications) {
+      SCOPED_TRACE(fmt::format("{}, {} px/voxel", preset, must.px_per_voxel));
+      FrameRequest request;
+      setLattice(request, Lattice::kPixel);
+      request.view = resolve(cameraAt(volume.geometry, GetParam(), must.px_per_voxel), {kPixels, kPixels});
+      request.transfer_function = presetFor(preset, reader.manifest());
+      request.opacity_threshold = 0.9999;
+      const auto reference = [&](const ReferenceSettings& settings) {
+        return referenceImage(volume, request.view, request.transfer_function, request.shading, {0, 0, 0, 0}, settings);
+      };
+      const Image truth = reference({4, 0.25, 0.9999}), image = draw(store, request);
+      const ImageDifference ours = compareImages(truth, image);
+      const ImageDifference voxel_steps = compareImages(truth, reference(ReferenceSettings::vtkLike()));
+      std::printf("%s %s, %.0f px/voxel: %.1f dB (voxel by voxel %.1f dB), brightness %+.2f %%\n", preset,
+                  nameOf(GetParam()), must.px_per_voxel, ours.foreground_psnr_db, voxel_steps.foreground_psnr_db,
+                  100 * (ours.mean_brightness_ratio - 1));
+      EXPECT_GE(ours.foreground_psnr_db, must.least_db);
+      EXPECT_GE(ours.foreground_psnr_db, voxel_steps.foreground_psnr_db + must.over_voxel_steps_db);
+      EXPECT_NEAR(ours.mean_brightness_ratio, 1, must.brightness);
+      sheet[row].push_back(image);
+      sheet[row + 1].push_back(truth);
+      sheet[row + 2].push_back(differenceImage(image, truth));
+    }
+    row += 3;
+  }
+  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("quality_{}.png", nameOf(GetParam()));
+  writeImage(contactSheet(sheet, kPixels), {}, {}, file);
+  std::printf("%s\n", file.c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Projections, PictureQuality,
+                         ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+
+}  // namespace
+}  // namespace kiln::test
