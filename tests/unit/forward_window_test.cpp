@@ -2,6 +2,7 @@
 // slices and threads; and whatever fails, all threads come back with it. Known because the volume is in memory as well.
 #include "convert/forward_window.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
