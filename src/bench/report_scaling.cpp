@@ -1,5 +1,7 @@
 #include "bench/report_scaling.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "bench/charts.h"

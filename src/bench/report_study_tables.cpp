@@ -1,5 +1,7 @@
 // The tables of the two studies beside the frames: what tests and updates cost, and how far the quadtree's pictures are
 // from the exact ones.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "bench/report_table_parts.h"

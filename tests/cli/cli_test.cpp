@@ -1,5 +1,6 @@
 // The program as its users meet it: what it writes, what it says, and its exit code: 0 done, 1 data or I/O, 2 command
 // line. A failure is exactly one line on stderr that names the file or the option.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
