@@ -2,22 +2,11 @@
 // has become so. The answers differ in price and exactness, one file each. Source: Lee and Ihm §2.
 #pragma once
 
-#include <algorithm>
 #include <memory>
 
+#include "base/pixel_rect.h"
+
 namespace kiln {
-
-/// Half-open, in pixels; may reach outside of the image.
-struct PixelRect {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  bool operator==(const PixelRect&) const = default;
-  bool empty() const { return x0 >= x1 || y0 >= y1; }
-  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
-};
-
-inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
-  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
 
 /// The least edge of an image tile, in pixels: calls for pixels of different tiles may run at the same time.
 inline constexpr int kVisibilityTile = 64;

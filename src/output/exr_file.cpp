@@ -74,7 +74,9 @@ Imath::M44f imathOf(const glm::dmat4& m) {
 }
 
 Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::PixelType type) {
-  Imf::Header header(image.width, image.height);
+  const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole{0, 0, image.width, image.height});
+  Imf::Header header(whole.width, whole.height);
+  header.dataWindow() = {{whole.x, whole.y}, {whole.x + image.width - 1, whole.y + image.height - 1}};
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const char* name : kChannelNames) header.channels().insert(name, Imf::Channel(type));
   if (metadata.world_to_camera) Imf::addWorldToCamera(header, imathOf(*metadata.world_to_camera));
@@ -98,7 +100,7 @@ Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
 template <class T, class Convert>
 void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, Convert convert) {
   std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
-  file.setFrameBuffer(oneRow(row, type, 0));
+  file.setFrameBuffer(oneRow(row, type, file.header().dataWindow().min.x));
   for (int y = 0; y < image.height; ++y) {
     std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
     file.writePixels(1);

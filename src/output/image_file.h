@@ -16,6 +16,11 @@ namespace kiln {
 /// What an EXR's header says beside the pixels; a PNG leaves it out. shape: matrices for column vectors
 /// (`scene/camera.h`); the file holds their transposes, as OpenEXR multiplies row vectors.
 struct ImageMetadata {
+  /// Where the picture's first pixel is in a larger one, and that one's size: an EXR's data window and display window.
+  struct Whole {
+    int x = 0, y = 0, width = 0, height = 0;
+  };
+  std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
   /// String attributes by name: "kiln:job", "comments", …
   std::map<std::string, std::string> text;

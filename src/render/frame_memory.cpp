@@ -13,6 +13,9 @@
 namespace kiln {
 namespace {
 
+// RGBA in floats.
+constexpr std::uint64_t kPixelBytes = 16;
+
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
 
@@ -39,7 +42,8 @@ std::uint64_t slabBytes(const RenderJob& job, int edge) {
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const ImageSize& size = job.picture.size;
   FrameMemory out;
-  out.image = static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * 4 * sizeof(float);
+  const PixelRect drawn = drawnPixels(size, job.picture.crop);
+  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * kPixelBytes;
   out.visibility = visibilityBytes(job.speed.visibility.method, size);
   out.index = store.index().size() * (sizeof(BrickEntry) + kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();

@@ -12,7 +12,7 @@ namespace kiln {
 
 /// unit: bytes.
 struct FrameMemory {
-  std::uint64_t image = 0;       // RGBA in floats
+  std::uint64_t image = 0;       // RGBA in floats, of the pixels that are drawn
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with

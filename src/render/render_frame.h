@@ -23,7 +23,8 @@ struct FrameRequest {
   Background background;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
-  std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
+  std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all
+  std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;   // as SpeedOptions has it
   int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
@@ -33,10 +34,11 @@ struct FrameRequest {
 /// The bricks that a frame asks for if nothing hides anything, front to back.
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts);
 
-/// Draws one frame. The picture depends neither on the cache's budget, the threads, the tiles nor on an exact
+/// Draws one frame: an image of the crop's size, each pixel of which is that of the whole picture, bit for bit, but for
+/// the quadtree. The picture depends neither on the cache's budget, the threads, the tiles nor on an exact
 /// visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is Lee and
 /// Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A brick that
-/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level).
+/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

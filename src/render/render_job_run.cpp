@@ -22,6 +22,8 @@ void writePicture(RenderJob job, const RenderResult& result, const View& view) {
   job.picture.skip_damaged = damaged > 0;  // a whole picture's header does not depend on it
   ImageMetadata metadata;
   if (damaged > 0) metadata.text["kiln:damagedBricks"] = std::to_string(damaged);
+  if (const auto& crop = job.picture.crop)
+    metadata.whole = {crop->x0, crop->y0, job.picture.size.width, job.picture.size.height};
   metadata.world_to_camera = exrWorldToCamera(view);
   metadata.world_to_ndc = exrWorldToNdc(view);
   metadata.text["kiln:job"] = resolvedJobText(job, result.camera, result.transfer_function);
@@ -48,6 +50,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.background = job.picture.background;
   request.opacity_threshold = job.picture.opacity_threshold;
   request.lattice = job.picture.lattice;
+  request.crop = job.picture.crop;
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;

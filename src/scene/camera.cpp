@@ -3,6 +3,8 @@
 // throughout.
 #include "scene/camera.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -47,6 +49,16 @@ double focalOf(const Camera& camera, const ImageSize& size) {
 }
 
 }  // namespace
+
+PixelRect drawnPixels(const ImageSize& size, const std::optional<PixelRect>& crop) {
+  const PixelRect all{0, 0, size.width, size.height};
+  if (!crop) return all;
+  if (!crop->empty() && intersection(*crop, all) == *crop) return *crop;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("a crop of {} x {} pixels from ({}, {}) on: expected at least one pixel, and none outside of "
+                          "the picture of {} x {} pixels",
+                          crop->width(), crop->height(), crop->x0, crop->y0, size.width, size.height));
+}
 
 View resolve(const Camera& camera, const ImageSize& size) {
   requireSize(size);

@@ -4,6 +4,9 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
+
+#include "base/pixel_rect.h"
 
 namespace kiln {
 
@@ -13,6 +16,10 @@ enum class Projection { kPerspective, kOrthographic };
 struct ImageSize {
   int width = 1024, height = 1024;
 };
+
+/// The pixels of an image that are drawn: all of them, or `crop`. throws: Error kUsage where the crop is empty or
+/// reaches outside of the image.
+PixelRect drawnPixels(const ImageSize& size, const std::optional<PixelRect>& crop);
 
 struct Camera {
   Projection projection = Projection::kPerspective;

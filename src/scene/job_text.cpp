@@ -69,6 +69,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   out["volume"] = job.volume.generic_string();
   out["image"] = {
       {"width", picture.size.width}, {"height", picture.size.height}, {"background", jsonOf(picture.background)}};
+  if (const auto& crop = picture.crop) out["image"]["crop"] = {crop->x0, crop->y0, crop->width(), crop->height()};
   out["camera"] = jsonOf(camera);
   out["transferFunction"] = jsonOf(transfer_function);
   const Shading& shading = picture.shading;

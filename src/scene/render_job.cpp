@@ -2,6 +2,7 @@
 #include "scene/render_job.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -20,10 +21,15 @@ constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
 void readImage(const JobObject& object, PictureOptions& picture) {
-  object.requireKnown({"width", "height", "background"});
+  object.requireKnown({"width", "height", "background", "crop"});
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
   picture.size.height = static_cast<int>(object.integer("height", 1, 65536).value_or(picture.size.height));
   picture.background = backgroundFrom(object);
+  const auto legal = [](double v) { return v >= 0 && v <= 65536 && v == std::floor(v); };
+  if (const auto c = object.numbers<4>("crop", "four whole numbers of pixels, [x, y, width, height]", legal)) {
+    const auto at = [&](std::size_t i) { return static_cast<int>((*c)[i]); };
+    picture.crop = PixelRect{at(0), at(1), at(0) + at(2), at(1) + at(3)};
+  }
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {

@@ -62,6 +62,7 @@ struct Background {
 /// What the picture is.
 struct PictureOptions {
   ImageSize size;
+  std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
   Background background;
   CameraSpec camera;
   TransferFunctionChoice transfer_function = std::string("auto");

@@ -135,5 +135,18 @@ TEST_F(SceneCli, ATransferFunctionIsShown) {
   }
 }
 
+TEST_F(SceneCli, ACropIsThatPartOfThePicture) {
+  const Image whole = drawn({});
+  const Image part = drawnTwice({"--crop", "5,3,14,9"});
+  ASSERT_EQ(part.width, 14);
+  ASSERT_EQ(part.height, 9);
+  for (int y = 0; y < part.height; ++y)
+    EXPECT_TRUE(std::equal(part.pixel(0, y), part.pixel(0, y) + 4 * part.width, whole.pixel(5, 3 + y))) << y;
+  for (const char* wrong : {"1,2,3", "0,0,4.5,4", "-1,0,4,4", "a,b,c,d"})
+    expectRefused({"--crop", wrong}, "--crop: expected four whole numbers of pixels");
+  for (const char* wrong : {"0,0,0,4", "4,0,5,4", "0,8,1,1"})
+    expectRefused({"--crop", wrong}, "picture of 8 x 8 pixels");
+}
+
 }  // namespace
 }  // namespace kiln::test

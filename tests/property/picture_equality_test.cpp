@@ -5,8 +5,6 @@
 // picture depends on the bricks' size, and on nothing else.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "base/parallel.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
@@ -60,11 +58,6 @@ void magnify(View& view, const VolumeGeometry& volume) {
   const double edge = std::min({spacing.x, spacing.y, spacing.z});
   view.focal_px =
       std::max(view.focal_px, kLeastVoxel / edge * (view.projection == Projection::kPerspective ? depth : 1));
-}
-
-bool equalBits(const Image& a, const Image& b) {
-  return a.width == b.width && a.height == b.height &&
-         std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
 }
 
 // Volumes that differ in all that could matter: type, proportions, affine; none a multiple of a brick.

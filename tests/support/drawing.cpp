@@ -1,6 +1,7 @@
 #include "support/drawing.h"
 
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -15,6 +16,11 @@ Image draw(const std::filesystem::path& store, const FrameRequest& request, std:
   Progress silent;
   FrameStatistics unused;
   return renderFrame(reader, cache, request, silent, statistics != nullptr ? *statistics : unused);
+}
+
+bool equalBits(const Image& a, const Image& b) {
+  return a.width == b.width && a.height == b.height &&
+         std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
 }
 
 Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection) {

@@ -95,6 +95,25 @@ TEST_F(ImageFile, ExrHoldsTextAndIsTheSameEveryTime) {
   EXPECT_EQ(readFile(folder_ / "a.exr"), readFile(folder_ / "b.EXR"));
 }
 
+// Windows are stored as the first and the last pixel's x and y, after the name, the type's name and a length.
+TEST_F(ImageFile, ExrOfAPartSaysWhereInTheWholeItIs) {
+  const Image part = somePicture(5, 4);
+  ImageMetadata metadata;
+  metadata.whole = {7, 3, 20, 10};
+  const std::vector<std::byte> file = encodeExr(part, metadata, true, "a.exr");
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  const auto window = [&](std::string_view name) {
+    std::array<std::int32_t, 4> out{};
+    const std::size_t place = text.find(name);
+    EXPECT_NE(place, std::string_view::npos) << name;
+    std::memcpy(out.data(), text.data() + place + name.size() + 4, sizeof out);
+    return out;
+  };
+  EXPECT_EQ(window(std::string_view("dataWindow\0box2i\0", 17)), (std::array<std::int32_t, 4>{7, 3, 11, 6}));
+  EXPECT_EQ(window(std::string_view("displayWindow\0box2i\0", 20)), (std::array<std::int32_t, 4>{0, 0, 19, 9}));
+  EXPECT_EQ(decodeExr(file, "a.exr").rgba, part.rgba);
+}
+
 // OpenEXR multiplies row vectors: its translation is in the last row, which is the last four floats of 16 in the file.
 TEST_F(ImageFile, ExrMatricesAreForRowVectors) {
   ImageMetadata metadata;

@@ -253,6 +253,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.level, b.picture.level);
+  EXPECT_EQ(a.picture.crop, b.picture.crop);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
@@ -263,12 +264,27 @@ TEST(RenderJob, ALevelIsANumberOrAuto) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.level, std::nullopt);
 }
 
+TEST(RenderJob, ACropIsFourWholeNumbers) {
+  const RenderJob job = parseJob(R"({"volume": "a.kiln", "image": {"width": 64, "crop": [5, 6, 20, 30]}})", "job.json");
+  EXPECT_EQ(job.picture.crop, (PixelRect{5, 6, 25, 36}));
+  for (const char* wrong : {"[5, 6, 20]", "[5, 6, 20, -1]", "[5, 6.5, 20, 1]", "\"all\""}) {
+    try {
+      parseJob(std::string(R"({"volume": "a.kiln", "image": {"crop": )") + wrong + "}}", "job.json");
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      EXPECT_NE(std::string(error.what()).find("image.crop"), std::string::npos) << error.what();
+    }
+  }
+}
+
 // Values with no short decimal form, so that a rounded one would be seen.
 TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   RenderJob job = parseJob(kExample, "job.json");
   job.picture.shading.phong = false;
   job.picture.opacity_threshold = 1 / 1.1;
   job.picture.skip_damaged = true;
+  job.picture.crop = PixelRect{3, 4, 50, 61};
   job.picture.background.bottom = {1 / 3.0, 0, 1 / 7.0, 1};
   job.picture.shading.lights = {{LightKind::kPoint, {1 / 3.0, 2, -1 / 7.0}, {1 / 9.0, 2, 3}, 1 / 1.1},
                                 {LightKind::kDirectional, {1 / 3.0, 2, -1 / 7.0}},

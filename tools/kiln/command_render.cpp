@@ -21,8 +21,8 @@ namespace {
 
 struct Arguments {
   std::string input, output, stats;
-  std::optional<std::string> size, projection, eye, target, up, view, tf, visibility, area, lattice, level, memory,
-      exr_type, window;
+  std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice, level,
+      memory, exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile;
@@ -76,6 +76,8 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
     const auto [width, height] = parseSize(*a.size, "--size");
     picture.size = {width, height};
   }
+  if (a.crop) picture.crop = parseCrop(*a.crop, "--crop");
+  drawnPixels(picture.size, picture.crop);
   applyCamera(a, picture.camera);
   a.scene.apply(picture);
   if (a.tf) {
@@ -168,7 +170,7 @@ void run(const Arguments& a, Context& context) {
   fmt::print(
       "{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
       "cache {} of {}, resident {}\n",
-      job.output.path.string(), job.picture.size.width, job.picture.size.height, frame.wall_s, frame.bricks_read,
+      job.output.path.string(), result.image.width, result.image.height, frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
       frame.voxels_splats, formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.cache_bytes),
       formatBytes(result.statistics.peak_rss_bytes));
@@ -197,6 +199,8 @@ void addRender(CLI::App& app, Context& context) {
       ->required();
   command->add_option("-o,--output", a->output, "the picture, .exr or .png");
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
+  command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
+      ->type_name("X,Y,W,H");
   addCameraOptions(*command, *a);
   command->add_option("--tf", a->tf,
                       fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "

@@ -164,6 +164,17 @@ TransferFunctionChoice transferFunctionNamed(const std::string& text, const char
   throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is neither a file nor one of {}", option, text, presetList()));
 }
 
+PixelRect parseCrop(const std::string& text, const char* option) {
+  constexpr const char* kExpected = "four whole numbers of pixels X,Y,W,H from 0 to 65536";
+  const std::vector<double> n = exactly(4, text, option, kExpected);
+  for (const double v : n) {
+    if (v != std::floor(v) || !(v >= 0 && v <= 65536))
+      throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, kExpected, text));
+  }
+  const auto at = [&](std::size_t i) { return static_cast<int>(n[i]); };
+  return {at(0), at(1), at(0) + at(2), at(1) + at(3)};
+}
+
 Window parseWindow(const std::string& text, const char* option) {
   constexpr const char* kExpected = "CENTRE,WIDTH, the width above 0";
   const std::vector<double> values = parseNumbers(text, ',', option, kExpected);

@@ -26,4 +26,7 @@ TransferFunctionChoice transferFunctionNamed(const std::string& text, const char
 /// "CENTRE,WIDTH". throws: Error kUsage naming `option`.
 Window parseWindow(const std::string& text, const char* option);
 
+/// "X,Y,W,H" in pixels. throws: Error kUsage naming `option`.
+PixelRect parseCrop(const std::string& text, const char* option);
+
 }  // namespace kiln::tool

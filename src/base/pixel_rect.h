@@ -1,0 +1,23 @@
+// A rectangle of pixels of an image, (0, 0) its upper left one.
+#pragma once
+
+#include <algorithm>
+
+namespace kiln {
+
+/// Half-open, in pixels; may reach outside of the image.
+struct PixelRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool operator==(const PixelRect&) const = default;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+  /// requires: not empty.
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+};
+
+inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+}  // namespace kiln

@@ -1,0 +1,58 @@
+// What is done once for a frame, and then any part of its picture, one after the other. All is in pixels of the whole
+// picture (view, tiles, visibility), so that a pixel is the same bit for bit with whatever part it is drawn.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "base/progress.h"
+#include "cache/brick_cache.h"
+#include "frame/pixel_lattice.h"
+#include "output/image.h"
+#include "render/render_frame.h"
+#include "render/statistics.h"
+
+namespace kiln {
+
+/// What of the volume a frame asks for, before any of it is read.
+struct FramePlan {
+  FramePlan(const StoreReader& store, const FrameRequest& request);
+  FramePlan(const FramePlan&) = delete;
+  FramePlan& operator=(const FramePlan&) = delete;
+
+  FrameLevels levels;
+  Classifier classifier;
+  std::optional<PixelLattice> pixel;  // else the voxel lattice
+  std::optional<BrickWalk> bricks;
+};
+
+class FrameDrawing {
+ public:
+  /// requires: all outlive this; nobody else uses the cache.
+  FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
+
+  /// The pixels of `pixels`, without background. requires: not empty, in the picture, no pixel drawn before. throws: as
+  /// renderFrame.
+  Image draw(const PixelRect& pixels);
+  /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
+  FrameStatistics finish();
+
+ private:
+  void drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles);
+
+  const StoreReader& store_;
+  BrickCache& cache_;
+  const FrameRequest& request_;
+  Progress& progress_;
+  FramePlan plan_;
+  std::unique_ptr<Visibility> visibility_;
+  SplatFrame frame_;
+  const CacheCounts before_;
+  FrameStatistics statistics_;
+  SplatCounts counts_;
+  BrickWalkCounts walked_;
+  std::set<BrickKey> contributing_, damaged_;
+};
+
+}  // namespace kiln

@@ -1,0 +1,94 @@
+// A crop is a part of the whole picture to the bit: what is drawn of a picture changes nothing in what is drawn. Known
+// from the whole picture itself, for volumes, scenes, methods and rectangles nobody chose.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "support/drawing.h"
+#include "support/lattices.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kSize{90, 75};  // neither is a multiple of a tile
+constexpr VisibilityMethod kExact[] = {VisibilityMethod::kMask, VisibilityMethod::kNone, VisibilityMethod::kRangeTree,
+                                       VisibilityMethod::kOverlay};
+
+Image partOf(const Image& whole, const PixelRect& rect) {
+  Image out(rect.width(), rect.height());
+  for (int y = rect.y0; y < rect.y1; ++y)
+    std::copy(whole.pixel(rect.x0, y), whole.pixel(rect.x0, y) + 4 * rect.width(), out.pixel(0, y - rect.y0));
+  return out;
+}
+
+// One pixel, a tile's last row, what begins at a tile and ends in one, what no tile's border bounds, all.
+std::vector<PixelRect> cropsOf(std::uint64_t seed) {
+  Random random(seed ^ 0x63726f70);
+  const auto one = [&](int from, int to) { return random.between(from, to - 1); };
+  const int x = one(0, kSize.width), y = one(0, kSize.height);
+  return {{x, y, x + 1, y + 1},
+          {one(0, 20), 63, one(60, kSize.width), 64},
+          {64, 0, 64 + one(1, 26), 64},
+          {one(1, 63), one(1, 63), one(66, kSize.width), one(66, kSize.height)},
+          {0, 0, kSize.width, kSize.height}};
+}
+
+class Crop : public ::testing::TestWithParam<Lattice> {
+ protected:
+  void check(std::uint64_t first_seed, int scenes) {
+    const DenseVolume volume = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
+    const auto store = makeStore(volume, "crop", 16);
+    int with_something = 0;
+    for (int i = 0; i < scenes; ++i) {
+      const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+      const RandomScene scene = randomScene(seed, volume, kSize);
+      FrameRequest request;
+      setLattice(request, GetParam());
+      request.view = scene.view;
+      request.transfer_function = scene.transfer_function;
+      request.shading = scene.shading;
+      request.background = scene.background;
+      if (request.background == Background{}) request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
+      request.clipping = scene.clipping;
+      request.opacity_threshold = 0.3 + 0.7 * hashUnit(seed, 77);
+      FrameStatistics statistics;
+      const Image whole = draw(store, request, 1ull << 30, &statistics);
+      with_something += statistics.bricks_contributing > 0 ? 1 : 0;
+      std::uint64_t turn = seed;
+      for (const PixelRect& crop : cropsOf(seed)) {
+        request.crop = crop;
+        request.visibility.method = kExact[turn % std::size(kExact)];
+        request.tile_px = turn % 3 == 0 ? 0 : 64 << turn % 2;
+        EXPECT_TRUE(equalBits(partOf(whole, crop), draw(store, request)))
+            << "seed " << seed << ", crop " << crop.x0 << " " << crop.y0 << " " << crop.x1 << " " << crop.y1
+            << ", method " << static_cast<int>(request.visibility.method) << ", tiles of " << request.tile_px;
+        ++turn;
+      }
+    }
+    EXPECT_GT(with_something, scenes / 2);
+  }
+};
+
+TEST_P(Crop, IsThatPartOfTheWhole) { check(300, 4); }
+TEST_P(Crop, NightlyIsThatPartOfTheWholeForManyScenes) { check(3000, 300); }
+
+INSTANTIATE_TEST_SUITE_P(Lattices, Crop, ::testing::ValuesIn(kLattices));
+
+TEST(Crops, ThatAreNotInThePictureAreRefused) {
+  const ImageSize size{150, 131};
+  EXPECT_EQ(drawnPixels(size, std::nullopt), (PixelRect{0, 0, 150, 131}));
+  EXPECT_EQ(drawnPixels(size, PixelRect{149, 130, 150, 131}), (PixelRect{149, 130, 150, 131}));
+  for (const PixelRect& wrong :
+       {PixelRect{0, 0, 0, 5}, {-1, 0, 5, 5}, {0, 0, 151, 5}, {3, 131, 4, 132}, {5, 5, 4, 6}}) {
+    try {
+      drawnPixels(size, wrong);
+      ADD_FAILURE() << wrong.x0 << " " << wrong.y0 << " " << wrong.x1 << " " << wrong.y1;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
