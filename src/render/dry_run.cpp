@@ -52,7 +52,7 @@ std::string dryRunText(const DryRun& run) {
                                       {"memory",
                                        {{"budget_bytes", run.budget_bytes},
                                         {"smallest_bytes", run.memory.smallest()},
-                                        {"framebuffer_bytes", run.memory.image},
+                                        {"framebuffer_bytes", run.memory.image + run.memory.band},
                                         {"visibility_bytes", run.memory.visibility},
                                         {"slabs_bytes", run.memory.slabs},
                                         {"index_bytes", run.memory.index},

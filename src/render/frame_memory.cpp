@@ -37,22 +37,35 @@ std::uint64_t slabBytes(const RenderJob& job, int edge) {
   return threads * (padded * padded * kSweepBytesOfPixel + kUnitBytes);
 }
 
+std::uint64_t bandBytes(const PixelRect& drawn, int edge, int rows) {
+  return static_cast<std::uint64_t>(edge * drawn.width()) *
+         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * kPixelBytes;
+}
+
 }  // namespace
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
+  const int edge = subPixelsAlongEdge(job.picture.samples);
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * kPixelBytes;
-  out.visibility = visibilityBytes(job.speed.visibility.method, size);
+  out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
   out.index = store.index().size() * (sizeof(BrickEntry) + kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();
+  if (edge > 1) out.band = out.least_band = bandBytes(drawn, edge, out.band_px);
   if (job.picture.lattice == Lattice::kPixel) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
     out.least_slabs = slabBytes(job, kLeastSweep);
     out.slabs = slabBytes(job, out.sweep_px);
     while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2);
+  }
+  if (edge > 1) {
+    const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() - out.band + out.brick;
+    const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
+    while (out.band_px < edge * drawn.height() && bandBytes(drawn, edge, 2 * out.band_px) <= share) out.band_px *= 2;
+    out.band = bandBytes(drawn, edge, out.band_px);
   }
   return out;
 }
@@ -62,9 +75,9 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
     throw Error(ErrorCode::kBudget, store, "--memory",
                 fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
                             "of index, {} of slabs, {} to read one brick)",
-                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()), formatBytes(memory.image),
-                            formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
-                            formatBytes(memory.brick)));
+                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
+                            formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
+                            formatBytes(memory.index), formatBytes(memory.least_slabs), formatBytes(memory.brick)));
   }
   return budget_bytes - memory.besideBricks();
 }

@@ -13,17 +13,20 @@ namespace kiln {
 /// unit: bytes.
 struct FrameMemory {
   std::uint64_t image = 0;       // RGBA in floats, of the pixels that are drawn
+  std::uint64_t band = 0;        // of sub-pixels: as many rows as are drawn at a time; 0 where a pixel is one sample
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t brick = 0;       // reading one, the largest of the store
 
   std::uint64_t least_slabs = 0;  // with the smallest squares
+  std::uint64_t least_band = 0;   // with the lowest band
   int sweep_px = 64;              // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
+  int band_px = 64;               // height of the band: at most a quarter of the budget, and bricks get no less
 
-  std::uint64_t besideBricks() const { return image + visibility + index + slabs; }
+  std::uint64_t besideBricks() const { return image + band + visibility + index + slabs; }
   /// The least budget that draws the frame.
-  std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs + brick; }
+  std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs - band + least_band + brick; }
 };
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "render/frame_drawing.h"
 
 namespace kiln {
@@ -43,11 +45,53 @@ void requireRequest(const StoreReader& store, const FrameRequest& request) {
   }
 }
 
+// The frame whose pixels are the sub-pixels of the request's.
+FrameRequest ofSubPixels(FrameRequest request, int edge) {
+  request.view = enlarged(request.view, edge);
+  return request;
+}
+
+PixelRect subPixelsOf(const PixelRect& pixels, int edge) {
+  return {edge * pixels.x0, edge * pixels.y0, edge * pixels.x1, edge * pixels.y1};
+}
+
+// Writes the means of edge × edge sub-pixels into the image's rows from `row` on.
+void putMeans(const Image& sub_pixels, int edge, Image& image, int row) {
+  const float share = 1.0f / static_cast<float>(edge * edge);
+  parallelFor(static_cast<std::size_t>(sub_pixels.height / edge), [&](std::size_t i) {
+    const int first = static_cast<int>(i);
+    for (int x = 0; x < image.width; ++x) {
+      float sum[4] = {};
+      for (int y = edge * first; y < edge * (first + 1); ++y) {
+        const float* const from = sub_pixels.pixel(edge * x, y);
+        for (int k = 0; k < 4 * edge; ++k) sum[k & 3] += from[k];
+      }
+      float* const pixel = image.pixel(x, row + first);
+      for (int channel = 0; channel < 4; ++channel) pixel[channel] = share * sum[channel];
+    }
+  });
+}
+
+// Bands of rows end at borders of tiles, which are borders of pixels, too.
+Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, int band_px) {
+  constexpr int kTile = kVisibilityTile;
+  const int step = std::max(band_px / kTile, 1) * kTile;
+  Image image(pixels.width(), pixels.height());
+  PixelRect band = subPixelsOf(pixels, edge);
+  for (const int end = band.y1; band.y0 < end; band.y0 = band.y1) {
+    band.y1 = std::min(end, band.y0 / kTile * kTile + step);
+    putMeans(drawing.draw(band), edge, image, band.y0 / edge - pixels.y0);
+  }
+  return image;
+}
+
 }  // namespace
 
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts) {
   requireRequest(store, request);
-  return FramePlan(store, request).bricks->inView(drawnPixels(request.view.size, request.crop), counts);
+  const int edge = subPixelsAlongEdge(request.samples);
+  const PixelRect pixels = drawnPixels(request.view.size, request.crop);
+  return FramePlan(store, ofSubPixels(request, edge)).bricks->inView(subPixelsOf(pixels, edge), counts);
 }
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
@@ -55,8 +99,10 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const auto begin = std::chrono::steady_clock::now();
   requireRequest(store, request);
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  FrameDrawing drawing(store, cache, request, progress);
-  Image image = drawing.draw(pixels);
+  const int edge = subPixelsAlongEdge(request.samples);
+  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
+  FrameDrawing drawing(store, cache, of_sub_pixels, progress);
+  Image image = edge == 1 ? drawing.draw(pixels) : drawMeans(drawing, pixels, edge, request.band_px);
   statistics = drawing.finish();
   layOverBackground(image, pixels.y0, request.view.size.height, request.background);
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

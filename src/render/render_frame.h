@@ -24,10 +24,12 @@ struct FrameRequest {
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
   std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all
+  int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
-  int tile_px = 64;   // as SpeedOptions has it
-  int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
+  int tile_px = 64;    // as SpeedOptions has it
+  int sweep_px = 64;   // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
+  int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
 };
 
@@ -38,7 +40,8 @@ std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameReque
 /// the quadtree. The picture depends neither on the cache's budget, the threads, the tiles nor on an exact
 /// visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is Lee and
 /// Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A brick that
-/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop).
+/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop,
+/// samples).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

@@ -51,6 +51,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.opacity_threshold = job.picture.opacity_threshold;
   request.lattice = job.picture.lattice;
   request.crop = job.picture.crop;
+  request.samples = job.picture.samples;
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;
@@ -73,6 +74,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   result.transfer_function = transferFunctionFor(job.picture, store);
   FrameRequest request = frameRequest(job, result.camera, result.transfer_function);
   request.sweep_px = memory.sweep_px;
+  request.band_px = memory.band_px;
 
   RenderStatistics& statistics = result.statistics;
   for (int i = 0; i < repeat; ++i) {
@@ -96,7 +98,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   statistics.budget_bytes = job.speed.memory_bytes;
   statistics.cache_bytes = cache.budgetBytes();
   statistics.peak_cache_bytes = cache.peakBytes();
-  statistics.framebuffer_bytes = memory.image;
+  statistics.framebuffer_bytes = memory.image + memory.band;
   statistics.visibility_bytes = memory.visibility;
   statistics.index_bytes = memory.index;
   statistics.slabs_bytes = memory.slabs;

@@ -91,6 +91,14 @@ View resolve(const Camera& camera, const ImageSize& size) {
   return view;
 }
 
+View enlarged(const View& view, int times) {
+  View out = view;
+  out.size = {times * view.size.width, times * view.size.height};
+  out.focal_px *= times;
+  out.centre_px *= times;
+  return out;
+}
+
 glm::dmat4 exrWorldToCamera(const View& view) {
   glm::dmat4 camera_from_view(1.0);
   camera_from_view[1][1] = -1;

@@ -51,6 +51,10 @@ struct View {
 /// throws: Error kUsage where eye and target coincide, up is along the view, or fov, height or size are out of range.
 View resolve(const Camera& camera, const ImageSize& size);
 
+/// What the same camera sees in an image `times` as large along each side: pixel (x, y) is then the times² pixels from
+/// times (x, y) on. requires: times >= 1.
+View enlarged(const View& view, int times);
+
 /// World to camera as EXR files hold it (camera looks along -z, y up), and to normalised device coordinates in [0,1],
 /// y down (RenderMan's screen), third coordinate 1/depth in perspective and depth else. shape: for column vectors, M·p.
 glm::dmat4 exrWorldToCamera(const View& view);

@@ -91,6 +91,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   }
   out["lattice"] = kLatticeNames[static_cast<std::size_t>(picture.lattice)];
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
+  out["samples"] = picture.samples;
   if (picture.skip_damaged) out["skipDamaged"] = true;
   // A file name need not be UTF-8; JSON must be.
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

@@ -1,6 +1,8 @@
 // A job's keys, each read and checked where it stands; what is not said keeps the default of the structs.
 #include "scene/render_job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
+
+bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
@@ -88,6 +92,12 @@ void readOutput(const JobObject& root, OutputOptions& output) {
 
 }  // namespace
 
+int subPixelsAlongEdge(int samples) {
+  if (!samplesKnown(samples))
+    throw Error(ErrorCode::kUsage, fmt::format("--samples: expected 1, 4 or 16 a pixel, found {}", samples));
+  return samples == 1 ? 1 : samples == 4 ? 2 : 4;
+}
+
 CameraSpec cameraFrom(const JobObject& object) {
   object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
   CameraSpec spec;
@@ -122,10 +132,10 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
-  root.requireKnown({"kiln",       "volume",  "output", "image",       "camera",      "transferFunction",
-                     "window",     "shading", "lights", "region",      "worldRegion", "clip",
-                     "visibility", "lattice", "level",  "skipDamaged", "memory",      "threads",
-                     "tile",       "exr",     "png"});
+  root.requireKnown({"kiln",       "volume",  "output", "image",   "camera",      "transferFunction",
+                     "window",     "shading", "lights", "region",  "worldRegion", "clip",
+                     "visibility", "lattice", "level",  "samples", "skipDamaged", "memory",
+                     "threads",    "tile",    "exr",    "png"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");
@@ -140,6 +150,8 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.picture.clipping = clippingFrom(root);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root, job.picture);
+  job.picture.samples = static_cast<int>(root.integer("samples", 1, 16).value_or(1));
+  if (!samplesKnown(job.picture.samples)) root.refuse("samples", "1, 4 or 16");
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   readOutput(root, job.output);

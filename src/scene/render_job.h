@@ -63,6 +63,7 @@ struct Background {
 struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
+  int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   Background background;
   CameraSpec camera;
   TransferFunctionChoice transfer_function = std::string("auto");
@@ -74,6 +75,9 @@ struct PictureOptions {
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
+
+/// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of 1, 4 and 16.
+int subPixelsAlongEdge(int samples);
 
 /// How fast it appears.
 struct SpeedOptions {

@@ -52,7 +52,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--px-per-voxel", o.px_per_voxel)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", o.size, "pixels along each side")->capture_default_str();
   app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"pixel", "voxel"}))->capture_default_str();
-  app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1}))->capture_default_str();
+  app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
   app.add_flag("--no-reference-cache", o.no_reference_cache, "make every reference anew and keep none");
@@ -105,6 +105,7 @@ class Studio {
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
     request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
+    request.samples = options_.samples;
     FrameStatistics statistics;
     drawn(request, statistics);  // reads the bricks
     const Image image = drawn(request, statistics);

@@ -148,5 +148,14 @@ TEST_F(SceneCli, ACropIsThatPartOfThePicture) {
     expectRefused({"--crop", wrong}, "picture of 8 x 8 pixels");
 }
 
+TEST_F(SceneCli, SamplesOfAPixel) {
+  const Image one = drawn({"--samples", "1"});
+  EXPECT_EQ(drawn({}).rgba, one.rgba);
+  const Image four = drawnTwice({"--samples", "4"});
+  EXPECT_NE(four.rgba, one.rgba);
+  EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
+  expectRefused({"--samples", "9"}, "--samples: expected 1, 4 or 16");
+}
+
 }  // namespace
 }  // namespace kiln::test

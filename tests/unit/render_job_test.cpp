@@ -254,6 +254,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.crop, b.picture.crop);
+  EXPECT_EQ(a.picture.samples, b.picture.samples);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
@@ -278,12 +279,28 @@ TEST(RenderJob, ACropIsFourWholeNumbers) {
   }
 }
 
+TEST(RenderJob, SamplesAreOneFourOrSixteen) {
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.samples, 1);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
+  EXPECT_EQ(subPixelsAlongEdge(16), 4);
+  for (const char* wrong : {"0", "2", "9", "64", "\"4\""}) {
+    try {
+      parseJob(std::string(R"({"volume": "a.kiln", "samples": )") + wrong + "}", "job.json");
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      EXPECT_NE(std::string(error.what()).find("samples"), std::string::npos) << error.what();
+    }
+  }
+}
+
 // Values with no short decimal form, so that a rounded one would be seen.
 TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   RenderJob job = parseJob(kExample, "job.json");
   job.picture.shading.phong = false;
   job.picture.opacity_threshold = 1 / 1.1;
   job.picture.skip_damaged = true;
+  job.picture.samples = 4;
   job.picture.crop = PixelRect{3, 4, 50, 61};
   job.picture.background.bottom = {1 / 3.0, 0, 1 / 7.0, 1};
   job.picture.shading.lights = {{LightKind::kPoint, {1 / 3.0, 2, -1 / 7.0}, {1 / 9.0, 2, 3}, 1 / 1.1},

@@ -25,7 +25,7 @@ struct Arguments {
       memory, exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
-  std::optional<int> png_bits, epsilon, tile;
+  std::optional<int> png_bits, epsilon, tile, samples;
   bool nodes_only = false, skip_damaged = false, dry_run = false;
   int repeat = 1;
   SceneArguments scene;
@@ -78,6 +78,8 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
   }
   if (a.crop) picture.crop = parseCrop(*a.crop, "--crop");
   drawnPixels(picture.size, picture.crop);
+  if (a.samples) picture.samples = *a.samples;
+  subPixelsAlongEdge(picture.samples);
   applyCamera(a, picture.camera);
   a.scene.apply(picture);
   if (a.tf) {
@@ -139,11 +141,11 @@ void sayCost(const Arguments& a, const RenderJob& job) {
   fmt::print("disk         a frame reads at most {} files, {}; it does not read what is hidden behind opaque parts\n",
              cost.files_in_view, formatBytes(cost.file_bytes_in_view));
   const FrameMemory& memory = cost.memory;
-  fmt::print(
-      "memory       {} of image ({} x {} pixels), {} of visibility, {} of index, {} of slabs, {} to read one "
-      "brick\n",
-      formatBytes(memory.image), job.picture.size.width, job.picture.size.height, formatBytes(memory.visibility),
-      formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.brick));
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
+  if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
+  fmt::print("{} of visibility, {} of index, {} of slabs, {} to read one brick\n", formatBytes(memory.visibility),
+             formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.brick));
   fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
@@ -201,6 +203,7 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
+  command->add_option("--samples", a->samples, "sub-pixels whose mean a pixel is: 1 (default), 4 or 16");
   addCameraOptions(*command, *a);
   command->add_option("--tf", a->tf,
                       fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "

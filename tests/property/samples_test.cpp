@@ -1,0 +1,117 @@
+// A pixel of several samples is the mean of that many pixels of the same view in a larger image, whatever the bands of
+// rows, threads, bricks in memory and the crop. Known from the larger picture itself.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "render/frame_memory.h"
+#include "render/render_job_run.h"
+#include "support/drawing.h"
+#include "support/lattices.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kSize{41, 53};
+
+// The largest departure of `image` from the means of edge × edge pixels of `larger`.
+double departure(const Image& image, const Image& larger, int edge) {
+  double most = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int channel = 0; channel < 4; ++channel) {
+        double sum = 0;
+        for (int i = 0; i < edge * edge; ++i) sum += larger.pixel(edge * x + i % edge, edge * y + i / edge)[channel];
+        most = std::max(most, std::abs(image.pixel(x, y)[channel] - sum / (edge * edge)));
+      }
+    }
+  }
+  return most;
+}
+
+class Samples : public ::testing::TestWithParam<Lattice> {
+ protected:
+  FrameRequest requestOf(std::uint64_t seed) const {
+    RandomScene scene = randomScene(seed, volume_, kSize);
+    // From within the volume a voxel is thousands of samples, which says no more and takes seconds.
+    const Projection projection = seed % 2 == 0 ? Projection::kOrthographic : Projection::kPerspective;
+    scene.view = resolve(cameraFrom(volume_.geometry, randomDirection(seed, 0), projection), kSize);
+    FrameRequest request;
+    setLattice(request, GetParam());
+    request.view = scene.view;
+    request.transfer_function = scene.transfer_function;
+    request.shading = scene.shading;
+    request.clipping = scene.clipping;
+    request.opacity_threshold = 0.3 + 0.7 * hashUnit(seed, 77);
+    return request;
+  }
+
+  const DenseVolume volume_ = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
+  const std::filesystem::path store_ = makeStore(volume_, "samples", 16);
+};
+
+TEST_P(Samples, AreMeansOfALargerPicture) {
+  for (const std::uint64_t seed : {301, 302, 303}) {
+    FrameRequest request = requestOf(seed);
+    request.samples = seed == 302 ? 16 : 4;
+    const int edge = subPixelsAlongEdge(request.samples);
+    FrameStatistics statistics, of_larger;
+    const Image image = draw(store_, request, 1ull << 30, &statistics);
+    FrameRequest larger = request;
+    larger.samples = 1;
+    larger.view.size = {edge * kSize.width, edge * kSize.height};
+    larger.view.focal_px = edge * request.view.focal_px;
+    larger.view.centre_px = {edge * request.view.centre_px.x, edge * request.view.centre_px.y};
+    EXPECT_LT(departure(image, draw(store_, larger, 1ull << 30, &of_larger), edge), 1e-6) << "seed " << seed;
+    EXPECT_EQ(statistics.bricks_contributing, of_larger.bricks_contributing) << "seed " << seed;
+
+    request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
+    const Image whole = draw(store_, request);
+    request.band_px = 64 << seed % 2;
+    request.visibility.method = seed % 2 == 0 ? VisibilityMethod::kNone : VisibilityMethod::kRangeTree;
+    request.tile_px = seed % 2 == 0 ? 0 : 128;
+    const std::uint64_t one_brick = StoreReader(store_).largestReadBytes();
+    EXPECT_TRUE(equalBits(whole, draw(store_, request, one_brick))) << "bands, seed " << seed;
+    const ThreadLimit one(1);
+    request.crop = PixelRect{7, 11, 40, 46};
+    const Image part = draw(store_, request);
+    ASSERT_EQ(part.height, 35);
+    for (int y = 0; y < part.height; ++y)
+      EXPECT_TRUE(std::equal(part.pixel(0, y), part.pixel(0, y) + 4 * part.width, whole.pixel(7, 11 + y)))
+          << "crop, seed " << seed << ", row " << y;
+  }
+}
+
+// Known because what is named as the smallest works, and a byte less does not.
+TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
+  RenderJob job;
+  job.volume = store_;
+  job.picture.size = {200, 180};
+  job.picture.samples = 4;
+  job.picture.lattice = GetParam();
+  const StoreReader store(store_);
+  const FrameMemory ample = frameMemory(store, job);
+  job.speed.memory_bytes = ample.smallest();
+  const FrameMemory least = frameMemory(store, job);
+  EXPECT_GE(ample.band_px, 360);
+  EXPECT_EQ(ample.band, 16u * 400 * 360);
+  EXPECT_EQ(least.band, 16u * 400 * 64);
+  EXPECT_EQ(least.smallest(), ample.smallest());
+  EXPECT_LE(least.besideBricks() + least.brick, job.speed.memory_bytes);
+  Progress silent;
+  const RenderResult small = runRenderJob(job, 2, silent);
+  EXPECT_LE(small.statistics.peak_cache_bytes + small.statistics.peak_slabs_bytes + least.image + least.band +
+                least.visibility + least.index,
+            job.speed.memory_bytes);
+  --job.speed.memory_bytes;
+  EXPECT_THROW(runRenderJob(job, 1, silent), Error);
+  job.speed.memory_bytes = 1ull << 30;
+  EXPECT_TRUE(equalBits(small.image, runRenderJob(job, 1, silent).image));
+}
+
+INSTANTIATE_TEST_SUITE_P(Lattices, Samples, ::testing::ValuesIn(kLattices));
+
+}  // namespace
+}  // namespace kiln::test
