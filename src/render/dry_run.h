@@ -13,7 +13,8 @@ struct DryRun {
   std::uint64_t bricks_interesting = 0;  // hold something the transfer function shows
   std::uint64_t bricks_in_view = 0;      // of these, in the image: a frame asks for no others
   std::uint64_t files_in_view = 0;       // of these, not constant
-  /// Of these files: the most that a frame reads. What is hidden behind opaque parts is not read. unit: bytes.
+  /// Of these files: the most that a frame reads, or a band of its sub-pixels where the cache keeps nothing for the
+  /// next. What is hidden behind opaque parts is not read. unit: bytes.
   std::uint64_t file_bytes_in_view = 0;
   /// What all bricks in view take in memory, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;

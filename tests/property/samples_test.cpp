@@ -14,7 +14,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kSize{41, 53};
+constexpr ImageSize kSize{29, 40};
 
 // The largest departure of `image` from the means of edge × edge pixels of `larger`.
 double departure(const Image& image, const Image& larger, int edge) {
@@ -53,7 +53,7 @@ class Samples : public ::testing::TestWithParam<Lattice> {
 };
 
 TEST_P(Samples, AreMeansOfALargerPicture) {
-  for (const std::uint64_t seed : {301, 302, 303}) {
+  for (const std::uint64_t seed : {301, 302}) {
     FrameRequest request = requestOf(seed);
     request.samples = seed == 302 ? 16 : 4;
     const int edge = subPixelsAlongEdge(request.samples);
@@ -75,9 +75,9 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
     const std::uint64_t one_brick = StoreReader(store_).largestReadBytes();
     EXPECT_TRUE(equalBits(whole, draw(store_, request, one_brick))) << "bands, seed " << seed;
     const ThreadLimit one(1);
-    request.crop = PixelRect{7, 11, 40, 46};
+    request.crop = PixelRect{7, 11, 28, 36};
     const Image part = draw(store_, request);
-    ASSERT_EQ(part.height, 35);
+    ASSERT_EQ(part.height, 25);
     for (int y = 0; y < part.height; ++y)
       EXPECT_TRUE(std::equal(part.pixel(0, y), part.pixel(0, y) + 4 * part.width, whole.pixel(7, 11 + y)))
           << "crop, seed " << seed << ", row " << y;
@@ -88,16 +88,16 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
 TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   RenderJob job;
   job.volume = store_;
-  job.picture.size = {200, 180};
+  job.picture.size = {100, 90};
   job.picture.samples = 4;
   job.picture.lattice = GetParam();
   const StoreReader store(store_);
   const FrameMemory ample = frameMemory(store, job);
   job.speed.memory_bytes = ample.smallest();
   const FrameMemory least = frameMemory(store, job);
-  EXPECT_GE(ample.band_px, 360);
-  EXPECT_EQ(ample.band, 16u * 400 * 360);
-  EXPECT_EQ(least.band, 16u * 400 * 64);
+  EXPECT_GE(ample.band_px, 180);
+  EXPECT_EQ(ample.band, 16u * 200 * 180);
+  EXPECT_EQ(least.band, 16u * 200 * 64);
   EXPECT_EQ(least.smallest(), ample.smallest());
   EXPECT_LE(least.besideBricks() + least.brick, job.speed.memory_bytes);
   Progress silent;

@@ -138,9 +138,10 @@ void sayCost(const Arguments& a, const RenderJob& job) {
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
              cost.bricks_total, cost.bricks_interesting, cost.bricks_in_view);
-  fmt::print("disk         a frame reads at most {} files, {}; it does not read what is hidden behind opaque parts\n",
-             cost.files_in_view, formatBytes(cost.file_bytes_in_view));
   const FrameMemory& memory = cost.memory;
+  fmt::print("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
+             cost.files_in_view, formatBytes(cost.file_bytes_in_view),
+             memory.band > 0 ? ", once for each band of sub-pixels that finds them no longer in memory" : "");
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
   if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
