@@ -44,7 +44,7 @@ for preset in "${presets[@]}"; do
   # smaller ones go the same ways. (The former are for --nightly and --only dev.)
   if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Turn'); fi
   if [ "$preset" = tsan ]; then
-    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench')
+    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid')
     targets=(--target kiln_unit_tests kiln_property_tests)
   fi
   if [ "$preset" = dev ] && [ "$whole_dev" = OFF ]; then
