@@ -25,6 +25,11 @@ HWY_INLINE V mix(D d, V a, V b, V t) {
   return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
 }
 
+// The central difference between a and b, at t of the way.
+HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, V t) {
+  return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
+}
+
 // row[index] of a row of at most 16.
 HWY_INLINE V pick([[maybe_unused]] D d, const float* HWY_RESTRICT row, VI index) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
@@ -113,14 +118,13 @@ class Refiner {
     const UnitAxis& axis = l_.axis[2];
     const int z = axis.base[static_cast<std::size_t>(k)];
     const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(k)]);
-    const V half = hn::Set(d, 0.5f);
     for (int y = 0; y < height_; ++y) {
       for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
         const V a = hn::Load(d, row(y, z) + x), b = hn::Load(d, row(y, z + 1) + x);
         const V before_a = hn::Load(d, row(y, z - 1) + x);
         const V after_b = hn::Load(d, row(y, z + 2) + x);
         hn::Store(mix(d, a, b, t), d, &value_[y][x]);
-        hn::Store(hn::Mul(half, hn::Sub(mix(d, b, after_b, t), mix(d, before_a, a, t))), d, &along_z_[y][x]);
+        hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &along_z_[y][x]);
       }
     }
   }
@@ -142,12 +146,11 @@ class Refiner {
     const UnitAxis& axis = l_.axis[1];
     const int y = axis.base[static_cast<std::size_t>(j)];
     const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
-    const V half = hn::Set(d, 0.5f);
     for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
       const V a = hn::Load(d, &value_[y][x]), b = hn::Load(d, &value_[y + 1][x]);
       const V before_a = hn::Load(d, &value_[y - 1][x]);
       const V after_b = hn::Load(d, &value_[y + 2][x]);
-      hn::Store(hn::Mul(half, hn::Sub(mix(d, b, after_b, t), mix(d, before_a, a, t))), d, &row_y_[x]);
+      hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &row_y_[x]);
       hn::Store(mix(d, hn::Load(d, &along_z_[y][x]), hn::Load(d, &along_z_[y + 1][x]), t), d, &row_z_[x]);
     }
   }
@@ -272,12 +275,11 @@ class Refiner {
   Gradient gradient(VI base, VI next, V t) const {
     const D d;
     const DI di;
-    const V half = hn::Set(d, 0.5f);
     const VI after = hn::Add(next, hn::Set(di, 1));
     const VI previous = hn::Sub(base, hn::Set(di, 1));
-    const V up = mix(d, pick(d, row_, next), pick(d, row_, after), t);
-    const V down = mix(d, pick(d, row_, previous), pick(d, row_, base), t);
-    return {hn::Mul(half, hn::Sub(up, down)), mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
+    const V along_x =
+        slopeOf(d, pick(d, row_, previous), pick(d, row_, base), pick(d, row_, next), pick(d, row_, after), t);
+    return {along_x, mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
             mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t)};
   }
 
