@@ -40,7 +40,7 @@ class BrickWalk {
   using Interesting = std::function<bool(const BrickEntry& entry)>;
 
   /// requires: `levels` are of this store and outlive this; no brick of the finest level has finer ones. What is drawn
-  /// of a brick reaches at most `halo` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a
+  /// of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a
   /// seventh.
   BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, const Interesting& interesting,
             std::int64_t ghosts = 0);

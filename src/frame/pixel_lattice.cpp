@@ -8,10 +8,6 @@
 namespace kiln {
 namespace {
 
-double unitOf(const Manifest& volume, const TransferFunction& function) {
-  return function.unit > 0 ? function.unit : volume.geometry().meanSpacing();
-}
-
 // A tile's squares are swept by its thread: pixels of a tile are closed by one thread at a time.
 std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge) {
   std::vector<TilePixels> out;
@@ -33,12 +29,13 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
     : levels_(levels),
       sweep_px_(sweep_px),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
-      table_(transfer_function, unitOf(volume, transfer_function), volume.type, volume.range) {
+      table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range) {
   for (const SlabZone& zone : zones_) {
     const Projector& projector = levels.projector(zone.level);
-    const SampleLook look{shading, Shader(shading, view, gradient_noise, projector),
-                          GradientOpacity(transfer_function, unitOf(volume, transfer_function), projector),
-                          &levels.clipRegion(zone.level), gradient_noise};
+    const SampleLook look{
+        shading, Shader(shading, view, gradient_noise, projector),
+        GradientOpacity(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), projector),
+        &levels.clipRegion(zone.level), gradient_noise};
     frames_.push_back(std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level),
                                                   levels.endVoxels(zone.level), table_, look));
   }

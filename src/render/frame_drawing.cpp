@@ -55,7 +55,7 @@ SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, const st
 }
 
 double opacityUnit(const StoreReader& store, const FrameRequest& request) {
-  return request.transfer_function.unit > 0 ? request.transfer_function.unit : store.level(0).geometry.meanSpacing();
+  return request.transfer_function.unitIn(store.level(0).geometry.meanSpacing());
 }
 
 Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
@@ -111,19 +111,23 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 
 void FrameDrawing::drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles) {
   const int level = block.key.level;
-  frame_.projector = &plan_.levels.projector(level);
-  frame_.shader = Shader(request_.shading, request_.view, gradientNoise(store_.manifest().range), *frame_.projector);
-  frame_.gradient_opacity =
-      GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *frame_.projector);
-  frame_.clip = &plan_.levels.clipRegion(level);
-  frame_.ends = plan_.levels.endVoxels(level);
   const SplatCounts drawn = plan_.pixel
                                 ? plan_.pixel->draw(block, tiles, *visibility_, frame_.test_samples, frame_.opaque_at)
-                                : drawBrick(frame_, block, tiles, request_.node_log);
+                                : drawBrick(frameOfLevel(level), block, tiles, request_.node_log);
   counts_.add(drawn);
   statistics_.levels[static_cast<std::size_t>(level)].add(drawn.visited, drawn.splats);
   if (drawn.changed && contributing_.insert(block.key).second)
     statistics_.addContributing(store_.index().at(block.key).file_bytes);
+}
+
+SplatFrame FrameDrawing::frameOfLevel(int level) const {
+  SplatFrame out = frame_;
+  out.projector = &plan_.levels.projector(level);
+  out.shader = Shader(request_.shading, request_.view, gradientNoise(store_.manifest().range), *out.projector);
+  out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
+  out.clip = &plan_.levels.clipRegion(level);
+  out.ends = plan_.levels.endVoxels(level);
+  return out;
 }
 
 FrameStatistics FrameDrawing::finish() {

@@ -40,6 +40,8 @@ class FrameDrawing {
 
  private:
   void drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles);
+  /// What the voxel lattice's kernels are told.
+  SplatFrame frameOfLevel(int level) const;
 
   const StoreReader& store_;
   BrickCache& cache_;
@@ -47,7 +49,7 @@ class FrameDrawing {
   Progress& progress_;
   FramePlan plan_;
   std::unique_ptr<Visibility> visibility_;
-  SplatFrame frame_;
+  const SplatFrame frame_;  // without what depends on a level
   const CacheCounts before_;
   FrameStatistics statistics_;
   SplatCounts counts_;

@@ -35,6 +35,8 @@ struct TransferFunction {
   /// outside. Nothing here leaves opacities as they are.
   std::vector<GradientPoint> gradient_opacity = {};
 
+  /// The length that opacity is per in a volume of that spacing. unit: world.
+  double unitIn(double mean_spacing) const { return unit > 0 ? unit : mean_spacing; }
   /// In 0..1.
   double gradientFactor(double gradient) const;
   /// NaN is transparent. cost: a binary search.

@@ -94,7 +94,7 @@ TransferFunction resolve(const TransferFunctionChoice& choice, const std::option
     out = std::get<TransferFunction>(choice);
   }
   if (window) fitInto(*window, out.points);
-  if (!(out.unit > 0)) out.unit = manifest.geometry().meanSpacing();
+  out.unit = out.unitIn(manifest.geometry().meanSpacing());
   return out;
 }
 
