@@ -43,15 +43,8 @@ class Crop : public ::testing::TestWithParam<Lattice> {
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       const RandomScene scene = randomScene(seed, volume, kSize);
-      FrameRequest request;
-      setLattice(request, GetParam());
-      request.view = scene.view;
-      request.transfer_function = scene.transfer_function;
-      request.shading = scene.shading;
-      request.background = scene.background;
+      FrameRequest request = requestOf(scene, GetParam(), randomThreshold(seed));
       if (request.background == Background{}) request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
-      request.clipping = scene.clipping;
-      request.opacity_threshold = 0.3 + 0.7 * hashUnit(seed, 77);
       FrameStatistics statistics;
       const Image whole = draw(store, request, 1ull << 30, &statistics);
       with_something += statistics.bricks_contributing > 0 ? 1 : 0;

@@ -30,18 +30,6 @@ constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere}
 
 constexpr int kQuickScenes = kAllQuickScenes / static_cast<int>(std::size(kLattices));
 
-FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double threshold) {
-  FrameRequest request;
-  setLattice(request, lattice);
-  request.view = scene.view;
-  request.transfer_function = scene.transfer_function;
-  request.shading = scene.shading;
-  request.background = scene.background;
-  request.clipping = scene.clipping;
-  request.opacity_threshold = threshold;
-  return request;
-}
-
 // A brick's apron holds every sample that its pixels need where voxels are at least this large; of smaller ones a frame
 // takes a coarser level, if the store has one. unit: pixels.
 constexpr double kLeastVoxel = 0.45;
@@ -99,7 +87,7 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       const RandomScene scene = randomScene(seed, volume_, kSize);
-      const double threshold = 0.3 + 0.7 * hashUnit(seed, 77);
+      const double threshold = randomThreshold(seed);
       FrameRequest request = requestOf(scene, std::get<1>(GetParam()), threshold);
       request.level = 0;
       if (request.lattice == Lattice::kPixel) magnify(request.view, volume_.geometry);
@@ -159,7 +147,7 @@ class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       FrameRequest request =
-          requestOf(randomScene(seed, volume, kSize), std::get<1>(GetParam()), 0.3 + 0.7 * hashUnit(seed, 77));
+          requestOf(randomScene(seed, volume, kSize), std::get<1>(GetParam()), randomThreshold(seed));
       Camera camera = cameraFrom(volume.geometry, randomDirection(seed, 0), Projection::kPerspective);
       camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
       camera.fov_deg = 110;

@@ -33,19 +33,13 @@ double departure(const Image& image, const Image& larger, int edge) {
 
 class Samples : public ::testing::TestWithParam<Lattice> {
  protected:
-  FrameRequest requestOf(std::uint64_t seed) const {
+  FrameRequest requestFor(std::uint64_t seed) const {
     RandomScene scene = randomScene(seed, volume_, kSize);
     // From within the volume a voxel is thousands of samples, which says no more and takes seconds.
     const Projection projection = seed % 2 == 0 ? Projection::kOrthographic : Projection::kPerspective;
     scene.view = resolve(cameraFrom(volume_.geometry, randomDirection(seed, 0), projection), kSize);
-    FrameRequest request;
-    setLattice(request, GetParam());
-    request.view = scene.view;
-    request.transfer_function = scene.transfer_function;
-    request.shading = scene.shading;
-    request.clipping = scene.clipping;
-    request.opacity_threshold = 0.3 + 0.7 * hashUnit(seed, 77);
-    return request;
+    scene.background = {};
+    return requestOf(scene, GetParam(), randomThreshold(seed));
   }
 
   const DenseVolume volume_ = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
@@ -54,7 +48,7 @@ class Samples : public ::testing::TestWithParam<Lattice> {
 
 TEST_P(Samples, AreMeansOfALargerPicture) {
   for (const std::uint64_t seed : {301, 302}) {
-    FrameRequest request = requestOf(seed);
+    FrameRequest request = requestFor(seed);
     request.samples = seed == 302 ? 16 : 4;
     const int edge = subPixelsAlongEdge(request.samples);
     FrameStatistics statistics, of_larger;

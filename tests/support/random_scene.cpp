@@ -166,4 +166,18 @@ RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const Ima
   return scene;
 }
 
+FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold) {
+  FrameRequest request;
+  request.lattice = lattice;
+  request.view = scene.view;
+  request.transfer_function = scene.transfer_function;
+  request.shading = scene.shading;
+  request.background = scene.background;
+  request.clipping = scene.clipping;
+  request.opacity_threshold = opacity_threshold;
+  return request;
+}
+
+double randomThreshold(std::uint64_t seed) { return 0.3 + 0.7 * hashUnit(seed, 77); }
+
 }  // namespace kiln::test

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "render/render_frame.h"
 #include "scene/camera.h"
 #include "scene/render_job.h"
 #include "scene/transfer_function.h"
@@ -51,5 +52,10 @@ struct RandomScene {
   Clipping clipping;
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
+
+/// The picture of the scene.
+FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold);
+/// A threshold that the seed determines, from 0.3 to 1.
+double randomThreshold(std::uint64_t seed);
 
 }  // namespace kiln::test
