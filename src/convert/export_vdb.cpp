@@ -62,7 +62,7 @@ class GridFiller {
       : level_set_(manifest.volume_class == VolumeClass::kLevelSet),
         background_(static_cast<Value>(manifest.background)),
         place_(place),
-        grid_(Grid::create(background_)) {
+        grid_(newGrid<Grid>(background_)) {
     grid_->setName(place.name);
     grid_->setTransform(transformOf(place.world_from_grid));
     if (manifest.volume_class == VolumeClass::kFog) grid_->setGridClass(openvdb::GRID_FOG_VOLUME);

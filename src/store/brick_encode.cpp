@@ -148,7 +148,7 @@ class Encoder {
 
   template <class Grid>
   typename Grid::Ptr makeGrid(const char* name, openvdb::math::Transform::Ptr transform, bool half) const {
-    typename Grid::Ptr grid = Grid::create(typename Grid::ValueType(0));
+    typename Grid::Ptr grid = newGrid<Grid>(0);
     grid->setName(name);
     grid->setTransform(std::move(transform));
     grid->setSaveFloatAsHalf(half);

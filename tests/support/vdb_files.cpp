@@ -3,13 +3,15 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/PointIndexGrid.h>
 
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+
+#include "grid/openvdb_glue.h"
 
 // OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain
 // new): a leak for each damaged file, which is OpenVDB's to mend.
@@ -19,22 +21,10 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:readTopology
 namespace kiln::test {
 namespace {
 
-openvdb::Coord coordOf(const VoxelCoord& v) {
-  return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
-}
-
-openvdb::math::Transform::Ptr transformOf(const glm::dmat4& m) {
-  openvdb::Mat4d matrix;
-  for (int c = 0; c < 4; ++c) {
-    for (int r = 0; r < 4; ++r) matrix(c, r) = m[c][r];
-  }
-  return openvdb::math::Transform::createLinearTransform(matrix);
-}
-
 template <class Grid>
 typename Grid::Ptr fog() {
   using Value = typename Grid::ValueType;
-  auto grid = Grid::create(static_cast<Value>(kVdbBackground));
+  auto grid = newGrid<Grid>(static_cast<Value>(kVdbBackground));
   auto accessor = grid->getAccessor();
   int n = 0;
   for (std::int64_t z = 0; z < kVdbDims.z; ++z) {
@@ -54,7 +44,7 @@ typename Grid::Ptr fog() {
 }
 
 openvdb::FloatGrid::Ptr tiles() {
-  auto grid = openvdb::FloatGrid::create(0.5f);
+  auto grid = newGrid<openvdb::FloatGrid>(0.5f);
   grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);  // one 8³ tile
   grid->fill(openvdb::CoordBBox(4, 3, 2, 23, 22, 21), -7, true);    // tiles and leaves
   grid->tree().setValueOn(openvdb::Coord(30, -5, 1), 9);
@@ -63,22 +53,19 @@ openvdb::FloatGrid::Ptr tiles() {
 
 template <class Grid, class Value>
 openvdb::GridBase::Ptr single(const Value& value) {
-  auto grid = Grid::create();
+  auto grid = newGrid<Grid>(openvdb::zeroVal<typename Grid::ValueType>());
   grid->tree().setValueOn(openvdb::Coord(1, 2, 3), value);
   return grid;
 }
 
-openvdb::GridBase::Ptr points(bool data) {
-  const std::vector<openvdb::Vec3R> positions = {{0, 0, 0}, {3, 2, 1}};
-  auto transform = openvdb::math::Transform::createLinearTransform(1);
-  const openvdb::points::PointAttributeVector<openvdb::Vec3R> wrapper(positions);
-  auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(wrapper, *transform);
-  if (!data) return index;
-  return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
-      *index, wrapper, *transform);
+// Empty: it is by its type that it is no volume.
+template <class Grid>
+openvdb::GridBase::Ptr points() {
+  return openvdb::GridBase::createGrid(Grid::gridType());
 }
 
 openvdb::GridBase::Ptr gridOf(VdbKind kind) {
+  openvdb::initialize();
   switch (kind) {
     case VdbKind::kFloat:
     case VdbKind::kHalf:
@@ -95,7 +82,7 @@ openvdb::GridBase::Ptr gridOf(VdbKind kind) {
     case VdbKind::kLevelSet:
       return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(12, {1, 2, 3}, 1);
     case VdbKind::kEmpty:
-      return openvdb::FloatGrid::create(1);
+      return newGrid<openvdb::FloatGrid>(1);
     case VdbKind::kVec3:
       return single<openvdb::Vec3SGrid>(openvdb::Vec3s(1, 2, 3));
     case VdbKind::kBool:
@@ -103,9 +90,9 @@ openvdb::GridBase::Ptr gridOf(VdbKind kind) {
     case VdbKind::kMask:
       return single<openvdb::MaskGrid>(true);
     case VdbKind::kPointIndex:
-      return points(false);
+      return points<openvdb::tools::PointIndexGrid>();
     case VdbKind::kPointData:
-      return points(true);
+      return points<openvdb::points::PointDataGrid>();
   }
   throw std::logic_error("kind");
 }
