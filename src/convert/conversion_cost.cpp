@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 
 #include "grid/pyramid.h"
 #include "store/brick_codec.h"
@@ -13,6 +12,11 @@ namespace kiln {
 namespace {
 
 constexpr std::int64_t kSamples = 8;
+// A stream is read for about so long. unit: seconds.
+constexpr double kStreamSeconds = 2;
+
+using Clock = std::chrono::steady_clock;
+double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 Extent3 latticeOf(const Extent3& dims, std::int64_t brick_size) {
   return {(dims.x + brick_size - 1) / brick_size, (dims.y + brick_size - 1) / brick_size,
@@ -28,7 +32,18 @@ std::uint64_t storedVoxels(const Extent3& dims, const Extent3& bricks) {
 
 struct Samples {
   std::uint64_t bricks = 0, stored_voxels = 0, file_bytes = 0;
-  double seconds = 0;
+  double seconds = 0;       // of reading and encoding them; of a stream, of encoding alone
+  std::int64_t slices = 0;  // of a stream that were read,
+  double slices_s = 0;      // in this time
+
+  void encode(const BrickFrame& frame, std::span<const std::byte> voxels) {
+    const BrickRanges ranges = rangesOf(frame, voxels);
+    const bool constant =
+        std::equal(voxels.begin() + static_cast<std::ptrdiff_t>(sizeOf(frame.type)), voxels.end(), voxels.begin());
+    if (!constant) file_bytes += encodeBrick(frame, voxels, ranges.cells).size();
+    stored_voxels += static_cast<std::uint64_t>(frame.stored().count());
+    ++bricks;
+  }
 };
 
 // One after the other on one thread, as a lane of a conversion goes.
@@ -37,7 +52,7 @@ Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progre
   const Extent3 lattice = latticeOf(info.geometry.dims, options.brick_size);
   const std::int64_t count = std::min(lattice.count(), kSamples);
   Samples out;
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   for (std::int64_t i = 0; i < count; ++i) {
     progress.throwIfCancelled("sampling");
     const BrickKey key{0, brickAt(lattice, (2 * i + 1) * lattice.count() / (2 * count))};
@@ -45,30 +60,53 @@ Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progre
     const VoxelBox box = frame.stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
     source.read(box, voxels);
-    const BrickRanges ranges = rangesOf(frame, voxels);
-    const bool constant =
-        std::equal(voxels.begin() + static_cast<std::ptrdiff_t>(sizeOf(info.type)), voxels.end(), voxels.begin());
-    if (!constant) out.file_bytes += encodeBrick(frame, voxels, ranges.cells).size();
-    out.stored_voxels += static_cast<std::uint64_t>(box.count());
-    ++out.bricks;
+    out.encode(frame, voxels);
   }
-  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  out.seconds = secondsSince(begin);
   return out;
 }
 
-// No brick's file is larger than that of one of noise, whose core and apron are whole and lie on both sides of the
-// borders of OpenVDB's nodes of 128³ and 4096³ voxels.
-std::uint64_t largestFileBytes(const SourceInfo& info, std::int64_t brick_size) {
-  constexpr std::int64_t kLargestNode = 4096;
-  const auto at = static_cast<std::int32_t>(kLargestNode / brick_size);
-  const std::int64_t edge = kLargestNode + 2 * brick_size;
+// Bricks of the first layer, as deep as the stream is read: row by row, since a slice may be larger than the memory.
+Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
+  const SourceInfo& info = source.info();
+  const auto size = static_cast<std::ptrdiff_t>(sizeOf(info.type));
   VolumeGeometry geometry = info.geometry;
-  geometry.dims = {edge, edge, edge};
-  const BrickFrame frame{{0, {at, at, at}}, info.type, brick_size, kApron, geometry};
-  std::vector<std::byte> voxels(static_cast<std::size_t>(frame.stored().count()) * sizeOf(info.type));
-  std::mt19937 noise(1);
-  std::generate(voxels.begin(), voxels.end(), [&] { return static_cast<std::byte>(noise() >> 24); });
-  return encodeBrick(frame, voxels, rangesOf(frame, voxels).cells).size();
+  const Extent3 dims = geometry.dims, lattice = latticeOf({dims.x, dims.y, 1}, options.brick_size);
+  const std::int64_t edge = options.brick_size + 2 * kApron, brick_bytes = edge * edge * edge * size;
+  const std::int64_t affordable = static_cast<std::int64_t>(options.memory_bytes / 2) / brick_bytes;
+  const std::int64_t count = std::clamp<std::int64_t>(affordable, 1, std::min(lattice.count(), kSamples));
+  const auto frameOf = [&](std::int64_t i) {
+    const BrickKey key{0, brickAt(lattice, (2 * i + 1) * lattice.count() / (2 * count))};
+    return BrickFrame{key, info.type, options.brick_size, kApron, geometry};
+  };
+  std::vector<std::vector<std::byte>> bricks(static_cast<std::size_t>(count));
+  std::vector<std::byte> row(static_cast<std::size_t>(dims.x * size));
+  Samples out;
+  const auto begin = Clock::now();
+  for (; out.slices < std::min(dims.z, options.brick_size + kApron) && out.slices_s < kStreamSeconds; ++out.slices) {
+    progress.throwIfCancelled("sampling");
+    for (std::int64_t y = 0; y < dims.y; ++y) {
+      source.read({{0, y, out.slices}, {dims.x, y + 1, out.slices + 1}}, row);
+      for (std::int64_t i = 0; i < count; ++i) {
+        const VoxelBox box = frameOf(i).stored();
+        if (y < box.lo.y || y >= box.hi.y) continue;
+        std::vector<std::byte>& brick = bricks[static_cast<std::size_t>(i)];
+        brick.insert(brick.end(), row.begin() + box.lo.x * size, row.begin() + box.hi.x * size);
+      }
+    }
+    out.slices_s = secondsSince(begin);
+  }
+  // As though the volume ended here.
+  geometry.dims.z = out.slices;
+  const auto encoding = Clock::now();
+  for (std::int64_t i = 0; i < count; ++i) {
+    const BrickFrame frame = frameOf(i);
+    std::vector<std::byte>& voxels = bricks[static_cast<std::size_t>(i)];
+    voxels.resize(static_cast<std::size_t>(frame.stored().count() * size));
+    out.encode(frame, voxels);
+  }
+  out.seconds = secondsSince(encoding);
+  return out;
 }
 
 // The parts of two layers of bricks a level wait at most, as the order of bricks has it.
@@ -97,16 +135,18 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
     if (level + 1 < levels.size()) out.scratch_bytes += partBytes(info, levels[level], options.brick_size);
   }
   const std::uint64_t index_bytes = out.bricks * sizeof(BrickEntry);
-  if (out.order == ReadOrder::kForward) {
-    out.store_bytes = out.bricks * largestFileBytes(info, options.brick_size) + index_bytes;
-    return out;
-  }
-  const Samples samples = sampleBricks(source, options, progress);
+  const bool stream = out.order == ReadOrder::kForward;
+  const Samples samples = stream ? sampleStream(source, options, progress) : sampleBricks(source, options, progress);
   out.sampled_bricks = samples.bricks;
+  out.sampled_slices = samples.slices;
   const double all_to_samples = static_cast<double>(stored_voxels) / static_cast<double>(samples.stored_voxels);
   out.store_bytes = static_cast<std::uint64_t>(static_cast<double>(samples.file_bytes) * all_to_samples) + index_bytes;
   // What the coarser levels take is encoding, mostly, and in proportion.
-  out.seconds = samples.seconds * all_to_samples / static_cast<double>(out.plan.lanes);
+  const double lanes_s = samples.seconds * all_to_samples;
+  const double stream_s =
+      stream ? samples.slices_s * static_cast<double>(info.geometry.dims.z) / static_cast<double>(samples.slices) : 0;
+  // One thread at a time reads a stream.
+  out.seconds = std::max(stream_s, (stream_s + lanes_s) / static_cast<double>(out.plan.lanes));
   return out;
 }
 

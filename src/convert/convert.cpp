@@ -268,10 +268,12 @@ void run(VolumeSource& source, const Manifest& draft, const JournalContent& earl
     if (conversion->finishedBricks() > 0) {
       progress.note(fmt::format("{} of {} bricks are finished already", conversion->finishedBricks(), report.bricks));
     }
+    const double share = 1 - static_cast<double>(conversion->finishedBricks()) / static_cast<double>(report.bricks);
     conversion->run();
     writer.finish(conversion->counter().histogram(writer.range()), conversion->counter().nanCount());
     report.stored_bricks = writer.storedBricks();
     report.stored_bytes = writer.bytesWritten();
+    report.voxels = static_cast<std::uint64_t>(share * static_cast<double>(draft.geometry().dims.count()));
     report.nan_count = conversion->counter().nanCount();
     report.half_error = conversion->halfError();
     conversion.reset();
@@ -328,8 +330,6 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     }
     run(source, draft, earlier, plan, destination, options, progress, disk, report);
   }
-  report.voxels = static_cast<std::uint64_t>(info.geometry.dims.count());
-  report.source_bytes = report.voxels * sizeOf(info.type);
   report.buffer_bytes = plan.total();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;

@@ -33,9 +33,9 @@ struct ConvertOptions {
 };
 
 struct ConvertReport {
-  std::uint64_t voxels = 0;
+  std::uint64_t voxels = 0;  // of the volume, but for the share of bricks that an earlier run finished
   std::uint64_t bricks = 0, stored_bricks = 0;
-  std::uint64_t source_bytes = 0, stored_bytes = 0;
+  std::uint64_t stored_bytes = 0;
   std::uint64_t nan_count = 0;
   std::uint64_t buffer_bytes = 0;  // the most the conversion planned to hold
   double half_error = 0;           // the largest change of a mean by `half`. unit: the volume's values

@@ -11,7 +11,7 @@
 namespace kiln::tool {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::string input, output, memory = "2G";
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
@@ -32,7 +32,7 @@ std::string readingOf(const ConversionCost& cost) {
                      cost.plan.window_on_disk ? "in a scratch file" : "in memory");
 }
 
-void printCost(const Arguments& a, VolumeSource& source, const ConvertOptions& options, Context& context) {
+void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOptions& options, Context& context) {
   const ConversionCost cost = conversionCost(source, options, context.progress);
   context.progress.clear();
   fmt::print("{}: {}\n", a.input, firstLine(source.info()));
@@ -41,24 +41,18 @@ void printCost(const Arguments& a, VolumeSource& source, const ConvertOptions& o
              formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
   const std::string bricks = fmt::format("{} brick{} of {} level{}", cost.bricks, cost.bricks == 1 ? "" : "s",
                                          cost.levels, cost.levels == 1 ? "" : "s");
-  if (cost.sampled_bricks > 0) {
-    fmt::print("writing      about {} in {}, as {} of them say that were read and encoded\n",
-               formatBytes(cost.store_bytes), bricks, cost.sampled_bricks);
-  } else {
-    fmt::print("writing      at most {} in {}; a stream is not read to say it more closely\n",
-               formatBytes(cost.store_bytes), bricks);
-  }
+  const std::string samples = cost.sampled_slices > 0 ? fmt::format("{} bricks of the first {} slices",
+                                                                    cost.sampled_bricks, cost.sampled_slices)
+                                                      : fmt::format("{} of them", cost.sampled_bricks);
+  fmt::print("writing      about {} in {}, as {} say that were read and encoded\n", formatBytes(cost.store_bytes),
+             bricks, samples);
   fmt::print("scratch      up to {} beside it until it is finished\n", formatBytes(cost.scratch_bytes));
-  if (cost.seconds) {
-    fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", *cost.seconds,
-               static_cast<double>(source.info().geometry.dims.count()) / 1e6 / *cost.seconds);
-  } else {
-    fmt::print("time         not known before the stream is read\n");
-  }
+  fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
+             static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
   fmt::print("nothing was written\n");
 }
 
-void run(const Arguments& a, Context& context) {
+void run(const ConvertArguments& a, Context& context) {
   if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
   const ThreadLimit threads(a.threads);
   std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
@@ -81,9 +75,11 @@ void run(const Arguments& a, Context& context) {
   const ConvertReport report = convert(*source, a.output, options, context.progress);
   context.progress.clear();
   fmt::print("{}: {}\n", a.output, firstLine(source->info()));
+  // Of a resumed conversion, what this run did.
+  const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
   fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
-             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds,
-             static_cast<double>(report.voxels) / 1e6 / report.seconds, formatBytes(report.buffer_bytes));
+             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds, rate,
+             formatBytes(report.buffer_bytes));
   if (rounded != nullptr) {
     fmt::print("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
                rounded->largestError(), report.half_error);
@@ -94,7 +90,7 @@ void run(const Arguments& a, Context& context) {
 }  // namespace
 
 void addConvert(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ConvertArguments>();
   CLI::App* command = app.add_subcommand(
       "convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, TIFF, DICOM, OpenVDB) to a brick store");
   command
