@@ -5,6 +5,11 @@
 
 namespace kiln {
 
+/// The longest side of an image that is drawn, read or written. unit: pixels.
+inline constexpr int kLargestSide_px = 65536;
+/// Beyond any image, and still in the range of int. unit: pixels.
+inline constexpr double kFar_px = 1e8;
+
 /// Half-open, in pixels; may reach outside of the image.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;

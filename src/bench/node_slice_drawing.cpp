@@ -37,10 +37,9 @@ class Drawing {
   }
 
   Svg draw(const NodeSlice& slice) const {
-    Svg svg(
-        width_px_ + 2 * kMargin_px, kHead_px + height_px_ + kMargin_px,
-        fmt::format("The octree's nodes in a slice, {}, {}", kVisibilityNames[static_cast<std::size_t>(slice.method)],
-                    kProjectionNames[static_cast<std::size_t>(slice.projection)]));
+    Svg svg(width_px_ + 2 * kMargin_px, kHead_px + height_px_ + kMargin_px,
+            fmt::format("The octree's nodes in a slice, {}, {}", nameIn(kVisibilityNames, slice.method),
+                        nameIn(kProjectionNames, slice.projection)));
     std::string cells, nodes, hidden;
     int finest = 0;
     for (const LoggedNode& node : slice.log.nodes) finest = std::min(finest, node.level);

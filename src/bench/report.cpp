@@ -45,7 +45,7 @@ class PictureFiles {
         png("artifacts", a.case_index, a.projection, "-difference-enlarged", a.difference_enough_png);
     }
     for (const NodeSlice& s : m_.slices) {
-      const std::string method(kVisibilityNames[static_cast<std::size_t>(s.method)]);
+      const std::string method(nameIn(kVisibilityNames, s.method));
       disk_.writeAtomic(directory_ / (stem("nodes", s.case_index, s.projection) + "-" + method + ".svg"),
                         drawNodeSlice(s, m_.volumes[s.case_index]).file());
     }
@@ -54,7 +54,7 @@ class PictureFiles {
  private:
   std::string stem(std::string_view what, std::size_t case_index, Projection projection) const {
     return fmt::format("{}-{:02}-{}-{}", what, case_index, fileWord(m_.suite.cases[case_index].name),
-                       kProjectionNames[static_cast<std::size_t>(projection)]);
+                       nameIn(kProjectionNames, projection));
   }
   void png(std::string_view what, std::size_t case_index, Projection projection, std::string_view ending,
            const std::vector<std::byte>& data) {

@@ -28,13 +28,13 @@ std::string measurementsCsv(const Measurements& m) {
       const FrameStatistics& s = f.frame;
       std::uint64_t off = 0;
       for (std::size_t i = 2; i < f.distance.pixels.size(); ++i) off += f.distance.pixels[i];
-      out += fmt::format(
-          "{},{},{},{},{},{},{},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{},{},{},{},{},{:.3f}\n",
-          field(c.name), field(c.classification), run.size.width, run.size.height,
-          kProjectionNames[static_cast<std::size_t>(run.projection)],
-          kVisibilityNames[static_cast<std::size_t>(f.method)], f.view, f.turn_deg, f.render_s, f.fastest_s, s.wall_s,
-          s.load_s, s.voxels_visited, s.voxels_splats, s.nodes_tested, s.nodes_hidden, s.bricks_total,
-          s.bricks_interesting, s.bricks_read, s.bricks_hidden, f.identical ? 1 : 0, off, f.distance.largest);
+      out +=
+          fmt::format("{},{},{},{},{},{},{},{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{},{},{},{},{},{:.3f}\n",
+                      field(c.name), field(c.classification), run.size.width, run.size.height,
+                      nameIn(kProjectionNames, run.projection), nameIn(kVisibilityNames, f.method), f.view, f.turn_deg,
+                      f.render_s, f.fastest_s, s.wall_s, s.load_s, s.voxels_visited, s.voxels_splats, s.nodes_tested,
+                      s.nodes_hidden, s.bricks_total, s.bricks_interesting, s.bricks_read, s.bricks_hidden,
+                      f.identical ? 1 : 0, off, f.distance.largest);
     }
   }
   return out;

@@ -70,14 +70,13 @@ std::string nodeSliceFigures(const Measurements& m) {
   for (std::size_t i = 0; i < m.slices.size(); ++i) {
     const NodeSlice& slice = m.slices[i];
     const bool baseline = slice.method == VisibilityMethod::kNone;
-    panels += panel(
-        drawNodeSlice(slice, m.volumes[slice.case_index]).inlined(),
-        fmt::format("({}) {}, {}{}: {} voxels of the volume visited; slice {} = {}", letterOf(i),
-                    escaped(m.suite.cases[slice.case_index].name), wordOf(slice.method),
-                    baseline ? "" : fmt::format(", {}", kProjectionNames[static_cast<std::size_t>(slice.projection)]),
-                    counted(static_cast<double>(slice.visited)), kAxes[static_cast<std::size_t>(slice.log.axis)],
-                    slice.log.plane),
-        372);
+    panels += panel(drawNodeSlice(slice, m.volumes[slice.case_index]).inlined(),
+                    fmt::format("({}) {}, {}{}: {} voxels of the volume visited; slice {} = {}", letterOf(i),
+                                escaped(m.suite.cases[slice.case_index].name), wordOf(slice.method),
+                                baseline ? "" : fmt::format(", {}", nameIn(kProjectionNames, slice.projection)),
+                                counted(static_cast<double>(slice.visited)),
+                                kAxes[static_cast<std::size_t>(slice.log.axis)], slice.log.plane),
+                    372);
     // As in the paper: octree only and the quadtree in one line; the mask in the next.
     const bool last = i + 1 == m.slices.size() || m.slices[i + 1].case_index != slice.case_index;
     if (!last && m.slices[i + 1].method != VisibilityMethod::kMask) continue;
@@ -155,8 +154,8 @@ std::string artifactFigures(const Measurements& m) {
   std::size_t i = 0;
   for (const ArtifactStudy& study : m.artifacts) {
     std::string panels;
-    const std::string name = fmt::format("{}, {}", m.suite.cases[study.case_index].name,
-                                         kProjectionNames[static_cast<std::size_t>(study.projection)]);
+    const std::string name =
+        fmt::format("{}, {}", m.suite.cases[study.case_index].name, nameIn(kProjectionNames, study.projection));
     const auto add = [&](const std::vector<std::byte>& png, const std::string& what, std::string_view classes) {
       panels += panel(image(png, name + ", " + what, study.size, classes),
                       fmt::format("({}) {}: {}", letterOf(i++), escaped(name), what), kPicture_px);

@@ -120,7 +120,7 @@ std::string otherBaselines(const Measurements& m) {
     if (!own || !other || std::abs(own->visited - other->visited) < 0.001 * other->visited) continue;
     out += fmt::format("{}{} at {} in {} projection: {}", out.empty() ? "" : "; ",
                        escaped(m.suite.cases[run.case_index].name), textOf(run.size),
-                       kProjectionNames[static_cast<std::size_t>(run.projection)], counted(own->visited));
+                       nameIn(kProjectionNames, run.projection), counted(own->visited));
   }
   if (out.empty()) return "";
   return paragraph(

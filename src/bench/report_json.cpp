@@ -11,9 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string_view nameOf(VisibilityMethod method) { return kVisibilityNames[static_cast<std::size_t>(method)]; }
-std::string_view nameOf(Projection projection) { return kProjectionNames[static_cast<std::size_t>(projection)]; }
-
 Json jsonOf(const Machine& machine) {
   return {{"processor", machine.processor},
           {"logical_cores", machine.logical_cores},
@@ -38,7 +35,7 @@ Json jsonOf(const VolumeSummary& v) {
 
 Json jsonOf(const FrameMeasurement& f) {
   const FrameStatistics& s = f.frame;
-  return {{"method", nameOf(f.method)},
+  return {{"method", nameIn(kVisibilityNames, f.method)},
           {"view", f.view},
           {"turn_deg", f.turn_deg},
           {"render_s", f.render_s},
@@ -77,7 +74,7 @@ Json jsonOf(const Measurements& m, const MeasuredRun& run) {
   for (const VisibilityMethod method : m.suite.methods) {
     const auto s = summaryOf(run, method);
     if (!s) continue;
-    summaries.push_back({{"method", nameOf(method)},
+    summaries.push_back({{"method", nameIn(kVisibilityNames, method)},
                          {"visited", s->visited},
                          {"ratio_percent", s->ratio_percent},
                          {"render_s", s->render_s},
@@ -89,7 +86,7 @@ Json jsonOf(const Measurements& m, const MeasuredRun& run) {
           {"classification", c.classification},
           {"paper", c.paper.empty() ? Json(nullptr) : Json(c.paper)},
           {"image", {{"width", run.size.width}, {"height", run.size.height}}},
-          {"projection", nameOf(run.projection)},
+          {"projection", nameIn(kProjectionNames, run.projection)},
           {"summary", summaries},
           {"frames", frames}};
 }
@@ -104,7 +101,7 @@ Json jsonOf(const Measurements& m, const ArtifactStudy& study) {
   }
   return {{"case", m.suite.cases[study.case_index].name},
           {"image", {{"width", study.size.width}, {"height", study.size.height}}},
-          {"projection", nameOf(study.projection)},
+          {"projection", nameIn(kProjectionNames, study.projection)},
           {"octree_only", {{"visited", study.baseline_visited}, {"render_s", study.baseline_s}}},
           {"range_tree", {{"visited", study.exact_visited}, {"render_s", study.exact_s}}},
           {"epsilon_enough_px", study.enough ? Json(study.steps[*study.enough].epsilon_px) : Json(nullptr)},
@@ -114,11 +111,13 @@ Json jsonOf(const Measurements& m, const ArtifactStudy& study) {
 Json jsonOf(const VisibilityCosts& costs) {
   Json updates = Json::array(), tests = Json::array();
   for (const UpdateCost& u : costs.updates) {
-    updates.push_back(
-        {{"method", nameOf(u.method)}, {"size_px", u.size_px}, {"pixels", u.pixels}, {"ns_per_pixel", u.ns_per_pixel}});
+    updates.push_back({{"method", nameIn(kVisibilityNames, u.method)},
+                       {"size_px", u.size_px},
+                       {"pixels", u.pixels},
+                       {"ns_per_pixel", u.ns_per_pixel}});
   }
   for (const TestCost& t : costs.tests) {
-    tests.push_back({{"method", nameOf(t.method)},
+    tests.push_back({{"method", nameIn(kVisibilityNames, t.method)},
                      {"size_px", t.size_px},
                      {"area_px", t.area_px},
                      {"hidden_ns", t.hidden_ns},
@@ -146,7 +145,7 @@ std::string measurementsJson(const Measurements& m) {
   for (const MeasuredRun& run : m.runs) runs.push_back(jsonOf(m, run));
   for (const ArtifactStudy& study : m.artifacts) artifacts.push_back(jsonOf(m, study));
   for (const Standing& s : standingsOf(m)) {
-    standings.push_back({{"method", nameOf(s.method)},
+    standings.push_back({{"method", nameIn(kVisibilityNames, s.method)},
                          {"speed_up", s.speed_up},
                          {"ratio_percent", s.ratio_percent},
                          {"wins", s.wins},

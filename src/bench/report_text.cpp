@@ -7,21 +7,16 @@
 #include "scene/job_names.h"
 
 namespace kiln {
-namespace {
-
-std::string_view nameOf(VisibilityMethod method) { return kVisibilityNames[static_cast<std::size_t>(method)]; }
-
-}  // namespace
 
 std::string runText(const Measurements& m, const MeasuredRun& run) {
   const SuiteCase& c = m.suite.cases[run.case_index];
-  std::string out = fmt::format("{} {}x{} {}\n", c.name, run.size.width, run.size.height,
-                                kProjectionNames[static_cast<std::size_t>(run.projection)]);
+  std::string out =
+      fmt::format("{} {}x{} {}\n", c.name, run.size.width, run.size.height, nameIn(kProjectionNames, run.projection));
   for (const VisibilityMethod method : m.suite.methods) {
     const auto s = summaryOf(run, method);
     if (!s) continue;
-    out += fmt::format("  {:<10} {:>12.0f} voxels {:6.2f} %  {:>9.2f} ms {:6.2f} x", nameOf(method), s->visited,
-                       s->ratio_percent, 1e3 * s->render_s, s->speed_up);
+    out += fmt::format("  {:<10} {:>12.0f} voxels {:6.2f} %  {:>9.2f} ms {:6.2f} x", nameIn(kVisibilityNames, method),
+                       s->visited, s->ratio_percent, 1e3 * s->render_s, s->speed_up);
     const auto visits = publishedVisits(c.paper, run.size, run.projection, method);
     const auto times = publishedTimes(c.paper, run.size, run.projection, method);
     if (visits && times) {
@@ -38,7 +33,8 @@ std::string standingsText(const Measurements& m) {
   std::string out;
   for (const Standing& s : standingsOf(m)) {
     out += fmt::format("{:<10} {:6.2f} x over octree only ({:.2f} to {:.2f}), fastest in {} of {} runs\n",
-                       nameOf(s.method), s.speed_up, s.least_speed_up, s.greatest_speed_up, s.wins, m.runs.size());
+                       nameIn(kVisibilityNames, s.method), s.speed_up, s.least_speed_up, s.greatest_speed_up, s.wins,
+                       m.runs.size());
   }
   return out;
 }

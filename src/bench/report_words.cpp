@@ -40,9 +40,7 @@ std::string_view wordOf(VisibilityMethod method) {
   return "overlay";
 }
 
-std::string classOf(VisibilityMethod method) {
-  return "m-" + std::string(kVisibilityNames[static_cast<std::size_t>(method)]);
-}
+std::string classOf(VisibilityMethod method) { return "m-" + std::string(nameIn(kVisibilityNames, method)); }
 
 std::string_view titleOf(Projection projection) {
   return projection == Projection::kOrthographic ? "Orthographic" : "Perspective";

@@ -75,7 +75,7 @@ VoxelType elementType(const HeaderFields& fields) {
               known ? ErrorCode::kUnsupported : ErrorCode::kFormat);
 }
 
-void refuseWhatIsNotAScalarVolume(const HeaderFields& fields) {
+void requireScalarMetaImage(const HeaderFields& fields) {
   const HeaderField* object = fields.find("ObjectType");
   if (object && lowered(object->value) != "image") {
     fields.unsupported(*object, inQuotes(object->value) + " is not an image; give a file with ObjectType Image");
@@ -178,7 +178,7 @@ LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
 
 std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, const SourceOptions& options) {
   const Header header = readHeader(File(input));
-  refuseWhatIsNotAScalarVolume(header.fields);
+  requireScalarMetaImage(header.fields);
   SourceInfo info;
   info.format = "MetaImage";
   info.type = elementType(header.fields);

@@ -42,7 +42,7 @@ VoxelType typeOf(const HeaderFields& fields) {
   fields.fail(field, inQuotes(field.value) + " is not a NRRD type");
 }
 
-void refuseWhatIsNotAScalarVolume(const HeaderFields& fields) {
+void requireScalarNrrd(const HeaderFields& fields) {
   if (const HeaderField* kinds = fields.find("kinds")) {
     for (const std::string& kind : words(lowered(kinds->value))) {
       if (kind == "domain" || kind == "space" || kind == "???" || kind == "none") continue;
@@ -140,7 +140,7 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
 
 std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
   const NrrdHeader header = readNrrdHeader(File(input));
-  refuseWhatIsNotAScalarVolume(header.fields);
+  requireScalarNrrd(header.fields);
   SourceInfo info;
   info.format = "NRRD";
   info.type = typeOf(header.fields);

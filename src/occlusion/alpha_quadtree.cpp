@@ -1,15 +1,8 @@
 #include "occlusion/alpha_quadtree.h"
 
 #include <atomic>
-#include <bit>
 
 namespace kiln {
-namespace {
-
-// Squares larger than a tile are shared by threads.
-constexpr int kTileLevel = std::countr_zero(static_cast<unsigned>(kVisibilityTile));
-
-}  // namespace
 
 AlphaQuadtree::AlphaQuadtree(int width, int height) {
   levels_.push_back({width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)});
@@ -38,7 +31,7 @@ void AlphaQuadtree::close(int x, int y) {
     y >>= 1;
     Level& squares = levels_[static_cast<std::size_t>(k)];
     std::uint8_t& count = squares.counts[static_cast<std::size_t>(y) * squares.columns + x];
-    const int now = k > kTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count;
+    const int now = k > kVisibilityTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count;
     if (now != kOpaque) return;
   }
 }

@@ -15,8 +15,6 @@
 namespace kiln {
 namespace {
 
-// Chunks and segments longer than a tile are shared by threads.
-constexpr int kTileLevel = std::countr_zero(static_cast<unsigned>(kVisibilityTile));
 constexpr std::uint8_t kOpaque = 2;
 
 // A complete binary tree in heap order: node 1 is the root, 2i and 2i+1 are the halves of i, leaves + k is unit k.
@@ -68,7 +66,7 @@ class RangeTreeVisibility final : public Visibility {
   // One more half of a standard rectangle is opaque; whether all of it now is.
   bool fills(int chunk, int segment, int level) {
     std::uint8_t& count = *at(chunk, segment);
-    return (level > kTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count) == kOpaque;
+    return (level > kVisibilityTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count) == kOpaque;
   }
 
   // The standard intervals of [x0, x1) in the secondary tree of one chunk.

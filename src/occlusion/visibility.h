@@ -2,6 +2,7 @@
 // has become so. The answers differ in price and exactness, one file each. Source: Lee and Ihm §2.
 #pragma once
 
+#include <bit>
 #include <memory>
 
 #include "base/pixel_rect.h"
@@ -10,6 +11,8 @@ namespace kiln {
 
 /// The least edge of an image tile, in pixels: calls for pixels of different tiles may run at the same time.
 inline constexpr int kVisibilityTile = 64;
+/// Its logarithm: squares and segments of higher levels than this are shared by threads.
+inline constexpr int kVisibilityTileLevel = std::countr_zero(static_cast<unsigned>(kVisibilityTile));
 
 class Visibility {
  public:

@@ -20,11 +20,11 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/pixel_rect.h"
 
 namespace kiln {
 namespace {
 
-constexpr int kLargestSide_px = 65536;
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
 class MemoryWriter : public Imf::OStream {

@@ -12,12 +12,12 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/pixel_rect.h"
 #include "base/srgb.h"
 
 namespace kiln {
 namespace {
 
-constexpr std::uint32_t kLargestSide_px = 65536;
 // Deflate shrinks no further than 1 : 1032, so a header that promises more than this lies.
 constexpr std::uint64_t kLargestRatio = 1040;
 

@@ -16,8 +16,6 @@
 namespace kiln {
 namespace {
 
-constexpr int kLargestSide_px = 65536;
-
 bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Error refused(const std::string& sentence) { return Error(ErrorCode::kUsage, "camera: " + sentence); }

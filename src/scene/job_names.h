@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace kiln {
@@ -14,5 +15,11 @@ inline constexpr std::array<std::string_view, 2> kLatticeNames = {"pixel", "voxe
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
+
+/// The word of `names` for an enumerator.
+template <class Names, class Enum>
+constexpr std::string_view nameIn(const Names& names, Enum enumerator) {
+  return names[static_cast<std::size_t>(enumerator)];
+}
 
 }  // namespace kiln

@@ -14,7 +14,7 @@ ordered_json listOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 ordered_json jsonOf(const Camera& camera) {
   ordered_json out;
-  out["projection"] = kProjectionNames[static_cast<std::size_t>(camera.projection)];
+  out["projection"] = nameIn(kProjectionNames, camera.projection);
   if (camera.projection == Projection::kPerspective)
     out["fov"] = camera.fov_deg;
   else
@@ -43,7 +43,7 @@ ordered_json jsonOf(const Background& background) {
 
 ordered_json jsonOf(const Light& light) {
   ordered_json out;
-  out["type"] = kLightNames[static_cast<std::size_t>(light.kind)];
+  out["type"] = nameIn(kLightNames, light.kind);
   if (light.kind == LightKind::kDirectional) out["direction"] = listOf(light.place);
   if (light.kind == LightKind::kPoint) out["position"] = listOf(light.place);
   out["color"] = listOf(light.color);
@@ -86,10 +86,10 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   const VisibilityOptions& visibility = job.speed.visibility;
   if (visibility.method == VisibilityMethod::kQuadtree) {
     out["visibility"]["method"] = "quadtree";
-    out["visibility"]["area"] = kProjectedAreaNames[static_cast<std::size_t>(visibility.area)];
+    out["visibility"]["area"] = nameIn(kProjectedAreaNames, visibility.area);
     out["visibility"]["epsilon"] = visibility.epsilon_px;
   }
-  out["lattice"] = kLatticeNames[static_cast<std::size_t>(picture.lattice)];
+  out["lattice"] = nameIn(kLatticeNames, picture.lattice);
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
   out["samples"] = picture.samples;
   if (picture.skip_damaged) out["skipDamaged"] = true;

@@ -12,8 +12,6 @@ namespace {
 
 // Rectangles are widened by this, so that rounding in a footprint's own arithmetic never leaves them. unit: pixels.
 constexpr double kRounding = 0.01;
-// Beyond the image by more than any image is wide; keeps pixel numbers in the range of int.
-constexpr double kFar = 1e8;
 
 Ellipse ellipseOf(double xx, double xy, double yy) {
   xx += kPixelSigma * kPixelSigma;
@@ -41,8 +39,8 @@ VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
 
 // The pixels whose centres lie in [x0, x1] by [y0, y1]: no other takes light from a footprint in there.
 PixelRect rectOf(double x0, double y0, double x1, double y1) {
-  const auto first = [](double v) { return static_cast<int>(std::ceil(std::clamp(v, -kFar, kFar) - 0.5)); };
-  const auto last = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar) - 0.5)); };
+  const auto first = [](double v) { return static_cast<int>(std::ceil(std::clamp(v, -kFar_px, kFar_px) - 0.5)); };
+  const auto last = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px) - 0.5)); };
   return {first(x0), first(y0), last(x1) + 1, last(y1) + 1};
 }
 
@@ -148,7 +146,7 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
     return rectOf(at.x - rx, at.y - ry, at.x + rx, at.y + ry);
   }
   if (centre.z + centres < near_depth_) return {};
-  if (centre.z - cube < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
+  if (centre.z - cube < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
   const auto span = [&](int axis) {
     const Slopes outer = tangents(centre[axis], centre.z, cube);
     const Slopes inner = tangents(centre[axis], centre.z, centres);
@@ -184,7 +182,7 @@ PixelRect Projector::boundsOfBox(const VoxelBox& box) const {
     return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);
   }
   if (farthest < near_depth_) return {};
-  if (nearest < near_depth_) return rectOf(-kFar, -kFar, kFar, kFar);
+  if (nearest < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
   const double rx = largestHalfWidth(0, nearest, (x0 - centre_px_.x) / focal_px_, (x1 - centre_px_.x) / focal_px_);
   const double ry = largestHalfWidth(1, nearest, (y0 - centre_px_.y) / focal_px_, (y1 - centre_px_.y) / focal_px_);
   return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);

@@ -7,7 +7,7 @@ namespace kiln {
 namespace {
 
 // Entries of a table where values are not whole numbers of at most 16 bits.
-constexpr double kSteps = 1 << 15;
+constexpr double kTableSteps = 1 << 15;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
   lo_ = lo;
   const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
-  const double steps = whole ? hi - lo : kSteps;
+  const double steps = whole ? hi - lo : kTableSteps;
   const double step = hi > lo ? (hi - lo) / steps : 1;
   scale_ = static_cast<float>(1 / step);
   last_ = static_cast<float>(std::max(0.0, std::round((hi - lo) / step)));

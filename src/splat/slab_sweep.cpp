@@ -4,14 +4,13 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <utility>
 
 #include "splat/waiting_samples.h"
 
 namespace kiln {
 namespace {
-
-constexpr double kFar = 1e8;
 
 // What one pixel of the tile owns: slabs [first, end).
 struct Owned {
@@ -31,7 +30,7 @@ float covered(float filled) {
   return f * f * f * (10 + f * (6 * f - 15));
 }
 
-int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar, kFar))); }
+int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
 
 // A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
 // slabs (ARCHITECTURE.md has the figures).
@@ -116,7 +115,8 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
-  double x0 = kFar, y0 = kFar, z0 = kFar * kFar, x1 = -kFar, y1 = -kFar, z1 = -kFar * kFar;
+  double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
+  double z0 = std::numeric_limits<double>::infinity(), z1 = -z0;
   bool behind = false;
   const glm::dvec3 corner = projector_.viewOfIndex(
       {static_cast<double>(box.lo.x) - 0.5, static_cast<double>(box.lo.y) - 0.5, static_cast<double>(box.lo.z) - 0.5});
@@ -146,7 +146,7 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
       x0 = std::min(x0, px.x), x1 = std::max(x1, px.x);
       y0 = std::min(y0, px.y), y1 = std::max(y1, px.y);
     }
-    if (behind) x0 = y0 = -kFar, x1 = y1 = kFar;
+    if (behind) x0 = y0 = -kFar_px, x1 = y1 = kFar_px;
   }
   Bounds out;
   // A sample has a depth of its own.

@@ -14,16 +14,16 @@ constexpr float kCut = static_cast<float>(kFootprintRadius * kFootprintRadius);
 constexpr int kSmallTaps = 256;
 
 // exp(-q/2) for 0 <= q <= kCut in steps of 1/64, read with linear interpolation: error below 3e-5.
-constexpr int kSteps = 64;
-const std::array<float, static_cast<std::size_t>(kCut)* kSteps + 2> kGaussian = [] {
-  std::array<float, static_cast<std::size_t>(kCut) * kSteps + 2> table{};
+constexpr int kGaussianSteps = 64;
+const std::array<float, static_cast<std::size_t>(kCut)* kGaussianSteps + 2> kGaussian = [] {
+  std::array<float, static_cast<std::size_t>(kCut) * kGaussianSteps + 2> table{};
   for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = static_cast<float>(std::exp(-0.5 * static_cast<double>(i) / kSteps));
+    table[i] = static_cast<float>(std::exp(-0.5 * static_cast<double>(i) / kGaussianSteps));
   return table;
 }();
 
 float gaussian(float q) {
-  const float at = q * kSteps;
+  const float at = q * kGaussianSteps;
   const int i = static_cast<int>(at);
   const float t = at - static_cast<float>(i);
   return kGaussian[static_cast<std::size_t>(i)] +

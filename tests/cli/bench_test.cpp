@@ -1,7 +1,6 @@
 // `kiln bench` as its users meet it: what it prints, what it leaves, and what it will not write over.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -14,17 +13,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-void write(const fs::path& path, std::string_view text) { std::ofstream(path, std::ios::binary) << text; }
-
 class Bench : public ::testing::Test {
  protected:
   void SetUp() override {
     directory_ = freshDirectory("bench");
     const DenseVolume volume = head({{32, 32, 28}, VoxelType::u8}, {0, 255});
-    write(directory_ / "head.raw", {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
-    write(directory_ / "head.nhdr",
-          "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 32 32 28\nencoding: raw\ndata file: head.raw\n");
-    write(directory_ / "suite.json", R"({"kiln_suite": 1, "views": 2, "repeat": 1, "epsilon_px": [0, 4],
+    writeText(directory_ / "head.raw", {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+    writeText(directory_ / "head.nhdr",
+              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 32 32 28\nencoding: raw\ndata file: head.raw\n");
+    writeText(directory_ / "suite.json", R"({"kiln_suite": 1, "views": 2, "repeat": 1, "epsilon_px": [0, 4],
       "cost": {"sizes": [64], "areas": [8]},
       "cases": [{"name": "HEAD", "paper": "HEAD", "volume": "head.nhdr", "sizes": [[64, 64]], "node_slice": {},
                  "artifacts": true}]})");
@@ -62,13 +59,13 @@ TEST_F(Bench, RefusesWhatItCannotDo) {
   refused({"bench", in("suite.json")}, 2, "--output");
   refused({"bench", in("none.json"), "-o", in("report")}, 1, "none.json");
   fs::create_directory(in("mine"));
-  write(in("mine/thesis.tex"), "years of work");
+  writeText(in("mine/thesis.tex"), "years of work");
   refused({"bench", in("suite.json"), "-o", in("mine")}, 1, "thesis.tex");
   EXPECT_EQ(readTextFile(in("mine/thesis.tex")), "years of work");
   refused({"bench", in("suite.json"), "-o", in("suite.json")}, 2, "suite.json");
-  write(in("wrong.json"), R"({"kiln_suite": 1, "cases": [{"name": "A", "volume": "none.nrrd", "colour": 1}]})");
+  writeText(in("wrong.json"), R"({"kiln_suite": 1, "cases": [{"name": "A", "volume": "none.nrrd", "colour": 1}]})");
   refused({"bench", in("wrong.json"), "-o", in("report")}, 2, "colour");
-  write(in("absent.json"), R"({"kiln_suite": 1, "cases": [{"name": "A", "volume": "none.nrrd"}]})");
+  writeText(in("absent.json"), R"({"kiln_suite": 1, "cases": [{"name": "A", "volume": "none.nrrd"}]})");
   refused({"bench", in("absent.json"), "-o", in("report")}, 1, "none.nrrd");
   EXPECT_FALSE(fs::exists(in("report/report.html")));
 }

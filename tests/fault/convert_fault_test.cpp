@@ -12,6 +12,7 @@
 #include "convert/convert.h"
 #include "store/store_reader.h"
 #include "support/faulty_file_system.h"
+#include "support/impatient_progress.h"
 #include "support/procedural.h"
 #include "support/test_store.h"
 
@@ -224,16 +225,6 @@ TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::ValuesIn(kFaults),
                          [](const auto& fault) { return std::string(fault.param.name); });
-
-// Says stop after `polls` questions.
-class ImpatientProgress : public Progress {
- public:
-  explicit ImpatientProgress(int polls) : left_(polls) {}
-  bool cancelled() const override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
-};
 
 // Known because convert asks before every brick, and there are nine in three levels: an interrupt is resumed wherever
 // it came, with the bytes of a conversion that met none.

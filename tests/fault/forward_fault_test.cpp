@@ -12,6 +12,7 @@
 #include "convert/slice_ring.h"
 #include "support/faulty_file_system.h"
 #include "support/forward_source.h"
+#include "support/impatient_progress.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -112,16 +113,6 @@ TEST_P(ForwardFault, BySourcesThatEndEarly) {
     expectNoStoreThenOne(directory, on_disk_);
   }
 }
-
-// Says stop after `polls` questions: there is one before each of 25 strips and 12 bricks.
-class ImpatientProgress : public Progress {
- public:
-  explicit ImpatientProgress(int polls) : left_(polls) {}
-  bool cancelled() const override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
-};
 
 TEST_P(ForwardFault, ByTheUser) {
   for (const int polls : {0, 1, 20, 36}) {

@@ -14,14 +14,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // Slices of more than a strip, and most bricks constant, which takes no time.
-constexpr Extent3 kDims = {70000, 4, 60};
+constexpr Extent3 kWideDims = {70000, 4, 60};
 constexpr std::int64_t kBrickSize = 16, kStructured = 500;
 
 std::string voxels() {
-  std::string out(static_cast<std::size_t>(kDims.count()), '\0');
-  for (std::int64_t row = 0; row < kDims.y * kDims.z; ++row) {
+  std::string out(static_cast<std::size_t>(kWideDims.count()), '\0');
+  for (std::int64_t row = 0; row < kWideDims.y * kWideDims.z; ++row) {
     for (std::int64_t x = 0; x < kStructured; ++x) {
-      out[static_cast<std::size_t>(row * kDims.x + x)] = static_cast<char>((3 * x + 5 * row + (x * row >> 6)) & 0xff);
+      out[static_cast<std::size_t>(row * kWideDims.x + x)] =
+          static_cast<char>((3 * x + 5 * row + (x * row >> 6)) & 0xff);
     }
   }
   return out;
@@ -52,7 +53,8 @@ TEST(CompressedConversion, NeedsNoSliceInMemory) {
   const fs::path packed = files.write("packed.nrrd", header + "gzip\n\n" + gzipped(bytes));
   const fs::path plain = files.write("plain.nrrd", header + "raw\n\n" + bytes);
   constexpr std::uint64_t kLittle = 3 << 20, kAmple = 256 << 20;
-  static_assert(2 * kLittle < (kBrickSize + 12) * kDims.x * kDims.y, "the slices of one layer of bricks do not fit");
+  static_assert(2 * kLittle < (kBrickSize + 12) * kWideDims.x * kWideDims.y,
+                "the slices of one layer of bricks do not fit");
   const auto expected = converted(plain, kAmple);
   EXPECT_GT(expected.size(), 100u);
   EXPECT_TRUE(converted(packed, kAmple) == expected);

@@ -15,7 +15,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr Extent3 kDims = {21, 18, 5};
+constexpr Extent3 kSeriesDims = {21, 18, 5};
 constexpr VoxelType kTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16,
                                 VoxelType::i16, VoxelType::u32, VoxelType::i32};
 
@@ -54,11 +54,11 @@ TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
     for (const VoxelType type : kTypes) {
       SCOPED_TRACE(testing::Message() << nameOf(type) << " syntax " << static_cast<int>(syntax));
       const ForeignFiles files;
-      const ForeignVolume volume = randomVolume(kDims, type, seed);
+      const ForeignVolume volume = randomVolume(kSeriesDims, type, seed);
       writeSlices(files, volume, syntax);
       expectBack(volume, files.directory(), seed++);
       const ForeignFiles one;
-      const auto path = one.write("all.dcm", dicomFile(specOf(volume, 0, static_cast<int>(kDims.z), syntax)));
+      const auto path = one.write("all.dcm", dicomFile(specOf(volume, 0, static_cast<int>(kSeriesDims.z), syntax)));
       expectBack(volume, path, seed++);
     }
   }

@@ -6,15 +6,14 @@
 namespace kiln::test {
 namespace {
 
-constexpr Extent3 kDims = {5, 4, 3};
-constexpr const char* kTypeNames[] = {"MET_UCHAR", "MET_CHAR", "MET_USHORT", "MET_SHORT",
-                                      "MET_UINT",  "MET_INT",  "MET_FLOAT",  "MET_DOUBLE"};
+constexpr const char* kMetaImageTypes[] = {"MET_UCHAR", "MET_CHAR", "MET_USHORT", "MET_SHORT",
+                                           "MET_UINT",  "MET_INT",  "MET_FLOAT",  "MET_DOUBLE"};
 
-std::string header(const ForeignVolume& volume, bool big_endian, const std::string& more) {
+std::string metaImageHeader(const ForeignVolume& volume, bool big_endian, const std::string& more) {
   const Extent3& n = volume.dims;
   return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = " +
          std::string(big_endian ? "True" : "False") + "\nDimSize = " + std::to_string(n.x) + " " + std::to_string(n.y) +
-         " " + std::to_string(n.z) + "\nElementType = " + kTypeNames[static_cast<int>(volume.type)] + "\n" + more;
+         " " + std::to_string(n.z) + "\nElementType = " + kMetaImageTypes[static_cast<int>(volume.type)] + "\n" + more;
 }
 
 TEST(IngestMetaImage, EveryTypeOrderEncodingAndPlaceReadsBack) {
@@ -26,7 +25,7 @@ TEST(IngestMetaImage, EveryTypeOrderEncodingAndPlaceReadsBack) {
       const std::string bytes = volume.stored(big);
       const auto check = [&](const std::string& name, const std::string& more, const std::string& data = "") {
         SCOPED_TRACE(name + " " + std::string(nameOf(type)) + (big ? " big" : " little"));
-        const auto path = files.write(name, header(volume, big, more) + data);
+        const auto path = files.write(name, metaImageHeader(volume, big, more) + data);
         expectReadsBack(
             volume, [&] { return openSource(path); }, 102);
       };
@@ -47,10 +46,10 @@ TEST(IngestMetaImage, EveryTypeOrderEncodingAndPlaceReadsBack) {
 TEST(IngestMetaImage, GeometryIsAsItkReadsIt) {
   // Known: row i of TransformMatrix times spacing i is column i of the affine.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 111);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 111);
   const auto open = [&](const std::string& fields) {
-    return openSource(
-        files.write("g.mha", header(volume, false, fields + "ElementDataFile = LOCAL\n") + volume.stored(false)));
+    return openSource(files.write(
+        "g.mha", metaImageHeader(volume, false, fields + "ElementDataFile = LOCAL\n") + volume.stored(false)));
   };
   for (const char* names : {"TransformMatrix Offset", "Rotation Origin", "Orientation Position"}) {
     const std::string both = names, matrix = both.substr(0, both.find(' ')), offset = both.substr(both.find(' ') + 1);
@@ -96,12 +95,12 @@ TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
 TEST(IngestMetaImage, EveryCutIsNoticedAndFlipsAreHarmless) {
   // Known: lengths and checksums leave no cut that holds all voxels; ElementDataFile is the last line.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::f32, 121);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::f32, 121);
   const std::string bytes = volume.stored(true), geometry = "ElementSpacing = 1 1 2.5\nOffset = 1 2 3\n";
-  const std::string raw = header(volume, true, geometry + "ElementDataFile = LOCAL\n");
-  const std::string end = header(volume, true, "HeaderSize = -1\nElementDataFile = LOCAL\n");
-  const std::string z = header(volume, true, "CompressedData = True\nElementDataFile = LOCAL\n");
-  const std::string detached = header(volume, true, geometry + "ElementDataFile = data.raw\n");
+  const std::string raw = metaImageHeader(volume, true, geometry + "ElementDataFile = LOCAL\n");
+  const std::string end = metaImageHeader(volume, true, "HeaderSize = -1\nElementDataFile = LOCAL\n");
+  const std::string z = metaImageHeader(volume, true, "CompressedData = True\nElementDataFile = LOCAL\n");
+  const std::string detached = metaImageHeader(volume, true, geometry + "ElementDataFile = data.raw\n");
   files.write("data.raw", bytes);
   const auto in = [&](const char* name) { return files.directory() / name; };
   expectNoCutGoesUnnoticed(volume, files, "a.mha", raw + bytes, in("a.mha"));

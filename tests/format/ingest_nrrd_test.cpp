@@ -9,13 +9,12 @@
 namespace kiln::test {
 namespace {
 
-constexpr Extent3 kDims = {5, 4, 3};
-constexpr const char* kTypeNames[] = {"uint8", "signed char", "unsigned short int", "short", "uint32_t", "signed int",
+constexpr const char* kNrrdTypes[] = {"uint8", "signed char", "unsigned short int", "short", "uint32_t", "signed int",
                                       "float", "double"};
 
-std::string header(const ForeignVolume& volume, bool big_endian, const std::string& more) {
+std::string nrrdHeader(const ForeignVolume& volume, bool big_endian, const std::string& more) {
   const Extent3& n = volume.dims;
-  return "NRRD0005\n# comment: with a colon\ntype: " + std::string(kTypeNames[static_cast<int>(volume.type)]) +
+  return "NRRD0005\n# comment: with a colon\ntype: " + std::string(kNrrdTypes[static_cast<int>(volume.type)]) +
          "\ndimension: 3\nsizes: " + std::to_string(n.x) + " " + std::to_string(n.y) + " " + std::to_string(n.z) +
          "\nkey:=a value: of the user's\nendian: " + (big_endian ? "big" : "little") + "\n" + more;
 }
@@ -45,16 +44,16 @@ TEST(IngestNrrd, EveryTypeOrderEncodingAndPlaceReadsBack) {
             volume, [&] { return openSource(path); }, 62);
       };
       const std::string skips = "line skip: 2\nbyteskip: 3\n";
-      check(files.write("raw.nrrd", header(volume, big, "encoding: raw\n\n") + bytes));
-      check(files.write("crlf.nrrd", withCrLf(header(volume, big, "encoding: raw\n\n")) + bytes));
-      check(files.write("gz.nrrd", header(volume, big, "encoding: gz\n\n") + gzipped(bytes)));
-      check(files.write("two.nrrd", header(volume, big, "encoding: gzip\n\n") + gzipped(bytes.substr(0, 9)) +
+      check(files.write("raw.nrrd", nrrdHeader(volume, big, "encoding: raw\n\n") + bytes));
+      check(files.write("crlf.nrrd", withCrLf(nrrdHeader(volume, big, "encoding: raw\n\n")) + bytes));
+      check(files.write("gz.nrrd", nrrdHeader(volume, big, "encoding: gz\n\n") + gzipped(bytes)));
+      check(files.write("two.nrrd", nrrdHeader(volume, big, "encoding: gzip\n\n") + gzipped(bytes.substr(0, 9)) +
                                         gzipped(bytes.substr(9)) + std::string(5, '\0')));
       files.write("skip.raw", "ab\ncd\nxyz" + bytes);
-      check(files.write("skip.nhdr", header(volume, big, skips + "encoding: raw\ndatafile: ./skip.raw\n")));
+      check(files.write("skip.nhdr", nrrdHeader(volume, big, skips + "encoding: raw\ndatafile: ./skip.raw\n")));
       files.write("skip.gz", "ab\ncd\n" + gzipped("xyz" + bytes));
-      check(files.write("skipgz.nhdr", header(volume, big, skips + "encoding: gzip\ndata file: skip.gz")));
-      check(files.write("end.nhdr", header(volume, big, "byte skip: -1\nencoding: raw\ndata file: skip.raw\n")));
+      check(files.write("skipgz.nhdr", nrrdHeader(volume, big, skips + "encoding: gzip\ndata file: skip.gz")));
+      check(files.write("end.nhdr", nrrdHeader(volume, big, "byte skip: -1\nencoding: raw\ndata file: skip.raw\n")));
     }
   }
 }
@@ -62,10 +61,10 @@ TEST(IngestNrrd, EveryTypeOrderEncodingAndPlaceReadsBack) {
 TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
   // Known: columns of the affine are the directions, its last column the origin; -x is left in RAS.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 71);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 71);
   const auto open = [&](const std::string& fields) {
     return openSource(
-        files.write("g.nrrd", header(volume, false, fields + "encoding: raw\n\n") + volume.stored(false)));
+        files.write("g.nrrd", nrrdHeader(volume, false, fields + "encoding: raw\n\n") + volume.stored(false)));
   };
   const std::string axes = "space directions: (1,2,0.5) (0, -3 ,0) (0.25,0,4e0)\nspace origin: (10,-20,30.5)\n";
   const glm::dmat4 affine = {{1, 2, 0.5, 0}, {0, -3, 0, 0}, {0.25, 0, 4, 0}, {10, -20, 30.5, 1}};
@@ -87,9 +86,9 @@ TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
   expectAffine(range->info(), {{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 1, 1}});
   SourceOptions options;
   options.spacing = glm::dvec3(2, 3, 4);
-  const auto plain = files.write("p.nrrd", header(volume, false, "encoding: raw\n\n") + volume.stored(false));
+  const auto plain = files.write("p.nrrd", nrrdHeader(volume, false, "encoding: raw\n\n") + volume.stored(false));
   expectAffine(openSource(plain, options)->info(), {{2, 0, 0, 0}, {0, 3, 0, 0}, {0, 0, 4, 0}, {0, 0, 0, 1}});
-  const auto own = files.write("o.nrrd", header(volume, false, axes + "encoding: raw\n\n") + volume.stored(false));
+  const auto own = files.write("o.nrrd", nrrdHeader(volume, false, axes + "encoding: raw\n\n") + volume.stored(false));
   expectRefused(own, ErrorCode::kUsage, "--spacing", options);
 }
 
@@ -132,8 +131,8 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
 TEST(IngestNrrd, StreamsOfTheWrongLengthAreNoticed) {
   // Known: one voxel too few, one too many, a wrong checksum, a tail; each is one change to a good file.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 81);
-  const std::string head = header(volume, false, "encoding: gzip\n\n"), bytes = volume.stored(false);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 81);
+  const std::string head = nrrdHeader(volume, false, "encoding: gzip\n\n"), bytes = volume.stored(false);
   const auto refused = [&](const std::string& stream, const std::string& part) {
     expectRefused(files.write("s.nrrd", head + stream), ErrorCode::kFormat, part);
   };
@@ -148,11 +147,12 @@ TEST(IngestNrrd, StreamsOfTheWrongLengthAreNoticed) {
 TEST(IngestNrrd, EveryCutIsNoticedAndFlipsAreHarmless) {
   // Known: lengths and checksums leave no cut that holds all voxels; the data file's name is the header's last line.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::i16, 91);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 91);
   const std::string bytes = volume.stored(true), geometry = "spacings: 1 1 2.5\nspace origin: (1,2,3)\n";
-  const std::string raw = header(volume, true, geometry + "encoding: raw\n\n"),
-                    gz = header(volume, true, "encoding: gzip\n\n");
-  const std::string detached = header(volume, true, geometry + "byte skip: -1\nencoding: raw\ndata file: data.raw\n");
+  const std::string raw = nrrdHeader(volume, true, geometry + "encoding: raw\n\n"),
+                    gz = nrrdHeader(volume, true, "encoding: gzip\n\n");
+  const std::string detached =
+      nrrdHeader(volume, true, geometry + "byte skip: -1\nencoding: raw\ndata file: data.raw\n");
   files.write("data.raw", bytes);
   const auto in = [&](const char* name) { return files.directory() / name; };
   expectNoCutGoesUnnoticed(volume, files, "a.nrrd", raw + bytes, in("a.nrrd"));

@@ -11,8 +11,6 @@
 namespace kiln::test {
 namespace {
 
-constexpr Extent3 kDims = {5, 4, 3};
-
 SourceOptions optionsOf(const ForeignVolume& volume, bool big_endian = false, std::uint64_t skip = 0) {
   SourceOptions options;
   options.dims = volume.dims;
@@ -101,7 +99,7 @@ TEST(IngestRaw, LinearMapRoundsOnceAndSaturates) {
 TEST(IngestRaw, EveryCutIsNoticed) {
   // Known: the length is the only witness, and no shorter length agrees with the dimensions.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 41);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 41);
   expectNoCutGoesUnnoticed(volume, files, "v.raw", "head" + volume.stored(false), files.directory() / "v.raw",
                            optionsOf(volume, false, 4));
 }
@@ -109,7 +107,7 @@ TEST(IngestRaw, EveryCutIsNoticed) {
 TEST(IngestRaw, WrongLengthsNameBothNumbersAndTheWayOut) {
   // Known: 5*4*3*2 = 120 bytes are expected.
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 51);
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 51);
   const auto longer = files.write("long.raw", std::string(7, 'x') + volume.stored(false));
   expectRefused(longer, ErrorCode::kFormat, "has 127 bytes", optionsOf(volume));
   expectRefused(longer, ErrorCode::kFormat, "takes 120", optionsOf(volume));

@@ -8,20 +8,18 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr Extent3 kDims = {21, 19, 4};
-
 glm::dvec3 spacingOf(const fs::path& path, const SourceOptions& options = {}) {
   return openSource(path, options)->info().geometry.spacing();
 }
 
 TEST(IngestTiff, SpacingIsWhatTheFilesSayWhereTheySayIt) {
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 18);
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 18);
   const fs::path path = files.directory() / "a.tif";
   const auto write = [&](double x, double y, int unit, const std::string& description = "") {
     TiffLayout layout;
     layout.x_resolution = x, layout.y_resolution = y, layout.resolution_unit = unit, layout.description = description;
-    writeTiff(path, volume, 0, kDims.z, layout);
+    writeTiff(path, volume, 0, kStackDims.z, layout);
   };
   write(0, 0, 0);
   EXPECT_EQ(spacingOf(path), glm::dvec3(1));

@@ -19,8 +19,6 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr Extent3 kDims = {21, 19, 4};
-
 std::vector<TiffLayout> layouts() {
   std::vector<TiffLayout> out;
   for (const auto& [rows, tile] : {std::pair{0, 0}, {1, 0}, {5, 0}, {0, 16}, {0, 32}}) {
@@ -44,14 +42,14 @@ TEST(IngestTiff, EveryTypeOrderAndLayoutGivesTheValuesBack) {
   const ForeignFiles files;
   std::uint64_t seed = 1;
   for (const VoxelType type : kAllTypes) {
-    const ForeignVolume volume = randomVolume(kDims, type, seed);
+    const ForeignVolume volume = randomVolume(kStackDims, type, seed);
     for (TiffLayout layout : layouts()) {
       layout.big_endian = seed % 2 == 0;
       layout.big_tiff = seed % 3 == 0;
       SCOPED_TRACE(testing::Message() << nameOf(type) << " strip " << layout.strip_rows << " tile " << layout.tile
                                       << " compression " << layout.compression << " big " << layout.big_endian);
       const fs::path path = files.directory() / "a.tif";
-      writeTiff(path, volume, 0, kDims.z, layout);
+      writeTiff(path, volume, 0, kStackDims.z, layout);
       expectBack(volume, path, seed++);
     }
   }
@@ -60,14 +58,14 @@ TEST(IngestTiff, EveryTypeOrderAndLayoutGivesTheValuesBack) {
 TEST(IngestTiff, PredictorsAreUndone) {
   const ForeignFiles files;
   for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::i32, VoxelType::f32}) {
-    const ForeignVolume volume = randomVolume(kDims, type, 7);
+    const ForeignVolume volume = randomVolume(kStackDims, type, 7);
     for (const bool big : {false, true}) {
       if (big && isFloating(type)) continue;  // libtiff 4.5 writes these wrong
       TiffLayout layout;
       layout.compression = 8;
       layout.predictor = isFloating(type) ? 3 : 2;
       layout.big_endian = big;
-      writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+      writeTiff(files.directory() / "a.tif", volume, 0, kStackDims.z, layout);
       expectBack(volume, files.directory() / "a.tif", 7);
     }
   }
@@ -75,10 +73,10 @@ TEST(IngestTiff, PredictorsAreUndone) {
 
 TEST(IngestTiff, WhiteIsZeroTakesTheValuesAsTheyAre) {
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 8);
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 8);
   TiffLayout layout;
   layout.photometric = 0;
-  writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+  writeTiff(files.directory() / "a.tif", volume, 0, kStackDims.z, layout);
   expectBack(volume, files.directory() / "a.tif", 8);
 }
 
@@ -130,10 +128,10 @@ TEST(IngestTiff, FilesOfSeveralPagesFollowEachOther) {
 
 TEST(IngestTiff, SmallerCopiesAreNotSlices) {
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 11);
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 11);
   TiffLayout layout;
   layout.reduced_pages = 1;
-  writeTiff(files.directory() / "a.tif", volume, 0, kDims.z, layout);
+  writeTiff(files.directory() / "a.tif", volume, 0, kStackDims.z, layout);
   EXPECT_EQ(openSource(files.directory() / "a.tif")->info().geometry.dims.z, 3);
 }
 
@@ -224,7 +222,7 @@ TEST(IngestTiff, FlippedBitsNeverCrash) {
 
 TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u8, 15);
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 15);
   const fs::path path = files.directory() / "a.tif";
   const auto expect = [&](const TiffLayout& layout, const std::string& says) {
     writeTiff(path, volume, 0, 1, layout);
@@ -252,7 +250,7 @@ TEST(IngestTiff, AnUnknownCompressionIsNamed) {
   const ForeignFiles files;
   TiffLayout layout;
   layout.compression = 5;
-  writeTiff(files.directory() / "a.tif", randomVolume(kDims, VoxelType::u8, 16), 0, 1, layout);
+  writeTiff(files.directory() / "a.tif", randomVolume(kStackDims, VoxelType::u8, 16), 0, 1, layout);
   const std::string whole = bytesOf(files.directory() / "a.tif");
   const std::string entry("\x03\x01\x03\x00\x01\x00\x00\x00\x05\x00", 10);
   const std::size_t at = whole.find(entry);
@@ -267,7 +265,7 @@ TEST(IngestTiff, AnUnknownCompressionIsNamed) {
 
 TEST(IngestTiff, SlicesThatDifferAreAnErrorThatNamesThem) {
   const ForeignFiles files;
-  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 17);
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u16, 17);
   writeTiff(files.directory() / "s1.tif", volume, 0, 1);
   writeTiff(files.directory() / "s2.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
   expectRefused(files.directory(), ErrorCode::kFormat,

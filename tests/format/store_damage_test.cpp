@@ -32,14 +32,6 @@ void overwrite(const fs::path& path, std::span<const std::byte> data) {
 
 void overwrite(const fs::path& path, const std::string& text) { overwrite(path, std::as_bytes(std::span(text))); }
 
-// manifest.json with the checksum that belongs to it (FORMAT.md): what a person who edits it by hand would leave.
-std::string restamped(std::string text) {
-  const std::string key = "\"checksum\": \"";
-  const std::size_t digits = text.rfind(key) + key.size();
-  text.replace(digits, 32, 32, '0');
-  return text.replace(digits, 32, toHex(hashOf(text)));
-}
-
 class StoreDamage : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -373,14 +373,6 @@ Manifest unusualManifest() {
   return m;
 }
 
-// The text with the checksum that belongs to it, as FORMAT.md defines it.
-std::string restamped(std::string text) {
-  const std::string key = "\"checksum\": \"";
-  const std::size_t digits = text.rfind(key) + key.size();
-  text.replace(digits, 32, 32, '0');
-  return text.replace(digits, 32, toHex(hashOf(text)));
-}
-
 // What parsing `json` says; empty where it is taken.
 std::string complaintOf(const Json& json, ErrorCode expected = ErrorCode::kFormat) {
   try {

@@ -61,14 +61,14 @@ class LatticeWeights : public ::testing::TestWithParam<std::tuple<Lattice, Proje
   std::optional<BrickCache> cache_;
 };
 
-constexpr std::int64_t kSide = 36;  // unit: voxels, and with spacing 1 the world's
+constexpr std::int64_t kCubeSide = 36;  // unit: voxels, and with spacing 1 the world's
 
 // Where a ray runs inside of the box. 0 where it passes it by.
 double chord(const Ray& ray) {
   double begin = -1e30, end = 1e30;
   for (int axis = 0; axis < 3; ++axis) {
     const double a = (-0.5 - ray.origin[axis]) / ray.direction[axis];
-    const double b = (kSide - 0.5 - ray.origin[axis]) / ray.direction[axis];
+    const double b = (kCubeSide - 0.5 - ray.origin[axis]) / ray.direction[axis];
     begin = std::max(begin, std::min(a, b));
     end = std::min(end, std::max(a, b));
   }
@@ -120,7 +120,7 @@ Ripple rippleOf(const Image& image, const View& view, double tau, int margin) {
 
 // The first views run along the lattice's axes, all of whose layers then have the same phase: the worst there is.
 TEST_P(LatticeWeights, SumToOne) {
-  open(fill({{kSide, kSide, kSide}, VoxelType::u8}, [](auto...) { return 100.0; }));
+  open(fill({{kCubeSide, kCubeSide, kCubeSide}, VoxelType::u8}, [](auto...) { return 100.0; }));
   constexpr double kTau = 0.03;
   FrameRequest r = request();
   r.transfer_function = {1, {{100, glm::dvec3(1), -std::expm1(-kTau)}}};
@@ -132,9 +132,9 @@ TEST_P(LatticeWeights, SumToOne) {
       Random random(view);
       const glm::dvec3 along(view == 0, view == 1, view == 2);
       constexpr int kPixels = 64;
-      r.view = resolve(
-          camera(random, glm::dvec3((kSide - 1) / 2.0), view < 3 ? along : random.direction(), kPixels / px_per_voxel),
-          {kPixels, kPixels});
+      r.view = resolve(camera(random, glm::dvec3((kCubeSide - 1) / 2.0), view < 3 ? along : random.direction(),
+                              kPixels / px_per_voxel),
+                       {kPixels, kPixels});
       // A footprint of the voxel lattice grows with the voxel.
       const int margin = lattice == Lattice::kVoxel ? 3 + static_cast<int>(1.65 * px_per_voxel) : 3;
       const Ripple ripple = rippleOf(drawn(r), r.view, kTau, margin);

@@ -41,7 +41,7 @@ class Frames {
   BrickCache cache_;
 };
 
-TransferFunction linearExtinction(double value, double tau) {
+TransferFunction extinctionUpTo(double value, double tau) {
   TransferFunction out;
   out.unit = 1;
   out.points = {{0, {1, 1, 1}, 0}, {value, {1, 1, 1}, -std::expm1(-tau)}};
@@ -125,7 +125,7 @@ TEST(LevelOfDetail, UniformMediumHasNoSeams) {
   request.lattice = Lattice::kVoxel;
   request.shading.phong = false;
   request.opacity_threshold = 1;
-  request.transfer_function = linearExtinction(100, kTau);
+  request.transfer_function = extinctionUpTo(100, kTau);
   int most_levels = 0;
   const glm::dvec3 eyes[] = {{47.5, 31.5, -90}, {47.5, 90, -40}, {-120, 31.5, 20}, {160, 100, -40}, {15.5, 15.5, -60}};
   for (std::size_t i = 0; i < std::size(eyes); ++i) {

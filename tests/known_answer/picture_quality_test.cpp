@@ -24,7 +24,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr int kPixels = 128;
+constexpr int kHeadPixels = 128;
 
 // What must be reached. At a pixel a voxel, the head's wood grain is as fine as the pixels, a voxel's step may meet it
 // by luck, and silhouettes, 0.3 pixel too wide, are a larger part of the picture.
@@ -38,7 +38,7 @@ Camera cameraAt(const VolumeGeometry& volume, Projection projection, double px_p
   if (px_per_voxel > 1) camera.target = volume.worldOf({60, 30, 78});  // an eye and a cheek
   camera.eye +=
       camera.target - volume.worldOf(glm::dvec3(volume.dims.x - 1, volume.dims.y - 1, volume.dims.z - 1) / 2.0);
-  camera.height = kPixels / px_per_voxel * volume.meanSpacing();
+  camera.height = kHeadPixels / px_per_voxel * volume.meanSpacing();
   camera.fov_deg =
       2 * std::atan(0.5 * camera.height / glm::length(camera.eye - camera.target)) * 180 / std::numbers::pi;
   return camera;
@@ -57,7 +57,7 @@ TEST_P(PictureQuality, IsThatOfTheReference) {
       SCOPED_TRACE(fmt::format("{}, {} px/voxel", preset, must.px_per_voxel));
       FrameRequest request;
       setLattice(request, Lattice::kPixel);
-      request.view = resolve(cameraAt(volume.geometry, GetParam(), must.px_per_voxel), {kPixels, kPixels});
+      request.view = resolve(cameraAt(volume.geometry, GetParam(), must.px_per_voxel), {kHeadPixels, kHeadPixels});
       request.transfer_function = presetFor(preset, reader.manifest());
       request.opacity_threshold = 0.9999;
       const auto reference = [&](const ReferenceSettings& settings) {
@@ -79,7 +79,7 @@ TEST_P(PictureQuality, IsThatOfTheReference) {
     row += 3;
   }
   const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("quality_{}.png", nameOf(GetParam()));
-  writeImage(contactSheet(sheet, kPixels), {}, {}, file);
+  writeImage(contactSheet(sheet, kHeadPixels), {}, {}, file);
   std::printf("%s\n", file.c_str());
 }
 

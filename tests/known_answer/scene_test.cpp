@@ -15,7 +15,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr int kPixels = 48;
+constexpr int kScenePixels = 48;
 
 TransferFunction everywhere(double opacity) { return {1, {{0, {0.9, 0.6, 0.3}, opacity}}}; }
 
@@ -26,7 +26,7 @@ class Scenes : public ::testing::TestWithParam<Projection> {
         store_(makeStore(volume_, "scene_ramp_" + std::to_string(static_cast<int>(GetParam())), 16)) {
     // Well off the gradient and well off square to it, so that no ray meets the surface edge on.
     const glm::dvec3 from = glm::normalize(worldGradient()) + glm::dvec3(0.1, -0.5, 0.4);
-    request_.view = resolve(cameraFrom(volume_.geometry, from, GetParam()), {kPixels, kPixels});
+    request_.view = resolve(cameraFrom(volume_.geometry, from, GetParam()), {kScenePixels, kScenePixels});
     request_.level = 0;
     request_.opacity_threshold = 0.9999;
     request_.transfer_function = everywhere(0.05);
@@ -110,7 +110,7 @@ TEST_P(Scenes, ACutIsAFaceWithTheNormalOfItsPlane) {
     request_.clipping = {std::nullopt, {{normal, -glm::dot(normal, centre())}}};
     const double expected = 0.2 + 0.8 * std::cos(turned);
     for (const Image& image : {splatted(), reference()}) {
-      const float* middle = image.pixel(kPixels / 2, kPixels / 2);
+      const float* middle = image.pixel(kScenePixels / 2, kScenePixels / 2);
       EXPECT_NEAR(middle[3], 1, 1e-3);
       EXPECT_NEAR(middle[0], 0.9 * expected, 0.02);
       EXPECT_NEAR(middle[2], 0.3 * expected, 0.01);
@@ -163,8 +163,8 @@ TEST_P(Scenes, TheBackgroundRunsFromTopToBottom) {
   request_.transfer_function = everywhere(0);
   request_.background = {{0, 0.5, 0, 0.5}, {1, 0, 0, 1}};
   const Image image = splatted();
-  for (int y = 0; y < kPixels; ++y) {
-    const double t = y / (kPixels - 1.0);
+  for (int y = 0; y < kScenePixels; ++y) {
+    const double t = y / (kScenePixels - 1.0);
     const double expected[] = {t, 0.5 * (1 - t), 0, 0.5 + 0.5 * t};
     for (int channel = 0; channel < 4; ++channel) EXPECT_NEAR(image.pixel(7, y)[channel], expected[channel], 1e-6);
   }

@@ -11,7 +11,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kSize{90, 75};  // neither is a multiple of a tile
+constexpr ImageSize kCroppedSize{90, 75};  // neither is a multiple of a tile
 constexpr VisibilityMethod kExact[] = {VisibilityMethod::kMask, VisibilityMethod::kNone, VisibilityMethod::kRangeTree,
                                        VisibilityMethod::kOverlay};
 
@@ -26,12 +26,12 @@ Image partOf(const Image& whole, const PixelRect& rect) {
 std::vector<PixelRect> cropsOf(std::uint64_t seed) {
   Random random(seed ^ 0x63726f70);
   const auto one = [&](int from, int to) { return random.between(from, to - 1); };
-  const int x = one(0, kSize.width), y = one(0, kSize.height);
+  const int x = one(0, kCroppedSize.width), y = one(0, kCroppedSize.height);
   return {{x, y, x + 1, y + 1},
-          {one(0, 20), 63, one(60, kSize.width), 64},
+          {one(0, 20), 63, one(60, kCroppedSize.width), 64},
           {64, 0, 64 + one(1, 26), 64},
-          {one(1, 63), one(1, 63), one(66, kSize.width), one(66, kSize.height)},
-          {0, 0, kSize.width, kSize.height}};
+          {one(1, 63), one(1, 63), one(66, kCroppedSize.width), one(66, kCroppedSize.height)},
+          {0, 0, kCroppedSize.width, kCroppedSize.height}};
 }
 
 class Crop : public ::testing::TestWithParam<Lattice> {
@@ -42,7 +42,7 @@ class Crop : public ::testing::TestWithParam<Lattice> {
     int with_something = 0;
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-      const RandomScene scene = randomScene(seed, volume, kSize);
+      const RandomScene scene = randomScene(seed, volume, kCroppedSize);
       FrameRequest request = requestOf(scene, GetParam(), randomThreshold(seed));
       if (request.background == Background{}) request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
       FrameStatistics statistics;

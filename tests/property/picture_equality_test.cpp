@@ -15,7 +15,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kSize{150, 117};  // neither is a multiple of a tile
+constexpr ImageSize kEqualSize{150, 117};  // neither is a multiple of a tile
 
 // Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
@@ -86,7 +86,7 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
     int pictures_with_something = 0;
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-      const RandomScene scene = randomScene(seed, volume_, kSize);
+      const RandomScene scene = randomScene(seed, volume_, kEqualSize);
       const double threshold = randomThreshold(seed);
       FrameRequest request = requestOf(scene, std::get<1>(GetParam()), threshold);
       request.level = 0;
@@ -147,11 +147,11 @@ class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       FrameRequest request =
-          requestOf(randomScene(seed, volume, kSize), std::get<1>(GetParam()), randomThreshold(seed));
+          requestOf(randomScene(seed, volume, kEqualSize), std::get<1>(GetParam()), randomThreshold(seed));
       Camera camera = cameraFrom(volume.geometry, randomDirection(seed, 0), Projection::kPerspective);
       camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
       camera.fov_deg = 110;
-      request.view = resolve(camera, kSize);
+      request.view = resolve(camera, kEqualSize);
       request.visibility.method = VisibilityMethod::kNone;
       FrameStatistics statistics;
       const Image truth = draw(store, request, 1ull << 30, &statistics);

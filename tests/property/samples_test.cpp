@@ -14,7 +14,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kSize{29, 40};
+constexpr ImageSize kSampledSize{29, 40};
 
 // The largest departure of `image` from the means of edge × edge pixels of `larger`.
 double departure(const Image& image, const Image& larger, int edge) {
@@ -34,10 +34,10 @@ double departure(const Image& image, const Image& larger, int edge) {
 class Samples : public ::testing::TestWithParam<Lattice> {
  protected:
   FrameRequest requestFor(std::uint64_t seed) const {
-    RandomScene scene = randomScene(seed, volume_, kSize);
+    RandomScene scene = randomScene(seed, volume_, kSampledSize);
     // From within the volume a voxel is thousands of samples, which says no more and takes seconds.
     const Projection projection = seed % 2 == 0 ? Projection::kOrthographic : Projection::kPerspective;
-    scene.view = resolve(cameraFrom(volume_.geometry, randomDirection(seed, 0), projection), kSize);
+    scene.view = resolve(cameraFrom(volume_.geometry, randomDirection(seed, 0), projection), kSampledSize);
     scene.background = {};
     return requestOf(scene, GetParam(), randomThreshold(seed));
   }
@@ -55,7 +55,7 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
     const Image image = draw(store_, request, 1ull << 30, &statistics);
     FrameRequest larger = request;
     larger.samples = 1;
-    larger.view.size = {edge * kSize.width, edge * kSize.height};
+    larger.view.size = {edge * kSampledSize.width, edge * kSampledSize.height};
     larger.view.focal_px = edge * request.view.focal_px;
     larger.view.centre_px = {edge * request.view.centre_px.x, edge * request.view.centre_px.y};
     EXPECT_LT(departure(image, draw(store_, larger, 1ull << 30, &of_larger), edge), 1e-6) << "seed " << seed;

@@ -53,6 +53,9 @@ ForeignVolume randomVolume(const Extent3& dims, VoxelType type, std::uint64_t se
 std::string gzipped(std::string_view bytes);
 std::string zlibbed(std::string_view bytes);
 
+/// The size of volumes that are written and read back.
+inline constexpr Extent3 kFewVoxels = {5, 4, 3};
+
 inline constexpr VoxelType kAllTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
                                           VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/progress.h"
 #include "convert/convert.h"
 #include "store/verify.h"
@@ -35,6 +37,12 @@ fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int6
   return store;
 }
 
+void writeText(const fs::path& path, std::string_view text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  ASSERT_TRUE(out.flush().good()) << path;
+}
+
 std::map<std::string, std::vector<std::byte>> filesOf(const fs::path& directory) {
   std::map<std::string, std::vector<std::byte>> out;
   for (const auto& entry : fs::recursive_directory_iterator(directory)) {
@@ -48,6 +56,13 @@ std::uint64_t wholeFiles(const fs::path& store) {
   return verify(
              StoreReader(store), 1ull << 30, [](const Error& damage) { throw damage; }, silent)
       .files;
+}
+
+std::string restamped(std::string manifest) {
+  const std::string key = "\"checksum\": \"";
+  const std::size_t digits = manifest.rfind(key) + key.size();
+  manifest.replace(digits, 32, 32, '0');
+  return manifest.replace(digits, 32, toHex(hashOf(manifest)));
 }
 
 }  // namespace kiln::test

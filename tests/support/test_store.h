@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "support/procedural.h"
@@ -18,10 +19,16 @@ std::filesystem::path freshDirectory(const std::string& name);
 /// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.
 std::filesystem::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size = 32);
 
+/// Writes `text` to a file; a failure fails the test.
+void writeText(const std::filesystem::path& path, std::string_view text);
+
 /// Every file below `directory`, by its path from there.
 std::map<std::string, std::vector<std::byte>> filesOf(const std::filesystem::path& directory);
 
 /// How many files of the store there are, each of them whole. throws: Error, the first damage that `verify` finds.
 std::uint64_t wholeFiles(const std::filesystem::path& store);
+
+/// The text of a manifest with the checksum that it would have been written with.
+std::string restamped(std::string manifest);
 
 }  // namespace kiln::test

@@ -8,6 +8,9 @@
 
 namespace kiln::test {
 
+/// The size of stacks that are written and read back: tiles and strips end in mid-slice.
+inline constexpr Extent3 kStackDims = {21, 19, 4};
+
 /// How pages are written. The default is one strip a page, not compressed, little-endian.
 struct TiffLayout {
   bool big_endian = false, big_tiff = false;

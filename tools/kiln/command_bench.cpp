@@ -10,12 +10,12 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
-struct Arguments {
+struct BenchArguments {
   std::string suite, output;
   bool quick = false;
 };
 
-void run(const Arguments& a, Context& context) {
+void run(const BenchArguments& a, Context& context) {
   Suite suite = readSuite(a.suite);
   if (a.quick) suite = quickened(suite);
   const fs::path directory = a.output;
@@ -35,7 +35,7 @@ void run(const Arguments& a, Context& context) {
 }  // namespace
 
 void addBench(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<BenchArguments>();
   CLI::App* command =
       app.add_subcommand("bench", "measure the visibility methods over a suite of volumes and write a report");
   command->add_option("SUITE", a->suite, "what to measure: JSON")->required();

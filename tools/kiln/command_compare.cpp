@@ -10,12 +10,12 @@
 namespace kiln::tool {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string a, b, output;
   bool json = false;
 };
 
-void run(const Arguments& arguments) {
+void run(const CompareArguments& arguments) {
   if (!arguments.output.empty()) requireImagePath(arguments.output);
   const Image a = readImage(arguments.a);
   const Image b = readImage(arguments.b);
@@ -48,7 +48,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void addCompare(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand("compare", "say how far two pictures are apart");
   command->add_option("A", a->a, "a picture, .exr or .png")->required();
   command->add_option("B", a->b, "another")->required();

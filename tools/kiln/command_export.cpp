@@ -7,13 +7,13 @@
 namespace kiln::tool {
 namespace {
 
-struct Arguments {
+struct ExportArguments {
   std::string store, output;
   int level = 0;
   bool overwrite = false;
 };
 
-void run(const Arguments& a, Context& context) {
+void run(const ExportArguments& a, Context& context) {
   const StoreReader store(a.store);
   if (a.level < 0 || a.level >= store.index().levels()) {
     throw Error(ErrorCode::kUsage, fmt::format("--level: {} has levels 0 to {}", a.store, store.index().levels() - 1));
@@ -26,7 +26,7 @@ void run(const Arguments& a, Context& context) {
 }  // namespace
 
 void addExport(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ExportArguments>();
   CLI::App* command =
       app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
   command->add_option("STORE", a->store, "the store")->required();

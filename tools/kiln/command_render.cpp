@@ -19,7 +19,7 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
-struct Arguments {
+struct RenderArguments {
   std::string input, output, stats;
   std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice, level,
       memory, exr_type, window;
@@ -49,7 +49,7 @@ double between(double value, double lo, double hi, const char* option) {
   return value;
 }
 
-void applyCamera(const Arguments& a, CameraSpec& camera) {
+void applyCamera(const RenderArguments& a, CameraSpec& camera) {
   if (a.projection) camera.projection = named<Projection>(kProjectionNames, *a.projection, "--projection");
   if (a.view) camera.side = named<Side>(kSideNames, *a.view, "--view");
   if (a.eye) camera.eye = parseTriple(*a.eye, "--eye");
@@ -71,7 +71,7 @@ std::optional<int> levelNamed(const std::string& text) {
   return level;
 }
 
-void applyPicture(const Arguments& a, PictureOptions& picture) {
+void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.size) {
     const auto [width, height] = parseSize(*a.size, "--size");
     picture.size = {width, height};
@@ -92,7 +92,7 @@ void applyPicture(const Arguments& a, PictureOptions& picture) {
   if (a.level) picture.level = levelNamed(*a.level);
 }
 
-void applySpeed(const Arguments& a, SpeedOptions& speed) {
+void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
   if (a.visibility) speed.visibility.method = named<VisibilityMethod>(kVisibilityNames, *a.visibility, "--visibility");
   if (a.area) speed.visibility.area = named<ProjectedArea>(kProjectedAreaNames, *a.area, "--projected-area");
   if (a.epsilon)
@@ -103,7 +103,7 @@ void applySpeed(const Arguments& a, SpeedOptions& speed) {
   if (a.threads) speed.threads = *a.threads;
 }
 
-void applyOutput(const Arguments& a, OutputOptions& output) {
+void applyOutput(const RenderArguments& a, OutputOptions& output) {
   if (!a.output.empty()) output.path = a.output;
   if (output.path.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
   if (a.exr_type) {
@@ -118,7 +118,7 @@ void applyOutput(const Arguments& a, OutputOptions& output) {
   }
 }
 
-RenderJob jobOf(const Arguments& a) {
+RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
   if (fs::path(a.input).extension() == ".json") {
     job = readJob(a.input);
@@ -133,7 +133,7 @@ RenderJob jobOf(const Arguments& a) {
 }
 
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const Arguments& a, const RenderJob& job) {
+void sayCost(const RenderArguments& a, const RenderJob& job) {
   const DryRun cost = dryRun(job);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
@@ -154,7 +154,7 @@ void sayCost(const Arguments& a, const RenderJob& job) {
              formatBytes(cost.decoded_bytes_in_view));
 }
 
-void run(const Arguments& a, Context& context) {
+void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   RenderJob job = jobOf(a);
   if (a.dry_run) {
@@ -179,7 +179,7 @@ void run(const Arguments& a, Context& context) {
       formatBytes(result.statistics.peak_rss_bytes));
 }
 
-void addCameraOptions(CLI::App& command, Arguments& a) {
+void addCameraOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--projection", a.projection, "perspective or orthographic");
   command.add_option("--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
   command.add_option("--height", a.height, "world units the image spans vertically, orthographic");
@@ -195,7 +195,7 @@ void addCameraOptions(CLI::App& command, Arguments& a) {
 }  // namespace
 
 void addRender(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<RenderArguments>();
   CLI::App* command =
       app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
   command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")

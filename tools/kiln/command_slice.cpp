@@ -9,12 +9,12 @@
 namespace kiln::tool {
 namespace {
 
-struct Arguments {
+struct SliceArguments {
   std::string store, output, axis = "z", window;
   std::optional<std::int64_t> index;
 };
 
-void run(const Arguments& a, Context& context) {
+void run(const SliceArguments& a, Context& context) {
   requireImagePath(a.output);
   SliceRequest request;
   const std::string axes = "xyz";
@@ -32,7 +32,7 @@ void run(const Arguments& a, Context& context) {
 }  // namespace
 
 void addSlice(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<SliceArguments>();
   CLI::App* command = app.add_subcommand("slice", "draw one slice, the first look after converting");
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("-o,--output", a->output, "the picture, .png or .exr")->required();

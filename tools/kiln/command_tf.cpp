@@ -14,7 +14,7 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
-struct Arguments {
+struct TfArguments {
   std::string input, tf, window, output;
 };
 
@@ -40,7 +40,7 @@ Manifest withoutVolume(const TransferFunctionChoice& choice) {
   return out;
 }
 
-Subject subjectOf(const Arguments& a) {
+Subject subjectOf(const TfArguments& a) {
   std::error_code ignored;
   if (fs::is_directory(a.input, ignored)) {
     const std::string tf = a.tf.empty() ? "auto" : a.tf;
@@ -73,7 +73,7 @@ void print(const TransferFunction& f, const Subject& subject) {
   fmt::print("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 
-void run(const Arguments& a) {
+void run(const TfArguments& a) {
   if (!a.output.empty()) requireImagePath(a.output);
   const Subject subject = subjectOf(a);
   std::optional<Window> window;
@@ -86,7 +86,7 @@ void run(const Arguments& a) {
 }  // namespace
 
 void addTf(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<TfArguments>();
   CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
   command
       ->add_option("INPUT", a->input,

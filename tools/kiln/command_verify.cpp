@@ -8,12 +8,12 @@
 namespace kiln::tool {
 namespace {
 
-struct Arguments {
+struct VerifyArguments {
   std::string store, memory = "2G";
   unsigned threads = 0;
 };
 
-void run(const Arguments& a, Context& context) {
+void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   const StoreReader store(a.store);
   const VerifyReport report = verify(
@@ -29,7 +29,7 @@ void run(const Arguments& a, Context& context) {
 }  // namespace
 
 void addVerify(CLI::App& app, Context& context) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand(
       "verify", "check every file of a store against its checksum, and every octree against its voxels");
   command->add_option("STORE", a->store, "the store")->required();

@@ -1,0 +1,20 @@
+// A user who stops waiting.
+#pragma once
+
+#include <atomic>
+
+#include "base/progress.h"
+
+namespace kiln::test {
+
+/// Interrupts when asked for the `polls` + 1st time. thread: any.
+class ImpatientProgress : public Progress {
+ public:
+  explicit ImpatientProgress(int polls) : left_(polls) {}
+  bool cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+}  // namespace kiln::test
