@@ -24,8 +24,9 @@ std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge) {
 }  // namespace
 
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
-                           std::optional<int> level, const TransferFunction& transfer_function, const Shading& shading,
-                           float gradient_noise, int sweep_px)
+                           std::optional<int> level, Interpolation interpolation,
+                           const TransferFunction& transfer_function, const Shading& shading, float gradient_noise,
+                           int sweep_px)
     : levels_(levels),
       sweep_px_(sweep_px),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
@@ -33,9 +34,12 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
   for (const SlabZone& zone : zones_) {
     const Projector& projector = levels.projector(zone.level);
     const SampleLook look{
-        shading, Shader(shading, view, gradient_noise, projector),
+        shading,
+        Shader(shading, view, gradient_noise, projector),
         GradientOpacity(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), projector),
-        &levels.clipRegion(zone.level), gradient_noise};
+        &levels.clipRegion(zone.level),
+        gradient_noise,
+        interpolation};
     frames_.push_back(std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level),
                                                   levels.endVoxels(zone.level), table_, look));
   }

@@ -69,8 +69,8 @@ FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
     : levels(store.manifest(), request.level, request.view, request.visibility.area, request.clipping),
       classifier(classifierFor(store, request)) {
   if (request.lattice == Lattice::kPixel) {
-    pixel.emplace(store.manifest(), levels, request.view, request.level, request.transfer_function, request.shading,
-                  gradientNoise(store.manifest().range), request.sweep_px);
+    pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
+                  request.transfer_function, request.shading, gradientNoise(store.manifest().range), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), showsCore(classifier));

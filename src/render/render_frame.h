@@ -23,6 +23,7 @@ struct FrameRequest {
   Background background;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
+  Interpolation interpolation = Interpolation::kLinear;
   std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all
   int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
@@ -41,7 +42,7 @@ std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameReque
 /// visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is Lee and
 /// Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A brick that
 /// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop,
-/// samples).
+/// samples, interpolation).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

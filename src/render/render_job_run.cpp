@@ -50,6 +50,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.background = job.picture.background;
   request.opacity_threshold = job.picture.opacity_threshold;
   request.lattice = job.picture.lattice;
+  request.interpolation = job.picture.interpolation;
   request.crop = job.picture.crop;
   request.samples = job.picture.samples;
   request.level = job.picture.level;

@@ -12,6 +12,7 @@ inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", 
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
 inline constexpr std::array<std::string_view, 2> kLatticeNames = {"pixel", "voxel"};
+inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};

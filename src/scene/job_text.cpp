@@ -90,6 +90,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
     out["visibility"]["epsilon"] = visibility.epsilon_px;
   }
   out["lattice"] = nameIn(kLatticeNames, picture.lattice);
+  if (picture.lattice == Lattice::kPixel) out["interpolation"] = nameIn(kInterpolationNames, picture.interpolation);
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
   out["samples"] = picture.samples;
   if (picture.skip_damaged) out["skipDamaged"] = true;

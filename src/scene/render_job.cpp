@@ -54,6 +54,8 @@ void readVisibility(const JobObject& object, RenderJob& job) {
 
 void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
   if (const auto lattice = root.choice("lattice", kLatticeNames)) picture.lattice = static_cast<Lattice>(*lattice);
+  if (const auto place = root.choice("interpolation", kInterpolationNames))
+    picture.interpolation = static_cast<Interpolation>(*place);
   static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
   if (root.isText("level"))
     root.choice("level", kLevels);
@@ -98,6 +100,13 @@ int subPixelsAlongEdge(int samples) {
   return samples == 1 ? 1 : samples == 4 ? 2 : 4;
 }
 
+void requireInterpolation(Lattice lattice, Interpolation interpolation) {
+  if (lattice == Lattice::kPixel || interpolation == Interpolation::kLinear) return;
+  throw Error(ErrorCode::kUsage, fmt::format("--interpolation {}: --lattice voxel draws the voxels as they are; choose "
+                                             "--lattice pixel, or leave --interpolation out",
+                                             kInterpolationNames[static_cast<std::size_t>(interpolation)]));
+}
+
 CameraSpec cameraFrom(const JobObject& object) {
   object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
   CameraSpec spec;
@@ -132,10 +141,10 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
-  root.requireKnown({"kiln",       "volume",  "output", "image",   "camera",      "transferFunction",
-                     "window",     "shading", "lights", "region",  "worldRegion", "clip",
-                     "visibility", "lattice", "level",  "samples", "skipDamaged", "memory",
-                     "threads",    "tile",    "exr",    "png"});
+  root.requireKnown({"kiln",       "volume",  "output", "image",   "camera",       "transferFunction",
+                     "window",     "shading", "lights", "region",  "worldRegion",  "clip",
+                     "visibility", "lattice", "level",  "samples", "skipDamaged",  "memory",
+                     "threads",    "tile",    "exr",    "png",     "interpolation"});
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");

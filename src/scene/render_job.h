@@ -12,6 +12,7 @@
 #include "scene/camera.h"
 #include "scene/clip_region.h"
 #include "scene/framing.h"
+#include "scene/interpolation.h"
 #include "scene/shading.h"
 #include "scene/transfer_function_choice.h"
 
@@ -72,12 +73,16 @@ struct PictureOptions {
   Clipping clipping;
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
+  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; the voxel lattice has none
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
 /// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of 1, 4 and 16.
 int subPixelsAlongEdge(int samples);
+
+/// throws: Error kUsage where the lattice does not interpolate and another than the default is asked for.
+void requireInterpolation(Lattice lattice, Interpolation interpolation);
 
 /// How fast it appears.
 struct SpeedOptions {

@@ -8,36 +8,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "splat/unit_field-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::Vec<D>;
-using VI = hn::Vec<DI>;
-using M = hn::Mask<D>;
-
-// a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
-HWY_INLINE V mix(D d, V a, V b, V t) {
-  return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
-}
-
-// The central difference between a and b, at t of the way.
-HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, V t) {
-  return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
-}
-
-// row[index] of a row of at most 16.
-HWY_INLINE V pick([[maybe_unused]] D d, const float* HWY_RESTRICT row, VI index) {
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, index));
-#else
-  return hn::GatherIndex(d, row, index);
-#endif
-}
 
 // 2^x for -126 <= x <= 0, to 2e-6 of its value.
 HWY_INLINE V exp2Of(D d, V x) {
@@ -89,86 +65,36 @@ HWY_INLINE V before(D d, const DepthSpread& s, V t) {
   return hn::Add(hn::Set(d, 0.5f), hn::CopySign(half, t));
 }
 
+template <class Field>
 class Refiner {
  public:
   Refiner(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details)
-      : l_(lattice),
-        u_(unit),
-        out_(out),
-        details_(details),
-        width_(lattice.voxels[0] + 2 * kUnitMargin),
-        height_(lattice.voxels[1] + 2 * kUnitMargin) {}
+      : l_(lattice), u_(unit), out_(out), details_(details), field_(lattice, unit) {}
 
   int run() {
+    const D d;
     for (int k = u_.first[2]; k < u_.end[2]; ++k) {
-      planes(k);
-      for (int j = u_.first[1]; j < u_.end[1]; ++j) rowOf(j, k);
+      field_.toPlane(k);
+      for (int j = u_.first[1]; j < u_.end[1]; ++j) {
+        field_.toRow(j);
+        for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) samples(i, j, k);
+      }
     }
     return count_;
   }
 
  private:
-  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
-
-  const float* row(int y, int z) const { return u_.values + (z * height_ + y) * kUnitSamples; }
-
-  // The plane of sample k along z: its values, and half the difference along z.
-  void planes(int k) {
-    const D d;
-    const UnitAxis& axis = l_.axis[2];
-    const int z = axis.base[static_cast<std::size_t>(k)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(k)]);
-    for (int y = 0; y < height_; ++y) {
-      for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
-        const V a = hn::Load(d, row(y, z) + x), b = hn::Load(d, row(y, z + 1) + x);
-        const V before_a = hn::Load(d, row(y, z - 1) + x);
-        const V after_b = hn::Load(d, row(y, z + 2) + x);
-        hn::Store(mix(d, a, b, t), d, &value_[y][x]);
-        hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &along_z_[y][x]);
-      }
-    }
-  }
-
-  void rowOf(int j, int k) {
-    const D d;
-    const UnitAxis& axis = l_.axis[1];
-    const int y = axis.base[static_cast<std::size_t>(j)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
-    for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d))
-      hn::Store(mix(d, hn::Load(d, &value_[y][x]), hn::Load(d, &value_[y + 1][x]), t), d, &row_[x]);
-    bool derived = false;
-    for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) samples(i, j, k, derived);
-  }
-
-  // Gradients along y and z of the row in turn. unit: value per voxel.
-  void derive(int j) {
-    const D d;
-    const UnitAxis& axis = l_.axis[1];
-    const int y = axis.base[static_cast<std::size_t>(j)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
-    for (std::size_t x = 0; x < static_cast<std::size_t>(width_); x += hn::Lanes(d)) {
-      const V a = hn::Load(d, &value_[y][x]), b = hn::Load(d, &value_[y + 1][x]);
-      const V before_a = hn::Load(d, &value_[y - 1][x]);
-      const V after_b = hn::Load(d, &value_[y + 2][x]);
-      hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &row_y_[x]);
-      hn::Store(mix(d, hn::Load(d, &along_z_[y][x]), hn::Load(d, &along_z_[y + 1][x]), t), d, &row_z_[x]);
-    }
-  }
-
   // One vector of samples, from sample i of the row on.
-  void samples(int i, int j, int k, bool& derived) {
+  void samples(int i, int j, int k) {
     const D d;
     const DI di;
     const UnitAxis& axis = l_.axis[0];
     const auto ui = static_cast<std::size_t>(i), uj = static_cast<std::size_t>(j), uk = static_cast<std::size_t>(k);
-    const VI base = hn::LoadU(di, &axis.base[ui]);
-    const VI next = hn::Add(base, hn::Set(di, 1));
-    const V t = hn::LoadU(d, &axis.fraction[ui]);
-    const V raw = mix(d, pick(d, row_, base), pick(d, row_, next), t);
-    const V value = hn::Min(hn::Max(raw, hn::Set(d, u_.least)), hn::Set(d, u_.most));
+    M alive;
+    const V value = field_.values(ui, alive);
     const VI lane = hn::Add(hn::Iota(di, 0), hn::Set(di, i));
-    M alive = hn::And(hn::Eq(raw, raw), hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, u_.first[0] - 1)),
-                                                                  hn::Lt(lane, hn::Set(di, u_.end[0])))));
+    alive = hn::And(alive, hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, u_.first[0] - 1)),
+                                                     hn::Lt(lane, hn::Set(di, u_.end[0])))));
 
     const V place =
         hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
@@ -214,9 +140,7 @@ class Refiner {
     V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
     if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
     if (l_.phong || details_ != nullptr) {
-      if (!derived) derive(j);
-      derived = true;
-      const Gradient slope = gradient(base, next, t);
+      const Vector slope = field_.gradients(ui);
       if (details_ == nullptr)
         shade(slope, u, v, oblique, r, g, b);
       else
@@ -269,20 +193,6 @@ class Refiner {
     }
   }
 
-  struct Gradient {
-    V x, y, z;
-  };
-  Gradient gradient(VI base, VI next, V t) const {
-    const D d;
-    const DI di;
-    const VI after = hn::Add(next, hn::Set(di, 1));
-    const VI previous = hn::Sub(base, hn::Set(di, 1));
-    const V along_x =
-        slopeOf(d, pick(d, row_, previous), pick(d, row_, base), pick(d, row_, next), pick(d, row_, after), t);
-    return {along_x, mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
-            mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t)};
-  }
-
   // Details of the vector in turn, for those of its samples that are kept.
   struct Noted {
     alignas(64) float offset[3][16], gradient[3][16], view[3][16], tau[16], ray[16];
@@ -291,7 +201,7 @@ class Refiner {
       return {vec(offset), vec(gradient), vec(view), tau[n], ray[n]};
     }
   };
-  void note(const Gradient& offset, const Gradient& slope, const Gradient& view, V tau, V ray) {
+  void note(const Vector& offset, const Vector& slope, const Vector& view, V tau, V ray) {
     const D d;
     const V* const offsets[3] = {&offset.x, &offset.y, &offset.z};
     const V* const slopes[3] = {&slope.x, &slope.y, &slope.z};
@@ -307,7 +217,7 @@ class Refiner {
     hn::Store(ray, d, noted_.ray);
   }
 
-  void shade(const Gradient& slope, V u, V v, V oblique, V& r, V& g, V& b) const {
+  void shade(const Vector& slope, V u, V v, V oblique, V& r, V& g, V& b) const {
     const D d;
     const V gx = slope.x, gy = slope.y, gz = slope.z;
     const auto squared = [](V a, V c, V e) { return hn::Add(hn::Mul(a, a), hn::Add(hn::Mul(c, c), hn::Mul(e, e))); };
@@ -339,15 +249,14 @@ class Refiner {
   const UnitInput& u_;
   SlabSample* const out_;
   SampleDetails* const details_;
-  const int width_, height_;
+  Field field_;
   int count_ = 0;
   Noted noted_;
-  alignas(64) float value_[kEdge + 1][kUnitSamples], along_z_[kEdge + 1][kUnitSamples];
-  alignas(64) float row_[kUnitSamples], row_y_[kUnitSamples], row_z_[kUnitSamples];
 };
 
 int refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
-  return Refiner(lattice, unit, out, details).run();
+  return lattice.interpolation == Interpolation::kLinear ? Refiner<LinearField>(lattice, unit, out, details).run()
+                                                         : Refiner<CubicField>(lattice, unit, out, details).run();
 }
 
 const char* nameOfTarget() { return hwy::TargetName(HWY_TARGET); }
@@ -362,19 +271,6 @@ namespace kiln {
 
 HWY_EXPORT(refineUnitOn);
 HWY_EXPORT(nameOfTarget);
-
-UnitAxis::UnitAxis(int n, int voxels) : refinement(n), samples(n * voxels) {
-  for (int i = 0; i < kUnitSamples; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const int voxel = std::min(i / n, voxels - 1), k = i % n;
-    const float within = -0.5f + static_cast<float>(2 * k + 1) / static_cast<float>(2 * n);
-    offset[at] = static_cast<float>(voxel) + within;
-    const bool centre = 2 * k + 1 == n;
-    const int down = within < 0 && !centre ? -1 : 0;
-    base[at] = kUnitMargin + voxel + down;
-    fraction[at] = centre ? 0.0f : within - static_cast<float>(down);
-  }
-}
 
 int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
   return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out, details);

@@ -10,26 +10,9 @@
 #include <glm/vec3.hpp>
 
 #include "grid/coords.h"
+#include "splat/unit_axis.h"
 
 namespace kiln {
-
-/// Samples along an axis of a unit, at most.
-inline constexpr int kUnitSamples = 16;
-/// Voxels that are read around a unit: one for interpolation, one for the gradient.
-inline constexpr int kUnitMargin = 2;
-/// Voxels along an axis of a unit, at most.
-inline constexpr int kUnitVoxels = 8;
-
-/// Where the samples along one axis of a unit lie: voxel cube i carries n at i - 1/2 + (2k+1)/(2n).
-struct UnitAxis {
-  int refinement = 1;
-  int samples = 1;                                // of a whole unit
-  std::array<float, kUnitSamples> offset{};       // from the unit's first voxel. unit: voxels
-  std::array<std::int32_t, kUnitSamples> base{};  // the voxel before it, counted from the first that is read
-  std::array<float, kUnitSamples> fraction{};     // towards the next voxel
-  UnitAxis() = default;
-  UnitAxis(int refinement, int voxels);
-};
 
 /// How a sample's material is spread over slabs: the projection of its cube onto the line of sight, taken as two boxes
 /// folded, of its two largest edges. unit: slabs.
@@ -39,6 +22,7 @@ struct DepthSpread {
 
 /// What all units of a zone share.
 struct UnitLattice {
+  Interpolation interpolation = Interpolation::kLinear;
   std::array<int, 3> voxels{1, 1, 1};
   std::array<UnitAxis, 3> axis;
   // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
@@ -64,7 +48,7 @@ struct UnitLattice {
 /// One unit. `values` are its voxels and those around it, less the table's offset.
 struct UnitInput {
   const float* values = nullptr;                // shape: voxels + 2 margins along each axis, rows kUnitSamples apart
-  float least = 0, most = 0;                    // of what its samples interpolate; they are kept within
+  float least = 0, most = 0;                    // of what its samples interpolate; linear ones are kept within
   glm::vec3 origin;                             // of its first voxel's centre, in view space
   std::array<int, 3> first{}, end{};            // its samples that exist, along each axis
   std::array<int, 3> core_first{}, core_end{};  // those that are the brick's own

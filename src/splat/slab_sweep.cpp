@@ -62,9 +62,10 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
                         const SampleTable& table, const SampleLook& look) {
   const Shading& shading = look.shading;
   UnitLattice out;
+  out.interpolation = look.interpolation;
   for (std::size_t a = 0; a < 3; ++a) {
     out.voxels[a] = unitVoxels(zone.refinement[a], a);
-    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a]);
+    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a], look.interpolation);
   }
   out.perspective = projector.perspective();
   out.focal = static_cast<float>(projector.focal());
@@ -98,6 +99,18 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   return out;
 }
 
+// What the supports of a cell and of those around it range over.
+ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
+  ValueRange out;
+  const auto last = [&](int cell) { return std::min(cell + 1, supports.edge() - 1); };
+  for (int k = std::max(z - 1, 0); k <= last(z); ++k) {
+    for (int j = std::max(y - 1, 0); j <= last(y); ++j) {
+      for (int i = std::max(x - 1, 0); i <= last(x); ++i) out.include(supports.at(i, j, k));
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
@@ -111,7 +124,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
       lattice_(unitLattice(zone, projector, footprint_, table, look)),
-      // Where there is interpolation, one voxel more is for that.
+      // Between voxels, one more is for interpolation.
       ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
@@ -168,14 +181,19 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
   std::vector<SlabCell> out;
   const VoxelBox reach = intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()));
   const int n = block.supports.edge();
+  // A cubic reaches a voxel farther than the supports that come with a brick.
+  const bool cubic = frame.lattice().interpolation != Interpolation::kLinear;
   for (int z = 0; z < n; ++z) {
     for (int y = 0; y < n; ++y) {
       for (int x = 0; x < n; ++x) {
-        if (!frame.table().interesting(block.supports.at(x, y, z))) continue;
+        const bool near = frame.table().interesting(block.supports.at(x, y, z));
+        if (!near && !(cubic && frame.table().interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
         if (cell.box.empty() || frame.look().clip->classify(cell.box) == ClipRegion::Overlap::kOutside) continue;
+        const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
+        if (!near && !frame.table().interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
         cell.bounds = frame.boundsOf(cell.box);
         if (!cell.bounds.empty()) out.push_back(cell);
       }
@@ -346,6 +364,8 @@ class Sweep {
     const std::array<int, 3>& voxels = f_.lattice().voxels;
     const int width = voxels[0] + 2 * kUnitMargin, height = voxels[1] + 2 * kUnitMargin,
               depth = voxels[2] + 2 * kUnitMargin;
+    // The outermost voxels are for linear interpolation's gradients only.
+    const int outermost = f_.lattice().interpolation == Interpolation::kLinear ? 1 : 0;
     const VoxelBox& has = block_.extent;
     const T* const data = block_.data<T>();
     std::int64_t column[kUnitVoxels + 2 * kUnitMargin];
@@ -365,8 +385,8 @@ class Sweep {
         } else {
           for (int x = 0; x < width; ++x) to[x] = valueOf(from[column[x]]);
         }
-        if (z == 0 || z == depth - 1 || y == 0 || y == height - 1) continue;
-        for (int x = 1; x < width - 1; ++x) {
+        if (z < outermost || z >= depth - outermost || y < outermost || y >= height - outermost) continue;
+        for (int x = outermost; x < width - outermost; ++x) {
           least = to[x] < least ? to[x] : least;
           most = to[x] > most ? to[x] : most;
         }

@@ -21,8 +21,8 @@
 
 namespace kiln {
 
-/// How far beyond its core a brick's samples are drawn, at most: the apron, but for a voxel that gradients need. unit:
-/// voxels.
+/// How far beyond its core a brick's samples are drawn, at most: the apron, but for a voxel that gradients (and the
+/// B-spline) need. unit: voxels.
 inline constexpr std::int64_t kMostGhosts = 5;
 
 /// How samples of a level look beside what the table says. requires: all outlive those who have it.
@@ -32,6 +32,7 @@ struct SampleLook {
   GradientOpacity gradient_opacity;
   const ClipRegion* clip = nullptr;
   float gradient_noise = 0;  // unit: value per voxel
+  Interpolation interpolation = Interpolation::kLinear;
 };
 
 /// What all bricks and tiles of a zone share.
@@ -81,7 +82,8 @@ struct SlabCell {
   SlabFrame::Bounds bounds;
 };
 
-/// The cells of the brick that the transfer function shows. cost: a look at each cell's range.
+/// The cells of the brick that the transfer function shows. cost: a look at each cell's range; for a cubic also at the
+/// voxels of cells beside one that is shown.
 std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block);
 
 /// What a sweep needs for a time; made once for each thread and kept.

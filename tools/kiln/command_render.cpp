@@ -21,8 +21,8 @@ namespace {
 
 struct RenderArguments {
   std::string input, output, stats;
-  std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice, level,
-      memory, exr_type, window;
+  std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice,
+      interpolation, level, memory, exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
@@ -88,6 +88,9 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.window) picture.window = parseWindow(*a.window, "--window");
   if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
   if (a.lattice) picture.lattice = named<Lattice>(kLatticeNames, *a.lattice, "--lattice");
+  if (a.interpolation)
+    picture.interpolation = named<Interpolation>(kInterpolationNames, *a.interpolation, "--interpolation");
+  requireInterpolation(picture.lattice, picture.interpolation);
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) picture.level = levelNamed(*a.level);
 }
@@ -230,6 +233,9 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--opacity-threshold", a->threshold,
                       "alpha at which a pixel takes no more light; 0.998 if not given");
   command->add_option("--lattice", a->lattice, "pixel or voxel");
+  command->add_option("--interpolation", a->interpolation,
+                      "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
+                      "(smooth, keeps the voxels' values)");
   command->add_option("--level", a->level,
                       "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
   command->add_flag("--skip-damaged", a->skip_damaged,

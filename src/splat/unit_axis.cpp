@@ -1,0 +1,57 @@
+#include "splat/unit_axis.h"
+
+#include <algorithm>
+
+namespace kiln {
+namespace {
+
+using Weights = std::array<double, 4>;  // of the voxels at -1, 0, 1 and 2, for a place t from 0 towards 1
+
+Weights bSpline(double t) {
+  const double s = 1 - t;
+  return {s * s * s / 6, (4 + t * t * (3 * t - 6)) / 6, (4 + s * s * (3 * s - 6)) / 6, t * t * t / 6};
+}
+
+Weights bSplineSlope(double t) {
+  const double s = 1 - t;
+  return {-s * s / 2, t * (3 * t - 4) / 2, s * (4 - 3 * s) / 2, t * t / 2};
+}
+
+// Source: Catmull and Rom, A class of local interpolating splines, 1974.
+Weights catmullRom(double t) {
+  const double s = 1 - t;
+  return {-t * s * s / 2, (2 + t * t * (3 * t - 5)) / 2, (2 + s * s * (3 * s - 5)) / 2, -s * t * t / 2};
+}
+
+// Taps without weight are the base, and share its weight: zero times what is not finite would not be zero. Quarters
+// added in pairs are the voxel itself to the bit.
+void setTaps(CubicTaps& taps, std::size_t sample, int base, const Weights& weights) {
+  const auto shares = std::count(weights.begin(), weights.end(), 0.0) + (weights[1] != 0 ? 1 : 0);
+  for (std::size_t tap = 0; tap < 4; ++tap) {
+    const bool own = tap != 1 && weights[tap] != 0;
+    taps.at[tap][sample] = own ? base - 1 + static_cast<int>(tap) : base;
+    taps.weight[tap][sample] = static_cast<float>(own ? weights[tap] : weights[1] / static_cast<double>(shares));
+  }
+}
+
+}  // namespace
+
+UnitAxis::UnitAxis(int n, int voxels, Interpolation interpolation) : refinement(n), samples(n * voxels) {
+  for (int i = 0; i < kUnitSamples; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const int voxel = std::min(i / n, voxels - 1), k = i % n;
+    const float within = -0.5f + static_cast<float>(2 * k + 1) / static_cast<float>(2 * n);
+    offset[at] = static_cast<float>(voxel) + within;
+    const bool centre = 2 * k + 1 == n;
+    const int down = within < 0 && !centre ? -1 : 0;
+    base[at] = kUnitMargin + voxel + down;
+    fraction[at] = centre ? 0.0f : within - static_cast<float>(down);
+    if (interpolation == Interpolation::kLinear) continue;
+    const double t = static_cast<double>(fraction[at]);
+    setTaps(smooth, at, base[at], bSpline(t));
+    setTaps(slope, at, base[at], bSplineSlope(t));
+    setTaps(value, at, base[at], interpolation == Interpolation::kCubic ? bSpline(t) : catmullRom(t));
+  }
+}
+
+}  // namespace kiln

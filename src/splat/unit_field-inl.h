@@ -1,0 +1,277 @@
+// The values and gradients of a unit's samples, a vector of them at a time. Separable: planes of samples along z, rows
+// of a plane along y, samples of a row along x. Values are known before gradients, which few samples need. Part of
+// refine_unit.cpp, compiled once for each instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_UNIT_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_UNIT_FIELD_INL_H
+#undef KILN_SPLAT_UNIT_FIELD_INL_H
+#else
+#define KILN_SPLAT_UNIT_FIELD_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+
+#include "splat/refine_unit.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+using M = hn::Mask<D>;
+
+struct Vector {
+  V x, y, z;
+};
+
+// a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
+HWY_INLINE V mix(D d, V a, V b, V t) {
+  return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
+}
+
+// The central difference between a and b, at t of the way.
+HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, V t) {
+  return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
+}
+
+// row[index] of a row of at most 16.
+HWY_INLINE V pick([[maybe_unused]] D d, const float* HWY_RESTRICT row, VI index) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, index));
+#else
+  return hn::GatherIndex(d, row, index);
+#endif
+}
+
+// What fields of either kind are made of.
+class UnitVoxels {
+ protected:
+  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
+  using Row = float[kUnitSamples];
+
+  UnitVoxels(const UnitLattice& lattice, const UnitInput& unit)
+      : l_(lattice),
+        u_(unit),
+        width_(static_cast<std::size_t>(lattice.voxels[0] + 2 * kUnitMargin)),
+        height_(lattice.voxels[1] + 2 * kUnitMargin) {}
+
+  const float* row(int y, int z) const { return u_.values + (z * height_ + y) * kUnitSamples; }
+
+  const UnitLattice& l_;
+  const UnitInput& u_;
+  const std::size_t width_;
+  const int height_;
+};
+
+// Trilinear interpolation, of voxels and of their central differences.
+class LinearField : UnitVoxels {
+ public:
+  LinearField(const UnitLattice& lattice, const UnitInput& unit) : UnitVoxels(lattice, unit) {}
+
+  // The plane of sample k along z: its values, and half the difference along z.
+  void toPlane(int k) {
+    const D d;
+    const UnitAxis& axis = l_.axis[2];
+    const int z = axis.base[static_cast<std::size_t>(k)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(k)]);
+    for (int y = 0; y < height_; ++y) {
+      for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+        const V a = hn::Load(d, row(y, z) + x), b = hn::Load(d, row(y, z + 1) + x);
+        const V before_a = hn::Load(d, row(y, z - 1) + x);
+        const V after_b = hn::Load(d, row(y, z + 2) + x);
+        hn::Store(mix(d, a, b, t), d, &value_[y][x]);
+        hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &along_z_[y][x]);
+      }
+    }
+  }
+
+  // The row of sample j along y, in that plane.
+  void toRow(int j) {
+    const D d;
+    j_ = j;
+    derived_ = false;
+    const UnitAxis& axis = l_.axis[1];
+    const int y = axis.base[static_cast<std::size_t>(j)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
+    for (std::size_t x = 0; x < width_; x += hn::Lanes(d))
+      hn::Store(mix(d, hn::Load(d, &value_[y][x]), hn::Load(d, &value_[y + 1][x]), t), d, &row_[x]);
+  }
+
+  // From sample i of that row on; `known` where no voxel with weight is NaN.
+  V values(std::size_t i, M& known) const {
+    const D d;
+    const DI di;
+    const UnitAxis& axis = l_.axis[0];
+    const VI base = hn::LoadU(di, &axis.base[i]);
+    const VI next = hn::Add(base, hn::Set(di, 1));
+    const V raw = mix(d, pick(d, row_, base), pick(d, row_, next), hn::LoadU(d, &axis.fraction[i]));
+    known = hn::Eq(raw, raw);
+    return hn::Min(hn::Max(raw, hn::Set(d, u_.least)), hn::Set(d, u_.most));
+  }
+
+  // unit: value per voxel.
+  Vector gradients(std::size_t i) {
+    if (!derived_) derive();
+    const D d;
+    const DI di;
+    const UnitAxis& axis = l_.axis[0];
+    const VI base = hn::LoadU(di, &axis.base[i]);
+    const V t = hn::LoadU(d, &axis.fraction[i]);
+    const VI next = hn::Add(base, hn::Set(di, 1));
+    const VI after = hn::Add(next, hn::Set(di, 1));
+    const VI previous = hn::Sub(base, hn::Set(di, 1));
+    const V along_x =
+        slopeOf(d, pick(d, row_, previous), pick(d, row_, base), pick(d, row_, next), pick(d, row_, after), t);
+    return {along_x, mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
+            mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t)};
+  }
+
+ private:
+  // Gradients along y and z of the row in turn.
+  void derive() {
+    const D d;
+    derived_ = true;
+    const UnitAxis& axis = l_.axis[1];
+    const int y = axis.base[static_cast<std::size_t>(j_)];
+    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j_)]);
+    for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+      const V a = hn::Load(d, &value_[y][x]), b = hn::Load(d, &value_[y + 1][x]);
+      const V before_a = hn::Load(d, &value_[y - 1][x]);
+      const V after_b = hn::Load(d, &value_[y + 2][x]);
+      hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &row_y_[x]);
+      hn::Store(mix(d, hn::Load(d, &along_z_[y][x]), hn::Load(d, &along_z_[y + 1][x]), t), d, &row_z_[x]);
+    }
+  }
+
+  int j_ = 0;
+  bool derived_ = false;
+  alignas(64) Row value_[kEdge + 1], along_z_[kEdge + 1];
+  alignas(64) Row row_, row_y_, row_z_;
+};
+
+// Either cubic; gradients are the B-spline's. A value is kept within the least and most of the 4³ voxels that it takes,
+// all at once: kept axis by axis, ridges that run across a slope would be cut off, and it would matter which axis comes
+// first. So what a cell, a unit or a brick holds bounds its samples exactly, the B-spline's with their rounding.
+class CubicField : UnitVoxels {
+ public:
+  CubicField(const UnitLattice& lattice, const UnitInput& unit)
+      : UnitVoxels(lattice, unit), own_gradient_(lattice.interpolation != Interpolation::kCubic) {}
+
+  void toPlane(int k) {
+    const D d;
+    const auto at = static_cast<std::size_t>(k);
+    const UnitAxis& axis = l_.axis[2];
+    for (int y = 0; y < height_; ++y) {
+      for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+        const auto voxels = [&](int z) { return hn::Load(d, row(y, z) + x); };
+        hn::Store(sum(axis.value, at, voxels), d, &value_[y][x]);
+        hn::Store(least(axis.value, at, voxels), d, &least_[y][x]);
+        hn::Store(most(axis.value, at, voxels), d, &most_[y][x]);
+        hn::Store(sum(axis.slope, at, voxels), d, &along_z_[y][x]);
+        if (own_gradient_) hn::Store(sum(axis.smooth, at, voxels), d, &smooth_[y][x]);
+      }
+    }
+  }
+
+  void toRow(int j) {
+    const D d;
+    j_ = static_cast<std::size_t>(j);
+    derived_ = false;
+    const CubicTaps& taps = l_.axis[1].value;
+    for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+      hn::Store(sum(taps, j_, ColumnsOf{value_, x}), d, &row_[x]);
+      hn::Store(least(taps, j_, ColumnsOf{least_, x}), d, &row_least_[x]);
+      hn::Store(most(taps, j_, ColumnsOf{most_, x}), d, &row_most_[x]);
+    }
+  }
+
+  V values(std::size_t i, M& known) const {
+    const CubicTaps& taps = l_.axis[0].value;
+    const VI at[4] = {tap(taps, 0, i), tap(taps, 1, i), tap(taps, 2, i), tap(taps, 3, i)};
+    const D d;
+    const V raw = along(row_, taps, i);
+    known = hn::Eq(raw, raw);
+    const V lo = hn::Min(hn::Min(pick(d, row_least_, at[0]), pick(d, row_least_, at[1])),
+                         hn::Min(pick(d, row_least_, at[2]), pick(d, row_least_, at[3])));
+    const V hi = hn::Max(hn::Max(pick(d, row_most_, at[0]), pick(d, row_most_, at[1])),
+                         hn::Max(pick(d, row_most_, at[2]), pick(d, row_most_, at[3])));
+    return hn::Min(hn::Max(raw, lo), hi);
+  }
+
+  Vector gradients(std::size_t i) {
+    if (!derived_) derive();
+    const UnitAxis& axis = l_.axis[0];
+    return {along(own_gradient_ ? row_smooth_ : row_, axis.slope, i), along(row_y_, axis.smooth, i),
+            along(row_z_, axis.smooth, i)};
+  }
+
+ private:
+  // A vector of a plane's columns.
+  struct ColumnsOf {
+    const Row* plane;
+    std::size_t x;
+    V operator()(int y) const { return hn::Load(D(), &plane[y][x]); }
+  };
+
+  void derive() {
+    const D d;
+    derived_ = true;
+    const UnitAxis& axis = l_.axis[1];
+    const Row* const plane = own_gradient_ ? smooth_ : value_;
+    for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+      hn::Store(sum(axis.slope, j_, ColumnsOf{plane, x}), d, &row_y_[x]);
+      hn::Store(sum(axis.smooth, j_, ColumnsOf{along_z_, x}), d, &row_z_[x]);
+      if (own_gradient_) hn::Store(sum(axis.smooth, j_, ColumnsOf{smooth_, x}), d, &row_smooth_[x]);
+    }
+  }
+
+  // Of what `voxels` has at the taps of one sample. In pairs, see setTaps.
+  template <class Voxels>
+  static V sum(const CubicTaps& taps, std::size_t sample, const Voxels& voxels) {
+    const D d;
+    const auto term = [&](std::size_t n) {
+      return hn::Mul(hn::Set(d, taps.weight[n][sample]), voxels(taps.at[n][sample]));
+    };
+    return hn::Add(hn::Add(term(0), term(1)), hn::Add(term(2), term(3)));
+  }
+  template <class Voxels>
+  static V least(const CubicTaps& taps, std::size_t sample, const Voxels& voxels) {
+    const auto term = [&](std::size_t n) { return voxels(taps.at[n][sample]); };
+    return hn::Min(hn::Min(term(0), term(1)), hn::Min(term(2), term(3)));
+  }
+  template <class Voxels>
+  static V most(const CubicTaps& taps, std::size_t sample, const Voxels& voxels) {
+    const auto term = [&](std::size_t n) { return voxels(taps.at[n][sample]); };
+    return hn::Max(hn::Max(term(0), term(1)), hn::Max(term(2), term(3)));
+  }
+
+  static VI tap(const CubicTaps& taps, std::size_t n, std::size_t i) { return hn::LoadU(DI(), &taps.at[n][i]); }
+
+  // The same of a vector of samples of a row.
+  static V along(const Row& row, const CubicTaps& taps, std::size_t i) {
+    const D d;
+    const auto term = [&](std::size_t n) {
+      return hn::Mul(hn::LoadU(d, &taps.weight[n][i]), pick(d, row, tap(taps, n, i)));
+    };
+    return hn::Add(hn::Add(term(0), term(1)), hn::Add(term(2), term(3)));
+  }
+
+  const bool own_gradient_;  // not that of the values
+  std::size_t j_ = 0;
+  bool derived_ = false;
+  alignas(64) Row value_[kEdge], least_[kEdge], most_[kEdge], smooth_[kEdge], along_z_[kEdge];
+  alignas(64) Row row_, row_least_, row_most_, row_smooth_, row_y_, row_z_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif
