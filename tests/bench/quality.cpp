@@ -15,6 +15,7 @@
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "render/render_frame.h"
+#include "scene/job_names.h"
 #include "support/contact_sheet.h"
 #include "support/level_volume.h"
 #include "support/quality_scenes.h"
@@ -34,7 +35,7 @@ struct Options {
   std::vector<std::string> projections{"orthographic", "perspective"};
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
   int size = 256, samples = 1;
-  std::string lattice = "pixel";
+  std::string lattice = "pixel", interpolation = "linear", reference_interpolation;
   double opacity_threshold = 0.9999;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
@@ -43,6 +44,7 @@ struct Options {
 Options parsed(int argc, char** argv) {
   Options o;
   for (const QualityVolume& v : qualityVolumes()) o.volumes.push_back(v.name);
+  const std::vector<std::string> names(kInterpolationNames.begin(), kInterpolationNames.end());
   CLI::App app("Measures the quality of pictures against the reference renderer.");
   app.add_option("--data", o.data, "folder of the real volumes")->capture_default_str();
   app.add_option("--output", o.output, "folder for pictures, stores and kept references")->capture_default_str();
@@ -52,6 +54,9 @@ Options parsed(int argc, char** argv) {
   app.add_option("--px-per-voxel", o.px_per_voxel)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", o.size, "pixels along each side")->capture_default_str();
   app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"pixel", "voxel"}))->capture_default_str();
+  app.add_option("--interpolation", o.interpolation)->check(CLI::IsMember(names))->capture_default_str();
+  app.add_option("--reference-interpolation", o.reference_interpolation, "that of --interpolation if not given")
+      ->check(CLI::IsMember(names));
   app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
@@ -61,11 +66,17 @@ Options parsed(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error));
   }
+  if (o.reference_interpolation.empty()) o.reference_interpolation = o.interpolation;
   if (o.full) {
     o.size = 512;
     o.px_per_voxel = {0.25, 0.5, 1, 2, 4, 8};
   }
   return o;
+}
+
+Interpolation interpolationNamed(const std::string& name) {
+  const auto found = std::find(kInterpolationNames.begin(), kInterpolationNames.end(), name);
+  return static_cast<Interpolation>(found - kInterpolationNames.begin());
 }
 
 template <class T>
@@ -105,6 +116,7 @@ class Studio {
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
     request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
+    request.interpolation = interpolationNamed(options_.interpolation);
     request.samples = options_.samples;
     FrameStatistics statistics;
     drawn(request, statistics);  // reads the bricks
@@ -142,8 +154,8 @@ class Studio {
     return renderFrame(*store_, *cache_, request, silent, statistics);
   }
 
-  static Image referenceOf(const ReferencePictures& pictures, const FrameRequest& request,
-                           const ReferenceSettings& settings) {
+  Image referenceOf(const ReferencePictures& pictures, const FrameRequest& request, ReferenceSettings settings) const {
+    settings.interpolation = interpolationNamed(options_.reference_interpolation);
     return pictures.draw(request.view, request.transfer_function, request.shading, settings);
   }
 
@@ -241,8 +253,11 @@ void measureVolume(const Options& options, const QualityVolume& subject, std::ve
 
 int run(int argc, char** argv) {
   const Options options = parsed(argc, argv);
-  fmt::print("foreground PSNR of lattice {}, {} sample(s) a pixel, {}x{} px, opacity threshold {}\n", options.lattice,
-             options.samples, options.size, options.size, options.opacity_threshold);
+  fmt::print(
+      "foreground PSNR of lattice {}, {} interpolation (reference {}), {} sample(s) a pixel, {}x{} px, opacity "
+      "threshold {}\n",
+      options.lattice, options.interpolation, options.reference_interpolation, options.samples, options.size,
+      options.size, options.opacity_threshold);
   fmt::print("{:<40} {:>8} {:>9} {:>6} {:>6}  {:>8}  {:>9}  {}\n", "scene", "px/voxel", "kiln", "step 1", "step ½",
              "bright", "frame", "same level");
   std::vector<Measured> all;

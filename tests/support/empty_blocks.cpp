@@ -18,13 +18,14 @@ bool transparent(const TransferFunction& transfer_function, const ValueRange& ra
 
 EmptyBlocks::EmptyBlocks(const Extent3& dims,
                          const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& voxel,
-                         const TransferFunction& transfer_function)
+                         std::int64_t reach, const TransferFunction& transfer_function)
     : dims_(dims), blocks_(brickLattice(dims, kBlock)), empty_(static_cast<std::size_t>(blocks_.count())) {
   parallelFor(static_cast<std::size_t>(blocks_.z), [&](std::size_t slice) {
     for (std::int64_t b = static_cast<std::int64_t>(slice) * blocks_.x * blocks_.y, n = 0; n < blocks_.x * blocks_.y;
          ++b, ++n) {
-      // Interpolation in the block needs one voxel beyond it; another one on every side is for rounding of positions.
-      const VoxelBox support = intersection(dilated(coreBox(brickAt(blocks_, b), kBlock, dims_), 2), boxOf(dims_));
+      // One voxel more on every side is for rounding of positions.
+      const VoxelBox support =
+          intersection(dilated(coreBox(brickAt(blocks_, b), kBlock, dims_), reach + 1), boxOf(dims_));
       ValueRange range;
       for (std::int64_t k = support.lo.z; k < support.hi.z; ++k) {
         for (std::int64_t j = support.lo.y; j < support.hi.y; ++j) {

@@ -21,9 +21,10 @@ class EmptyBlocks {
  public:
   static constexpr std::int64_t kBlock = 4;  // unit: voxels
 
-  /// `voxel` is asked for the voxels (i,j,k) of `dims`, from several threads.
+  /// `voxel` is asked for the voxels (i,j,k) of `dims`, from several threads. Interpolation in a block takes the voxels
+  /// up to `reach` beyond it.
   EmptyBlocks(const Extent3& dims, const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& voxel,
-              const TransferFunction& transfer_function);
+              std::int64_t reach, const TransferFunction& transfer_function);
 
   /// How many further steps of `step` from `index` on are known to add nothing: 0 where `index` itself may add
   /// something, else 1 or more, `index` being the first of them. unit: index space, which is clamped to the volume.

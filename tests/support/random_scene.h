@@ -50,6 +50,7 @@ struct RandomScene {
   Shading shading;
   Background background;
   Clipping clipping;
+  Interpolation interpolation = Interpolation::kLinear;
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
 

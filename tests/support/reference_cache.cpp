@@ -37,7 +37,11 @@ std::string textOf(const Shading& s) {
 }
 
 std::string textOf(const ReferenceSettings& s) {
-  return fmt::format("settings {} {:a} {:a}\n", s.rays_per_axis, s.step_voxels, s.opacity_threshold);
+  std::string out = fmt::format("settings {} {:a} {:a}\n", s.rays_per_axis, s.step_voxels, s.opacity_threshold);
+  // Pictures kept from before there was a choice stay what they are.
+  if (s.interpolation != Interpolation::kLinear)
+    out += fmt::format("interpolation {}\n", static_cast<int>(s.interpolation));
+  return out;
 }
 
 }  // namespace

@@ -10,79 +10,13 @@
 
 #include "base/parallel.h"
 #include "support/empty_blocks.h"
+#include "support/reference_field.h"
 
 namespace kiln::test {
 namespace {
 
 /// Beyond this, what is behind adds less than a picture can hold.
 constexpr double kStopTransmittance = 1e-6;
-
-/// The volume as a function of index space.
-class Field {
- public:
-  explicit Field(const DenseVolume& volume) : dims_(volume.geometry.dims) {
-    values_.resize(static_cast<std::size_t>(dims_.count()));
-    parallelFor(static_cast<std::size_t>(dims_.z), [&](std::size_t slice) {
-      const auto k = static_cast<std::int64_t>(slice);
-      std::size_t n = slice * static_cast<std::size_t>(dims_.x * dims_.y);
-      for (std::int64_t j = 0; j < dims_.y; ++j) {
-        for (std::int64_t i = 0; i < dims_.x; ++i) values_[n++] = volume.valueAt(i, j, k);
-      }
-    });
-  }
-
-  /// Trilinear, edge-clamped; NaN where a voxel that has weight is NaN.
-  double at(const glm::dvec3& index) const {
-    std::int64_t offset[3], step[3];
-    double fraction[3];
-    const std::int64_t stride[3] = {1, dims_.x, dims_.x * dims_.y};
-    for (int axis = 0; axis < 3; ++axis) {
-      const double place = std::clamp(index[axis], 0.0, static_cast<double>(dims_[axis] - 1));
-      const auto base = static_cast<std::int64_t>(place);
-      fraction[axis] = place - static_cast<double>(base);
-      offset[axis] = base * stride[axis];
-      step[axis] = base + 1 < dims_[axis] ? stride[axis] : 0;  // else that corner has no weight
-    }
-    const double* const corner = values_.data() + offset[0] + offset[1] + offset[2];
-    double sum = 0;
-    for (int n = 0; n < 8; ++n) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];
-    if (!std::isnan(sum)) return sum;
-    // 0 * NaN is NaN, too: only corners that have weight may spoil the sum.
-    sum = 0;
-    for (int n = 0; n < 8; ++n) {
-      if (weightOf(n, fraction) > 0) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];
-    }
-    return sum;
-  }
-
-  /// At voxel scale: over two voxels along each axis. unit: value per voxel.
-  glm::dvec3 centralDifference(const glm::dvec3& index) const {
-    glm::dvec3 difference;
-    for (int axis = 0; axis < 3; ++axis) {
-      glm::dvec3 one(0);
-      one[axis] = 1;
-      difference[axis] = (at(index + one) - at(index - one)) / 2;
-    }
-    return difference;
-  }
-
-  double voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    return values_[static_cast<std::size_t>((k * dims_.y + j) * dims_.x + i)];
-  }
-
- private:
-  // Of the eight corners of a cell, n-th bits: x, y, z.
-  static double weightOf(int n, const double (&fraction)[3]) {
-    return ((n & 1) != 0 ? fraction[0] : 1 - fraction[0]) * ((n & 2) != 0 ? fraction[1] : 1 - fraction[1]) *
-           ((n & 4) != 0 ? fraction[2] : 1 - fraction[2]);
-  }
-  static std::int64_t offsetOf(int n, const std::int64_t (&step)[3]) {
-    return ((n & 1) != 0 ? step[0] : 0) + ((n & 2) != 0 ? step[1] : 0) + ((n & 4) != 0 ? step[2] : 0);
-  }
-
-  Extent3 dims_;
-  std::vector<double> values_;
-};
 
 /// A face of the clip region; shows where normal·index + offset >= 0, in index space.
 struct Face {
@@ -120,7 +54,7 @@ std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume
 struct Scene {
   Scene(const DenseVolume& volume, const View& the_view, const TransferFunction& function,
         const ReferenceSettings& the_settings)
-      : field(volume),
+      : field(volume, the_settings.interpolation),
         view(the_view),
         transfer_function(function),
         settings(the_settings),
@@ -136,11 +70,12 @@ struct Scene {
     unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
     if (settings.skip_empty) {
       empty_blocks.emplace(
-          dims, [this](std::int64_t i, std::int64_t j, std::int64_t k) { return field.voxel(i, j, k); }, function);
+          dims, [this](std::int64_t i, std::int64_t j, std::int64_t k) { return field.voxel(i, j, k); },
+          settings.interpolation == Interpolation::kLinear ? 1 : 2, function);
     }
   }
 
-  Field field;
+  ReferenceField field;
   const View& view;
   const TransferFunction& transfer_function;
   const ReferenceSettings& settings;
@@ -209,7 +144,7 @@ glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
     if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index))) nearest = &face;
   }
   if (nearest) return glm::normalize(nearest->world_normal);
-  const glm::dvec3 difference = scene.field.centralDifference(index);
+  const glm::dvec3 difference = scene.field.gradient(index);
   // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
   if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
   return glm::normalize(scene.gradient_world_from_index * difference);
@@ -240,7 +175,7 @@ glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& 
 double extinctionAt(const Scene& scene, double opacity, const glm::dvec3& index) {
   double factor = 1;
   if (!scene.transfer_function.gradient_opacity.empty()) {
-    const double slope = glm::length(scene.gradient_world_from_index * scene.field.centralDifference(index));
+    const double slope = glm::length(scene.gradient_world_from_index * scene.field.gradient(index));
     factor = scene.transfer_function.gradientFactor(std::isfinite(slope) ? slope : 0);
   }
   return extinctionOf(factor * std::min(opacity, 0.9999), scene.unit_world);

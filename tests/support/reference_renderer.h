@@ -2,9 +2,10 @@
 // renderer only what defines the picture (View, TransferFunction, Shading) and none of what makes it fast: no bricks,
 // no pyramid, no occlusion, no tables.
 //
-// The picture: the volume is the trilinear interpolation of its voxels on [-1/2, N-1/2)³ of index space, clamped at the
-// edge. The transfer function classifies the interpolated value; light is absorbed and emitted along each ray as
-// DESIGN §6 and §10 say. Perspective rays start at the eye; orthographic rays cross the whole volume.
+// The picture: the volume is the interpolation (trilinear, or a cubic of scene/interpolation.h) of its voxels on [-1/2,
+// N-1/2)³ of index space, beyond which the nearest voxel goes on. The transfer function classifies the interpolated
+// value; light is absorbed and emitted along each ray as DESIGN §6 and §10 say. Perspective rays start at the eye;
+// orthographic rays cross the whole volume.
 #pragma once
 
 #include <array>
@@ -33,6 +34,7 @@ struct ReferenceSettings {
   bool skip_empty = true;
   /// Rays end at its faces exactly. Within a voxel of one (its extent along the normal) the normal is the face's.
   Clipping clipping = {};
+  Interpolation interpolation = Interpolation::kLinear;
 
   /// What VTK and the like draw: one ray a pixel, a step of one voxel.
   static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }

@@ -451,6 +451,7 @@ TEST(ReferenceRenderer, SteppingOverEmptyBlocksChangesNoBit) {
   for (std::uint64_t seed = 0; seed < 45; ++seed) {
     const DenseVolume& volume = volumes[seed % 3];
     const RandomScene scene = randomScene(seed, volume, {24, 20});
+    skipping.interpolation = plodding.interpolation = scene.interpolation;
     const auto picture = [&](const ReferenceSettings& settings) {
       return referenceImage(volume, scene.view, scene.transfer_function, scene.shading, {0, 0, 0, 0}, settings);
     };

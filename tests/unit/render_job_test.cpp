@@ -190,6 +190,7 @@ const Wrong kWrong[] = {
     {R"("tile": -64)", ErrorCode::kUsage, "tile"},
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
     {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},
+    {R"("interpolation": "nearest")", ErrorCode::kUsage, "interpolation"},
     {R"("level": 1.5)", ErrorCode::kUsage, "level"},
     {R"("level": "best")", ErrorCode::kUsage, "level"},
     {R"("level": -1)", ErrorCode::kUsage, "level"},
@@ -252,6 +253,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.shading, b.picture.shading);
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
+  EXPECT_EQ(a.picture.interpolation, b.picture.interpolation);
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.crop, b.picture.crop);
   EXPECT_EQ(a.picture.samples, b.picture.samples);
@@ -263,6 +265,21 @@ TEST(RenderJob, ALevelIsANumberOrAuto) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": 0})", "job.json").picture.level, 0);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": "auto"})", "job.json").picture.level, std::nullopt);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.level, std::nullopt);
+}
+
+TEST(RenderJob, InterpolationIsThePixelLattices) {
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.interpolation, Interpolation::kLinear);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "interpolation": "cubic"})", "job.json").picture.interpolation,
+            Interpolation::kCubic);
+  EXPECT_NO_THROW(requireInterpolation(Lattice::kPixel, Interpolation::kCatmullRom));
+  EXPECT_NO_THROW(requireInterpolation(Lattice::kVoxel, Interpolation::kLinear));
+  try {
+    requireInterpolation(Lattice::kVoxel, Interpolation::kCatmullRom);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("--interpolation catmull-rom"), std::string::npos) << error.what();
+  }
 }
 
 TEST(RenderJob, ACropIsFourWholeNumbers) {
@@ -317,6 +334,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     camera.projection = projection;
     if (projection == Projection::kOrthographic) job.picture.level = 2;
     job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
+    if (job.picture.lattice == Lattice::kPixel) job.picture.interpolation = Interpolation::kCatmullRom;
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");
     expectSamePicture(job, again);

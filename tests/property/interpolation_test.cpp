@@ -1,0 +1,117 @@
+// What is skipped because the transfer function makes its range empty adds nothing, whatever the interpolation: a
+// picture for which each cell of a single brick is swept is bit for bit that of every store. The volume is flat but for
+// single voxels, above and below; values beside them are shown, the voxels themselves are not, so that what a cubic
+// makes two voxels away is all that there is in many a cell.
+#include <gtest/gtest.h>
+
+#include "frame/frame_levels.h"
+#include "splat/slab_sweep.h"
+#include "support/drawing.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr std::int64_t kBricks[] = {16, 32, 64};  // of 64: one brick
+
+DenseVolume specks() {
+  return fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
+    const double chance = hashUnit(5, static_cast<std::uint64_t>((k * 39 + j) * 44 + i));
+    return chance < 0.002 ? 0 : chance > 0.998 ? 255 : 128;
+  });
+}
+
+// Shows values on one side of the flat one.
+TransferFunction beside(double lo, double hi) {
+  const glm::dvec3 color(0.9, 0.8, 0.7);
+  return {1, {{lo, color, 0}, {(lo + hi) / 2, color, 0.6}, {hi, color, 0}}};
+}
+
+std::vector<SlabCell> allCells(const SlabFrame& frame, const BrickBlock& block) {
+  std::vector<SlabCell> out;
+  const VoxelBox reach = intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()));
+  for (std::int64_t z = 0; z < reach.hi.z; z += kCellSize) {
+    for (std::int64_t y = 0; y < reach.hi.y; y += kCellSize) {
+      for (std::int64_t x = 0; x < reach.hi.x; x += kCellSize) {
+        const VoxelBox cell = intersection({{x, y, z}, {x + kCellSize, y + kCellSize, z + kCellSize}}, reach);
+        out.push_back({cell, frame.boundsOf(cell)});
+        if (out.back().bounds.empty()) out.pop_back();
+      }
+    }
+  }
+  return out;
+}
+
+// The only brick, every cell of which is swept.
+Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request, std::size_t& skipped) {
+  const StoreReader store(path);
+  const Manifest& volume = store.manifest();
+  const FrameLevels levels(volume, 0, request.view, ProjectedArea::kBox);
+  const double unit = request.transfer_function.unit;
+  const SampleTable table(request.transfer_function, unit, volume.type, volume.range);
+  const auto noise = static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo));
+  const auto visibility = makeMaskVisibility(request.view.size.width, request.view.size.height);
+  const BrickBlock block = store.read({0, {0, 0, 0}});
+  Image image(request.view.size.width, request.view.size.height);
+  const TilePixels tile{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width};
+  SweepMemory memory;
+  SplatCounts counts;
+  const Projector& projector = levels.projector(0);
+  for (const SlabZone& zone : slabZones(volume, request.view, 0, projector.nearDepth())) {
+    const SampleLook look{request.shading,
+                          Shader(request.shading, request.view, noise, projector),
+                          GradientOpacity(request.transfer_function, unit, projector),
+                          &levels.clipRegion(0),
+                          noise,
+                          request.interpolation};
+    const SlabFrame frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
+    const std::vector<SlabCell> cells = allCells(frame, block);
+    skipped += cells.size() - interestingCells(frame, block).size();
+    std::vector<const SlabCell*> all;
+    for (const SlabCell& cell : cells) all.push_back(&cell);
+    sweepSlabs(frame, block, all, tile, *visibility, true, static_cast<float>(request.opacity_threshold), memory,
+               counts);
+  }
+  return image;
+}
+
+bool showsSomething(const Image& image) {
+  return std::any_of(image.rgba.begin(), image.rgba.end(), [](float v) { return v > 0; });
+}
+
+class Skipping : public ::testing::TestWithParam<std::tuple<Interpolation, Projection>> {};
+
+TEST_P(Skipping, ChangesNoBit) {
+  const auto [interpolation, projection] = GetParam();
+  const DenseVolume volume = specks();
+  std::vector<std::filesystem::path> stores;
+  for (const std::int64_t brick : kBricks)
+    stores.push_back(makeStore(volume, "specks_of_" + std::to_string(brick), brick));
+  for (const double px_per_voxel : {0.6, 1.6, 3.1}) {
+    FrameRequest request;
+    request.interpolation = interpolation;
+    request.level = 0;
+    Camera camera = cameraFrom(volume.geometry, {0.4, -1, 0.6}, projection);
+    camera.height = 80 / px_per_voxel;
+    camera.fov_deg *= camera.height / 70;
+    request.view = resolve(camera, {80, 60});
+    for (const auto& [lo, hi] : {std::array{126.0, 128.0}, std::array{128.0, 130.0}}) {
+      SCOPED_TRACE(testing::Message() << px_per_voxel << " px/voxel, values of " << lo << " to " << hi);
+      request.transfer_function = beside(lo, hi);
+      std::size_t skipped = 0;
+      const Image truth = drawnWhole(stores.back(), request, skipped);
+      for (const auto& store : stores) EXPECT_TRUE(equalBits(truth, draw(store, request))) << store;
+      EXPECT_EQ(showsSomething(truth), interpolation == Interpolation::kCubic || px_per_voxel > 1);
+      EXPECT_GT(skipped, 5u);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Interpolations, Skipping,
+                         ::testing::Combine(::testing::Values(Interpolation::kLinear, Interpolation::kCubic,
+                                                              Interpolation::kCatmullRom),
+                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
+
+}  // namespace
+}  // namespace kiln::test

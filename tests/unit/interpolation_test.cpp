@@ -1,0 +1,171 @@
+// Interpolation between voxels. The reference's is known on polynomials; the kernel of every instruction set is known
+// by the reference's: as near as floats come (3e-7 of the range, of gradients as much), and all of them the same bits.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+
+#include "splat/refine_unit.h"
+#include "support/reference_field.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr Interpolation kInterpolations[] = {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom};
+constexpr double kLeast = 1, kMost = 255;
+
+// Linear functions are kept by all three; of squares the B-spline adds a third, its variance, and Catmull-Rom nothing.
+TEST(ReferenceField, IsKnownOnPolynomials) {
+  const DenseVolume slope =
+      fill({{9, 9, 9}, VoxelType::f64}, [](auto i, auto j, auto k) { return 3.0 * i - 2.0 * j + 0.5 * k; });
+  const DenseVolume square = fill({{9, 9, 9}, VoxelType::f64}, [](auto i, auto j, auto) { return 1.0 * i * i + j; });
+  for (const glm::dvec3 at : {glm::dvec3(4, 4, 4), glm::dvec3(3.3, 4.9, 3.5), glm::dvec3(4.75, 3.01, 4.2)}) {
+    for (const Interpolation interpolation : kInterpolations) {
+      const ReferenceField field(slope, interpolation);
+      EXPECT_NEAR(field.at(at), glm::dot(at, glm::dvec3(3, -2, 0.5)), 1e-12);
+      EXPECT_LT(glm::length(field.gradient(at) - glm::dvec3(3, -2, 0.5)), 1e-12);
+      EXPECT_LT(glm::length(ReferenceField(square, interpolation).gradient(at) - glm::dvec3(2 * at.x, 1, 0)), 1e-12);
+    }
+    const double exact = at.x * at.x + at.y;
+    EXPECT_NEAR(ReferenceField(square, Interpolation::kCubic).at(at), exact + 1.0 / 3, 1e-12);
+    EXPECT_NEAR(ReferenceField(square, Interpolation::kCatmullRom).at(at), exact, 1e-12);
+  }
+}
+
+TEST(ReferenceField, CatmullRomStaysWithinItsVoxels) {
+  const DenseVolume step = fill({{9, 9, 9}, VoxelType::f64}, [](auto i, auto, auto) { return i < 4 ? 0.0 : 1.0; });
+  const ReferenceField field(step, Interpolation::kCatmullRom);
+  EXPECT_EQ(field.at({2.5, 4, 4}), 0);
+  EXPECT_EQ(field.at({4.5, 4, 4}), 1);
+  EXPECT_EQ(field.at({3.5, 4, 4}), 0.5);
+}
+
+struct Refined {
+  std::vector<SlabSample> samples;
+  std::vector<SampleDetails> details;
+};
+
+// A lattice whose every sample with a value has extinction `value`, far from all ends.
+class Kernel {
+ public:
+  Kernel(Interpolation interpolation, const std::array<int, 3>& refinement) {
+    for (std::size_t i = 0; i < kMost + 2; ++i) table_.push_back({1, 1, 1, std::min<float>(i, kMost)});
+    lattice_.interpolation = interpolation;
+    for (std::size_t a = 0; a < 3; ++a) {
+      lattice_.voxels[a] = std::min(kUnitVoxels, std::max(1, kUnitSamples / refinement[a]));
+      lattice_.axis[a] = UnitAxis(refinement[a], lattice_.voxels[a], interpolation);
+    }
+    lattice_.step_x = {1, 0, 0}, lattice_.step_y = {0, 1, 0}, lattice_.step_z = {0, 0, 1};
+    lattice_.near = -100, lattice_.slabs = 1000;
+    lattice_.table = table_.front().data();
+    lattice_.table_last = kMost;
+  }
+
+  const UnitLattice& lattice() const { return lattice_; }
+
+  Refined operator()(const DenseVolume& volume, const VoxelCoord& lo) const {
+    const auto& n = lattice_.voxels;
+    alignas(64) static float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
+    float* to = values;
+    for (int z = -kUnitMargin; z < n[2] + kUnitMargin; ++z) {
+      for (int y = -kUnitMargin; y < n[1] + kUnitMargin; ++y, to += kUnitSamples) {
+        for (int x = -kUnitMargin; x < n[0] + kUnitMargin; ++x)
+          to[x + kUnitMargin] = volume.at<float>(lo.x + x, lo.y + y, lo.z + z);
+      }
+    }
+    UnitInput in;
+    in.values = values;
+    in.least = kLeast, in.most = kMost;
+    in.origin = {lo.x, lo.y, lo.z};
+    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = lattice_.axis[a].samples;
+    in.part_x.fill(1), in.part_y.fill(1), in.part_z.fill(1);
+    in.tile_x0 = in.tile_y0 = -1e6f, in.tile_x1 = in.tile_y1 = 1e6f;
+    Refined out{std::vector<SlabSample>(16 * 16 * 16), std::vector<SampleDetails>(16 * 16 * 16)};
+    const int count = refineUnit(lattice_, in, out.samples.data(), out.details.data());
+    out.samples.resize(static_cast<std::size_t>(count));
+    out.details.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+
+ private:
+  std::vector<std::array<float, 4>> table_;
+  UnitLattice lattice_;
+};
+
+// Noise with some NaN, of which a voxel without weight may be one.
+DenseVolume noiseWithGaps() {
+  return fill({{20, 18, 17}, VoxelType::f32}, [](auto i, auto j, auto k) {
+    const auto n = static_cast<std::uint64_t>((k * 18 + j) * 20 + i);
+    return hashUnit(1, n) < 0.004 ? NAN : kLeast + (kMost - kLeast) * hashUnit(2, n);
+  });
+}
+
+// Each sample of the unit, in the kernel's order, against the field.
+void compare(const Refined& refined, const UnitLattice& lattice, const ReferenceField& field, const VoxelCoord& lo) {
+  std::size_t next = 0;
+  double worst = 0, worst_slope = 0;
+  int missing = 0;
+  for (int k = 0; k < lattice.axis[2].samples; ++k) {
+    for (int j = 0; j < lattice.axis[1].samples; ++j) {
+      for (int i = 0; i < lattice.axis[0].samples; ++i) {
+        glm::dvec3 index;
+        const int at[3] = {i, j, k};
+        for (int a = 0; a < 3; ++a) {
+          const int n = lattice.axis[static_cast<std::size_t>(a)].refinement;
+          index[a] = static_cast<double>(lo[a]) - 0.5 + (2.0 * at[a] + 1) / (2.0 * n);
+        }
+        const double value = field.at(index);
+        if (std::isnan(value)) {
+          ++missing;
+          continue;
+        }
+        ASSERT_LT(next, refined.details.size());
+        const SampleDetails& found = refined.details[next++];
+        ASSERT_LT(glm::length(glm::dvec3(found.view) - index), 1e-5);
+        worst = std::max(worst, std::abs(found.tau - value));
+        const glm::dvec3 slope = field.gradient(index);
+        const bool finite = !std::isnan(slope.x + slope.y + slope.z);
+        worst_slope = std::max(worst_slope, glm::length(glm::dvec3(found.gradient) - (finite ? slope : glm::dvec3(0))));
+      }
+    }
+  }
+  EXPECT_EQ(next, refined.details.size());
+  EXPECT_LT(worst, 3e-7 * (kMost - kLeast));
+  EXPECT_LT(worst_slope, 3e-7 * (kMost - kLeast));
+  EXPECT_GT(next, 0u);
+}
+
+template <class T>
+bool equalBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
+  const DenseVolume volume = noiseWithGaps();
+  const std::array<int, 3> refinements[] = {{1, 1, 1}, {2, 2, 2}, {3, 4, 5}, {1, 3, 2}, {16, 7, 1}};
+  const std::int64_t all = hwy::SupportedTargets();
+  for (const Interpolation interpolation : kInterpolations) {
+    const ReferenceField field(volume, interpolation);
+    for (const auto& refinement : refinements) {
+      const Kernel kernel(interpolation, refinement);
+      for (const VoxelCoord lo : {VoxelCoord{0, 0, 0}, VoxelCoord{8, 8, 8}}) {
+        SCOPED_TRACE(testing::Message() << static_cast<int>(interpolation) << " refined " << refinement[0] << ", "
+                                        << refinement[1] << ", " << refinement[2] << " from " << lo.x);
+        const Refined best = kernel(volume, lo);
+        compare(best, kernel.lattice(), field, lo);
+        for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
+          hwy::SetSupportedTargetsForTest(rest & -rest);
+          const Refined other = kernel(volume, lo);
+          EXPECT_TRUE(equalBits(best.samples, other.samples)) << instructionSet();
+          EXPECT_TRUE(equalBits(best.details, other.details)) << instructionSet();
+        }
+        hwy::SetSupportedTargetsForTest(0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
