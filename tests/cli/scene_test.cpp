@@ -72,6 +72,19 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   expectRefused({"--window", "3,0"}, "--window");
 }
 
+// A volume of 20 voxels in 24 pixels is refined, so that every interpolation is another picture.
+TEST_F(SceneCli, InterpolationsOfThePixelLattice) {
+  const Image linear = drawnTwice({"--tf", "fire"});
+  EXPECT_EQ(drawn({"--tf", "fire", "--interpolation", "linear"}).rgba, linear.rgba);
+  const Image cubic = drawnTwice({"--tf", "fire", "--interpolation", "cubic"});
+  EXPECT_NE(cubic.rgba, linear.rgba);
+  const Image catmull_rom = drawnTwice({"--tf", "fire", "--interpolation", "catmull-rom"});
+  EXPECT_NE(catmull_rom.rgba, linear.rgba);
+  EXPECT_NE(catmull_rom.rgba, cubic.rgba);
+  expectRefused({"--interpolation", "cubical"}, "--interpolation: expected one of linear, cubic, catmull-rom");
+  expectRefused({"--lattice", "voxel", "--interpolation", "cubic"}, "--interpolation cubic: --lattice voxel");
+}
+
 // Each option changes the picture, and what it does is in the header.
 TEST_F(SceneCli, LightClippingAndBackground) {
   const Image by_default = drawnTwice({"--tf", "auto"});
