@@ -104,7 +104,7 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation) {
   if (lattice == Lattice::kPixel || interpolation == Interpolation::kLinear) return;
   throw Error(ErrorCode::kUsage, fmt::format("--interpolation {}: --lattice voxel draws the voxels as they are; choose "
                                              "--lattice pixel, or leave --interpolation out",
-                                             kInterpolationNames[static_cast<std::size_t>(interpolation)]));
+                                             nameIn(kInterpolationNames, interpolation)));
 }
 
 CameraSpec cameraFrom(const JobObject& object) {

@@ -5,27 +5,27 @@
 namespace kiln {
 namespace {
 
-using Weights = std::array<double, 4>;  // of the voxels at -1, 0, 1 and 2, for a place t from 0 towards 1
+using TapWeights = std::array<double, 4>;  // of the voxels at -1, 0, 1 and 2, for a place t from 0 towards 1
 
-Weights bSpline(double t) {
+TapWeights bSpline(double t) {
   const double s = 1 - t;
   return {s * s * s / 6, (4 + t * t * (3 * t - 6)) / 6, (4 + s * s * (3 * s - 6)) / 6, t * t * t / 6};
 }
 
-Weights bSplineSlope(double t) {
+TapWeights bSplineSlope(double t) {
   const double s = 1 - t;
   return {-s * s / 2, t * (3 * t - 4) / 2, s * (4 - 3 * s) / 2, t * t / 2};
 }
 
 // Source: Catmull and Rom, A class of local interpolating splines, 1974.
-Weights catmullRom(double t) {
+TapWeights catmullRom(double t) {
   const double s = 1 - t;
   return {-t * s * s / 2, (2 + t * t * (3 * t - 5)) / 2, (2 + s * s * (3 * s - 5)) / 2, -s * t * t / 2};
 }
 
 // Taps without weight are the base, and share its weight: zero times what is not finite would not be zero. Quarters
 // added in pairs are the voxel itself to the bit.
-void setTaps(CubicTaps& taps, std::size_t sample, int base, const Weights& weights) {
+void setTaps(CubicTaps& taps, std::size_t sample, int base, const TapWeights& weights) {
   const auto shares = std::count(weights.begin(), weights.end(), 0.0) + (weights[1] != 0 ? 1 : 0);
   for (std::size_t tap = 0; tap < 4; ++tap) {
     const bool own = tap != 1 && weights[tap] != 0;

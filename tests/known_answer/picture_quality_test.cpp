@@ -97,7 +97,7 @@ TEST_P(PictureQuality, OfCubicsIsThatOfTheReference) {
   const Image linear = draw(store, request);
   std::vector<std::vector<Image>> sheet;
   for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
-    const char* const name = kInterpolationNames[static_cast<std::size_t>(interpolation)].data();
+    const char* const name = nameIn(kInterpolationNames, interpolation).data();
     SCOPED_TRACE(name);
     ReferenceSettings settings{4, 0.25, 0.9999};
     settings.interpolation = request.interpolation = interpolation;

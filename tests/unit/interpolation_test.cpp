@@ -14,7 +14,7 @@ namespace kiln::test {
 namespace {
 
 constexpr Interpolation kInterpolations[] = {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom};
-constexpr double kLeast = 1, kMost = 255;
+constexpr double kLeastValue = 1, kMostValue = 255;
 
 // Linear functions are kept by all three; of squares the B-spline adds a third, its variance, and Catmull-Rom nothing.
 TEST(ReferenceField, IsKnownOnPolynomials) {
@@ -51,7 +51,7 @@ struct Refined {
 class Kernel {
  public:
   Kernel(Interpolation interpolation, const std::array<int, 3>& refinement) {
-    for (std::size_t i = 0; i < kMost + 2; ++i) table_.push_back({1, 1, 1, std::min<float>(i, kMost)});
+    for (std::size_t i = 0; i < kMostValue + 2; ++i) table_.push_back({1, 1, 1, std::min<float>(i, kMostValue)});
     lattice_.interpolation = interpolation;
     for (std::size_t a = 0; a < 3; ++a) {
       lattice_.voxels[a] = std::min(kUnitVoxels, std::max(1, kUnitSamples / refinement[a]));
@@ -60,7 +60,7 @@ class Kernel {
     lattice_.step_x = {1, 0, 0}, lattice_.step_y = {0, 1, 0}, lattice_.step_z = {0, 0, 1};
     lattice_.near = -100, lattice_.slabs = 1000;
     lattice_.table = table_.front().data();
-    lattice_.table_last = kMost;
+    lattice_.table_last = kMostValue;
   }
 
   const UnitLattice& lattice() const { return lattice_; }
@@ -77,7 +77,7 @@ class Kernel {
     }
     UnitInput in;
     in.values = values;
-    in.least = kLeast, in.most = kMost;
+    in.least = kLeastValue, in.most = kMostValue;
     in.origin = {lo.x, lo.y, lo.z};
     for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = lattice_.axis[a].samples;
     in.part_x.fill(1), in.part_y.fill(1), in.part_z.fill(1);
@@ -98,12 +98,13 @@ class Kernel {
 DenseVolume noiseWithGaps() {
   return fill({{20, 18, 17}, VoxelType::f32}, [](auto i, auto j, auto k) {
     const auto n = static_cast<std::uint64_t>((k * 18 + j) * 20 + i);
-    return hashUnit(1, n) < 0.004 ? NAN : kLeast + (kMost - kLeast) * hashUnit(2, n);
+    return hashUnit(1, n) < 0.004 ? NAN : kLeastValue + (kMostValue - kLeastValue) * hashUnit(2, n);
   });
 }
 
 // Each sample of the unit, in the kernel's order, against the field.
-void compare(const Refined& refined, const UnitLattice& lattice, const ReferenceField& field, const VoxelCoord& lo) {
+void expectField(const Refined& refined, const UnitLattice& lattice, const ReferenceField& field,
+                 const VoxelCoord& lo) {
   std::size_t next = 0;
   double worst = 0, worst_slope = 0;
   int missing = 0;
@@ -132,8 +133,8 @@ void compare(const Refined& refined, const UnitLattice& lattice, const Reference
     }
   }
   EXPECT_EQ(next, refined.details.size());
-  EXPECT_LT(worst, 3e-7 * (kMost - kLeast));
-  EXPECT_LT(worst_slope, 3e-7 * (kMost - kLeast));
+  EXPECT_LT(worst, 3e-7 * (kMostValue - kLeastValue));
+  EXPECT_LT(worst_slope, 3e-7 * (kMostValue - kLeastValue));
   EXPECT_GT(next, 0u);
 }
 
@@ -154,7 +155,7 @@ TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
         SCOPED_TRACE(testing::Message() << static_cast<int>(interpolation) << " refined " << refinement[0] << ", "
                                         << refinement[1] << ", " << refinement[2] << " from " << lo.x);
         const Refined best = kernel(volume, lo);
-        compare(best, kernel.lattice(), field, lo);
+        expectField(best, kernel.lattice(), field, lo);
         for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
           hwy::SetSupportedTargetsForTest(rest & -rest);
           const Refined other = kernel(volume, lo);
