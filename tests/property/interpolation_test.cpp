@@ -4,6 +4,9 @@
 // makes two voxels away is all that there is in many a cell.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "frame/frame_levels.h"
 #include "splat/slab_sweep.h"
 #include "support/drawing.h"
