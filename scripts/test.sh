@@ -44,7 +44,7 @@ for preset in "${presets[@]}"; do
   # smaller ones go the same ways. (The former are for --nightly and --only dev.) How much memory a picture takes, a
   # sanitizer cannot say.
   if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then
-    chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Turn|MemoryBudget')
+    chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Turn|Zoom|MemoryBudget')
   fi
   if [ "$preset" = tsan ]; then
     chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|(PictureEquality|MixedLevels).*/\([12],')

@@ -45,7 +45,7 @@ void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& ch
     if (use.itself) {
       const bool shown = levels_.clipRegion(added.level).classify(dilated(voxelsOf(added, at), ghosts_)) !=
                          ClipRegion::Overlap::kOutside;
-      node.drawn = shown && interesting(store.index().at({added.level, brick}));
+      node.drawn = shown && interesting(added.level, store.index().at({added.level, brick}));
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
     }
@@ -156,7 +156,7 @@ BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
 }
 
 BrickWalk::Interesting showsCore(const Classifier& classifier) {
-  return [&classifier](const BrickEntry& entry) { return classifier.interesting(entry.core); };
+  return [&classifier](int /*level*/, const BrickEntry& entry) { return classifier.interesting(entry.core); };
 }
 
 }  // namespace kiln

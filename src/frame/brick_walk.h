@@ -37,7 +37,7 @@ class BrickWalk {
     bool finer = false;   // those below it are, before it
   };
   using Choice = std::function<Use(int level, const VoxelBox& box)>;
-  using Interesting = std::function<bool(const BrickEntry& entry)>;
+  using Interesting = std::function<bool(int level, const BrickEntry& entry)>;
 
   /// requires: `levels` are of this store and outlive this; no brick of the finest level has finer ones. What is drawn
   /// of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a

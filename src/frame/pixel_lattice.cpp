@@ -78,7 +78,9 @@ BrickWalk::Choice PixelLattice::choice() const {
 }
 
 BrickWalk::Interesting PixelLattice::interesting() const {
-  return [this](const BrickEntry& entry) { return table_.interesting(entry.support); };
+  return [this](int level, const BrickEntry& entry) {
+    return level == 0 ? table_.interesting(entry.support) : table_.interestingAsIntervals(entry.support);
+  };
 }
 
 SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,

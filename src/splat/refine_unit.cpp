@@ -105,7 +105,8 @@ class Refiner {
       const V a = hn::GatherIndex(d, l_.table + c, at), b = hn::GatherIndex(d, l_.table + 4 + c, at);
       return hn::Add(a, hn::Mul(between, hn::Sub(b, a)));
     };
-    const V tau = channel(3);
+    V tau = channel(3);
+    if (l_.integral != nullptr) tau = meanExtinction(field_.gradients(ui), place, alive, tau);
     alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
     if (hn::AllFalse(d, alive)) return;
 
@@ -191,6 +192,28 @@ class Refiner {
       if (details_ != nullptr) details_[count_] = noted_.at(n);
       out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], so[n], sf[n], sk[n], ss[n]};
     }
+  }
+
+  // The mean extinction of what a voxel of a coarser level stands for: values that vary across it as the gradient says,
+  // spread as evenly over an interval about their mean as has their deviation. A thin skin would else be lost between
+  // the values on its two sides.
+  V meanExtinction(const Vector& slope, V place, M alive, V at_point) const {
+    const D d;
+    const V squared = hn::Add(hn::Mul(slope.x, slope.x), hn::Add(hn::Mul(slope.y, slope.y), hn::Mul(slope.z, slope.z)));
+    const V half = hn::Mul(hn::Set(d, 0.5f * l_.table_scale), hn::Sqrt(squared));
+    alive = hn::And(alive, hn::Lt(half, hn::Set(d, 1e30f)));  // and no NaN
+    const V lo = hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, half), hn::Zero(d)));
+    const V hi = hn::IfThenElseZero(alive, hn::Min(hn::Add(place, half), hn::Set(d, l_.table_last)));
+    const V width = hn::Sub(hi, lo);
+    const V mean = hn::Div(hn::Sub(integralTo(hi), integralTo(lo)), hn::Max(width, hn::Set(d, 1.0f)));
+    return hn::IfThenElse(hn::Ge(width, hn::Set(d, l_.least_interval)), mean, at_point);
+  }
+  V integralTo(V place) const {
+    const D d;
+    const DI di;
+    const VI entry = hn::ConvertTo(di, place);
+    const V a = hn::GatherIndex(d, l_.integral, entry), b = hn::GatherIndex(d, l_.integral + 1, entry);
+    return hn::Add(a, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a)));
   }
 
   // Details of the vector in turn, for those of its samples that are kept.

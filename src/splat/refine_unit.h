@@ -39,6 +39,10 @@ struct UnitLattice {
   const float* table = nullptr;
   float table_scale = 1, table_last = 0;
   bool one_color = false;
+  // Where a voxel stands for the interval of values that it is the mean of: the extinction is the mean over it. Null
+  // where a sample is a point.
+  const float* integral = nullptr;
+  float least_interval = 1;
   // Phong with one white headlight, if any. What is more than that, the caller does for each sample with its details.
   bool phong = false;
   float ambient = 0, diffuse = 0, specular = 0, power = 0, least_gradient_squared = 0;

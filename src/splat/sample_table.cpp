@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kiln {
 namespace {
@@ -29,6 +30,14 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     const Material& first = entries_.front();
     one_color_ = one_color_ && m.r == first.r && m.g == first.g && m.b == first.b;
   }
+  double sum = 0;
+  integral_.assign(1, 0.0f);
+  for (std::size_t i = 1; i < count; ++i) {
+    sum += 0.5 * (static_cast<double>(entries_[i - 1].tau) + static_cast<double>(entries_[i].tau));
+    integral_.push_back(static_cast<float>(sum));
+  }
+  // A float's last digit of the whole sum is then at most a thousandth of the interval's part.
+  least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
   before_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
 }
@@ -41,6 +50,13 @@ bool SampleTable::interesting(const ValueRange& range) const {
   const auto from = static_cast<std::size_t>(std::floor(place(range.lo)));
   const auto to = static_cast<std::size_t>(std::ceil(place(range.hi)));
   return before_[to + 1] > before_[from];
+}
+
+bool SampleTable::interestingAsIntervals(const ValueRange& range) const {
+  if (range.empty()) return false;
+  // Half an interval is at most half the length of a gradient of central differences.
+  const double reach = std::numbers::sqrt3 / 4 * (range.hi - range.lo) * (1 + 1e-5);
+  return interesting({range.lo - reach, range.hi + reach});
 }
 
 }  // namespace kiln

@@ -32,14 +32,23 @@ class SampleTable {
   float last() const { return last_; }
   /// Whether all that is not transparent has the same colour, and so have its neighbours in the table.
   bool oneColor() const { return one_color_; }
+  /// Extinction integrated over the entries, from the first: what it grows by between two places, over their distance,
+  /// is the mean extinction of the values between them. It tells places apart that are `leastInterval` from each other.
+  /// shape: as entries. unit: extinction times entries.
+  const float* integral() const { return integral_.data(); }
+  float leastInterval() const { return least_interval_; }
   /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
   bool interesting(const ValueRange& range) const;
+  /// The same for values of the range that each stand for an interval, as a voxel of a coarser level does.
+  bool interestingAsIntervals(const ValueRange& range) const;
 
  private:
   double lo_ = 0;
   float scale_ = 1, last_ = 0;
+  float least_interval_ = 1;
   bool one_color_ = true;
   std::vector<Material> entries_;
+  std::vector<float> integral_;
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
 };
 

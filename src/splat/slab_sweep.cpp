@@ -88,6 +88,9 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.table_scale = table.scale();
   out.table_last = table.last();
   out.one_color = table.oneColor();
+  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
+  if (zone.level > 0 && !refined) out.integral = table.integral();
+  out.least_interval = table.leastInterval();
   out.phong = shading.phong;
   out.ambient = static_cast<float>(shading.ambient);
   const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
@@ -186,14 +189,14 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
   for (int z = 0; z < n; ++z) {
     for (int y = 0; y < n; ++y) {
       for (int x = 0; x < n; ++x) {
-        const bool near = frame.table().interesting(block.supports.at(x, y, z));
-        if (!near && !(cubic && frame.table().interesting(supportsAround(block.supports, x, y, z)))) continue;
+        const bool near = frame.interesting(block.supports.at(x, y, z));
+        if (!near && !(cubic && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
         if (cell.box.empty() || frame.look().clip->classify(cell.box) == ClipRegion::Overlap::kOutside) continue;
         const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
-        if (!near && !frame.table().interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
+        if (!near && !frame.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
         cell.bounds = frame.boundsOf(cell.box);
         if (!cell.bounds.empty()) out.push_back(cell);
       }
@@ -310,7 +313,7 @@ class Sweep {
     const UnitLattice& l = f_.lattice();
     UnitInput in;
     const ValueRange range = load(unit.lo);
-    if (!f_.table().interesting(range)) return;
+    if (!f_.interesting(range)) return;
     in.values = m_.values;
     in.least = static_cast<float>(range.lo - offset_);
     in.most = static_cast<float>(range.hi - offset_);

@@ -10,6 +10,7 @@
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "support/drawing.h"
+#include "support/lattices.h"
 #include "support/procedural.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"
@@ -155,6 +156,39 @@ TEST(LevelOfDetail, UniformMediumHasNoSeams) {
   EXPECT_GE(most_levels, 3);
 }
 
+// Known because a ray along a ramp meets every value for the same length: a thin layer's optical depth is the integral
+// of extinction over values by the ramp's slope. A level's voxels are up to nine times as far apart as the layer is
+// wide, so that most of them have values on its two sides.
+TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
+  constexpr double kSlope = 6, kMiddle = 400, kHalfWidth = 8;
+  const VolumeShape shape{{128, 128, 128}, VoxelType::i16};
+  const DenseVolume volume = ramp(shape, 0, kSlope);
+  Frames frames(makeStore(volume, "layer", 32));
+  FrameRequest request;
+  request.shading.phong = false;
+  request.opacity_threshold = 1;
+  request.transfer_function.unit = 1;
+  request.transfer_function.points = {
+      {kMiddle - kHalfWidth, {1, 1, 1}, 0}, {kMiddle, {1, 1, 1}, 0.1}, {kMiddle + kHalfWidth, {1, 1, 1}, 0}};
+  // From aside, so that slabs cut it everywhere. Of tau = -ln(1 - a), a from 0 to 0.1 and back.
+  const glm::dvec3 from(-1, 0.4, 0.23);
+  const double expected = 2 * kHalfWidth / kSlope * (1 + 0.9 / 0.1 * std::log(0.9)) * glm::length(from);
+  const Camera camera = cameraFrom(volume.geometry, from, Projection::kOrthographic);
+  for (const int pixels : {80, 40, 20}) {
+    request.view = resolve(camera, {pixels, pixels});
+    const Image image = frames.draw(request, std::nullopt);
+    double sum = 0;
+    int count = 0;
+    for (int y = 3 * pixels / 8; y < 5 * pixels / 8; ++y) {
+      for (int x = 3 * pixels / 8; x < 5 * pixels / 8; ++x, ++count)
+        sum -= std::log1p(-static_cast<double>(image.pixel(x, y)[3]));
+    }
+    const std::size_t levels = frames.statistics.levels.size();
+    std::printf("layer, %d pixels, level %zu: optical depth %.4f of %.4f\n", pixels, levels - 1, sum / count, expected);
+    EXPECT_NEAR(sum / count / expected, 1, 0.05) << pixels << " pixels";
+  }
+}
+
 // Curved walls from near to far, one frame of three levels and more, against the picture of level 0.
 TEST(LevelOfDetail, PerspectiveMixesLevels) {
   const VolumeShape shape{{64, 64, 320}, VoxelType::i16};
@@ -196,15 +230,16 @@ double meanChange(const Image& a, const Image& b) {
   return sum / (4.0 * pixels);
 }
 
-class Zoom : public ::testing::TestWithParam<Projection> {};
+class Zoom : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {};
 
 // Four times nearer in 60 frames: every level takes its turn, in perspective brick by brick, else all at once.
 TEST_P(Zoom, DoesNotPop) {
   const DenseVolume volume = head({{96, 96, 72}, VoxelType::i16}, usualRange(VoxelType::i16));
   Frames frames(makeStore(volume, "head", 16));
-  const Camera base = cameraFrom(volume.geometry, {-0.6, -1, 0.3}, GetParam());
+  const auto [lattice, projection] = GetParam();
+  const Camera base = cameraFrom(volume.geometry, {-0.6, -1, 0.3}, projection);
   FrameRequest request;
-  request.lattice = Lattice::kVoxel;
+  request.lattice = lattice;
   request.transfer_function = skin(volume.range());
   constexpr int kFrames = 60;
   Image last, last_fine;
@@ -229,17 +264,20 @@ TEST_P(Zoom, DoesNotPop) {
     last_fine = fine;
   }
   std::printf(
-      "%s zoom, mean change from frame to frame: auto %.5f on average, %.5f at most; level 0 %.5f and %.5f; at most "
+      "%s lattice, %s zoom, mean change from frame to frame: auto %.5f on average, %.5f at most; level 0 %.5f and "
+      "%.5f; at most "
       "%.5f above level 0's\n",
-      GetParam() == Projection::kPerspective ? "perspective" : "orthographic", sum / (kFrames - 1), most,
-      sum_fine / (kFrames - 1), most_fine, most_above);
+      nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", sum / (kFrames - 1),
+      most, sum_fine / (kFrames - 1), most_fine, most_above);
   // Zooming changes a pixel by a thirtieth from frame to frame; a change of level adds at most 4/255 to that.
   EXPECT_LT(sum, 1.05 * sum_fine);
   EXPECT_LT(most, 1.15 * most_fine);
   EXPECT_LT(most_above, 4.0 / 255);
 }
 
-INSTANTIATE_TEST_SUITE_P(Projections, Zoom, ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+INSTANTIATE_TEST_SUITE_P(Lattices, Zoom,
+                         ::testing::Combine(::testing::Values(Lattice::kPixel, Lattice::kVoxel),
+                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
 
 }  // namespace
 }  // namespace kiln::test

@@ -68,7 +68,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
 
   void check(const View& view, std::uint64_t seed) {
     const FrameLevels levels(store_->manifest(), std::nullopt, view, ProjectedArea::kBox);
-    const BrickWalk walk(*store_, levels, voxelChoice(levels), [](const BrickEntry&) { return true; });
+    const BrickWalk walk(*store_, levels, voxelChoice(levels), [](int, const BrickEntry&) { return true; });
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
     BrickWalkCounts counts;
     const std::vector<BrickInView> bricks = walk.inView(anywhere, counts);
