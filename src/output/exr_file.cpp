@@ -79,6 +79,7 @@ Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::Pi
   header.dataWindow() = {{whole.x, whole.y}, {whole.x + image.width - 1, whole.y + image.height - 1}};
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const char* name : kChannelNames) header.channels().insert(name, Imf::Channel(type));
+  for (const Plane& plane : image.planes) header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
   if (metadata.world_to_camera) Imf::addWorldToCamera(header, imathOf(*metadata.world_to_camera));
   if (metadata.world_to_ndc) Imf::addWorldToNDC(header, imathOf(*metadata.world_to_ndc));
   for (const auto& [name, text] : metadata.text) header.insert(name, Imf::StringAttribute(text));
@@ -97,10 +98,21 @@ Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
   return buffer;
 }
 
+// OpenEXR counts pixels from the display window's corner, and never writes to what it reads.
+Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
+  constexpr std::ptrdiff_t kBytes = sizeof(float);
+  const std::ptrdiff_t before = kBytes * (std::ptrdiff_t{first.y} * width + first.x);
+  char* const values = reinterpret_cast<char*>(const_cast<float*>(plane.values.data()));
+  return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
+}
+
 template <class T, class Convert>
 void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, Convert convert) {
   std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
-  file.setFrameBuffer(oneRow(row, type, file.header().dataWindow().min.x));
+  const Imath::V2i& first = file.header().dataWindow().min;
+  Imf::FrameBuffer buffer = oneRow(row, type, first.x);
+  for (const Plane& plane : image.planes) buffer.insert(plane.name, wholePlane(plane, image.width, first));
+  file.setFrameBuffer(buffer);
   for (int y = 0; y < image.height; ++y) {
     std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
     file.writePixels(1);

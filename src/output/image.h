@@ -1,15 +1,23 @@
-// A finished picture in memory: linear light, premultiplied alpha.
+// A finished picture in memory: linear light, premultiplied alpha, and whatever else is known of each pixel.
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace kiln {
+
+/// One more number a pixel. shape: height rows of width floats, row 0 at the top.
+struct Plane {
+  std::string name;  // of its channel in an EXR
+  std::vector<float> values;
+};
 
 /// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top. unit: linear, premultiplied.
 struct Image {
   int width = 0, height = 0;
   std::vector<float> rgba;
+  std::vector<Plane> planes;
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), rgba(static_cast<std::size_t>(w) * h * 4) {}

@@ -20,8 +20,11 @@ std::string extensionOf(const std::filesystem::path& path) {
 
 }  // namespace
 
-void requireImagePath(const std::filesystem::path& path) {
+void requireImagePath(const std::filesystem::path& path, bool with_planes) {
   const std::string extension = extensionOf(path);
+  if (extension == ".png" && with_planes)
+    throw Error(ErrorCode::kUsage, path, "",
+                "a PNG holds colours only; what is beside them (--aov) needs a name in .exr");
   if (extension == ".exr" || extension == ".png") return;
   throw Error(ErrorCode::kUsage, path, "", "is not a name for a picture; it must end in .exr or .png");
 }
@@ -31,7 +34,7 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   assert(image.width > 0 && image.height > 0);
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4);
   assert(options.png_bits == 8 || options.png_bits == 16);
-  requireImagePath(path);
+  requireImagePath(path, !image.planes.empty());
   disk.writeAtomic(path, extensionOf(path) == ".exr" ? encodeExr(image, metadata, options.exr_float, path)
                                                      : encodePng(image, options.png_bits, path));
 }

@@ -32,14 +32,16 @@ struct ImageFileOptions {
 };
 
 /// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory.
-/// throws: Error kUsage (another extension), kNoSpace, kIo.
+/// throws: Error kUsage (another extension; planes in a PNG), kNoSpace, kIo.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
-/// throws: Error kUsage where `path` has an extension that `writeImage` refuses. For a check before long work.
-void requireImagePath(const std::filesystem::path& path);
+/// throws: Error kUsage where `path` has an extension that `writeImage` refuses for a picture with or without planes.
+/// For a check before long work.
+void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
 
-/// Reads R, G, B, A (or Y) of an EXR's data window, or a PNG back to linear premultiplied; which, its first bytes say.
+/// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; which, its first
+/// bytes say.
 /// throws: Error kFormat, kNotFound, kUnsupported.
 Image readImage(const std::filesystem::path& path);
 /// The string attributes of an EXR. throws: as readImage.

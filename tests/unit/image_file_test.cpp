@@ -2,6 +2,10 @@
 // 2^-11 of it; PNG pixels are worked out by hand from the sRGB curve (0.5 light is 188, or 48192 of 65535).
 #include "output/image_file.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -9,6 +13,8 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <limits>
+#include <numeric>
 
 #include "base/error.h"
 #include "output/exr_file.h"
@@ -112,6 +118,35 @@ TEST_F(ImageFile, ExrOfAPartSaysWhereInTheWholeItIs) {
   EXPECT_EQ(window(std::string_view("dataWindow\0box2i\0", 17)), (std::array<std::int32_t, 4>{7, 3, 11, 6}));
   EXPECT_EQ(window(std::string_view("displayWindow\0box2i\0", 20)), (std::array<std::int32_t, 4>{0, 0, 19, 9}));
   EXPECT_EQ(decodeExr(file, "a.exr").rgba, part.rgba);
+}
+
+// Read by OpenEXR itself. No rounding: they are floats whatever the colours are.
+TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
+  Image image = somePicture(5, 4);
+  image.planes = {{"Z", std::vector<float>(20, 1000.1f)}, {"N.X", std::vector<float>(20)}};
+  image.planes[0].values[7] = std::numeric_limits<float>::infinity();
+  std::iota(image.planes[1].values.begin(), image.planes[1].values.end(), 1 / 3.0f);
+  ImageMetadata metadata;
+  metadata.whole = {7, 3, 20, 10};
+  writeImage(image, metadata, {}, folder_ / "a.exr");
+  Imf::InputFile file((folder_ / "a.exr").c_str());
+  EXPECT_EQ(file.header().channels()["R"].type, Imf::HALF);
+  Imf::FrameBuffer buffer;
+  std::vector<std::vector<float>> back(2, std::vector<float>(20));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(file.header().channels()[image.planes[i].name].type, Imf::FLOAT);
+    buffer.insert(image.planes[i].name,
+                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(back[i].data() - 3 * 5 - 7), 4, 20));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(3, 6);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(back[i], image.planes[i].values);
+  Image colors = image;
+  colors.planes.clear();
+  writeImage(colors, metadata, {}, folder_ / "b.exr");
+  EXPECT_EQ(readImage(folder_ / "a.exr").rgba, readImage(folder_ / "b.exr").rgba);
+  EXPECT_NE(errorOf([&] { writeImage(image, {}, {}, folder_ / "a.png"); }, ErrorCode::kUsage).find("--aov"),
+            std::string::npos);
 }
 
 // OpenEXR multiplies row vectors: its translation is in the last row, which is the last four floats of 16 in the file.
