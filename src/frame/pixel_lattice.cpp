@@ -13,9 +13,7 @@ std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge) {
   std::vector<TilePixels> out;
   for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
     for (int x = tile.rect.x0; x < tile.rect.x1; x += edge) {
-      out.push_back({intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect),
-                     tile.rgba + (y - tile.rect.y0) * tile.stride + std::ptrdiff_t{4} * (x - tile.rect.x0),
-                     tile.stride});
+      out.push_back(tile.of(intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect)));
     }
   }
   return out;

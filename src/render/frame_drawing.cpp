@@ -6,6 +6,7 @@
 #include "frame/lookahead.h"
 #include "frame/make_visibility.h"
 #include "frame/tile_walk.h"
+#include "render/aov_planes.h"
 
 namespace kiln {
 namespace {
@@ -29,19 +30,6 @@ SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifie
   out.opaque_at = static_cast<float>(request.opacity_threshold);
   out.visibility = &visibility;
   out.test_samples = testsSamples(request.visibility);
-  return out;
-}
-
-// The tiles of the whole frame that `rect` touches, cut off at `drawn`, which `image` holds.
-std::vector<TilePixels> tilesOf(Image& image, const PixelRect& drawn, const PixelRect& rect, int tile_px) {
-  if (tile_px == 0) return {{drawn, image.pixel(0, 0), std::ptrdiff_t{4} * image.width}};
-  std::vector<TilePixels> out;
-  for (int y = rect.y0 / tile_px * tile_px; y < rect.y1; y += tile_px) {
-    for (int x = rect.x0 / tile_px * tile_px; x < rect.x1; x += tile_px) {
-      const PixelRect tile = intersection(PixelRect{x, y, x + tile_px, y + tile_px}, drawn);
-      out.push_back({tile, image.pixel(tile.x0 - drawn.x0, tile.y0 - drawn.y0), std::ptrdiff_t{4} * image.width});
-    }
-  }
   return out;
 }
 
@@ -91,6 +79,10 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
   Image image(pixels.width(), pixels.height());
+  addAovPlanes(request_.aovs, image);
+  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
+  std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
+  all.aovs.filled = filled.data();
   std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {
     BrickWalkCounts ignored;
@@ -101,12 +93,23 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
     const std::shared_ptr<const BrickBlock> block = cache_.get(key);
     if (lookahead) cache_.announce(lookahead->after(key, kAnnounced));
     if (block)
-      drawBlock(*block, tilesOf(image, pixels, rect, request_.tile_px));
+      drawBlock(*block, tilesOf(all, rect));
     else
       damaged_.insert(key);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
   return image;
+}
+
+std::vector<TilePixels> FrameDrawing::tilesOf(const TilePixels& drawn, const PixelRect& rect) const {
+  const int edge = request_.tile_px;
+  if (edge == 0) return {drawn};
+  std::vector<TilePixels> out;
+  for (int y = rect.y0 / edge * edge; y < rect.y1; y += edge) {
+    for (int x = rect.x0 / edge * edge; x < rect.x1; x += edge)
+      out.push_back(drawn.of(intersection(PixelRect{x, y, x + edge, y + edge}, drawn.rect)));
+  }
+  return out;
 }
 
 void FrameDrawing::drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles) {

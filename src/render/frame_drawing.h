@@ -32,13 +32,15 @@ class FrameDrawing {
   /// requires: all outlive this; nobody else uses the cache.
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
 
-  /// The pixels of `pixels`, without background. requires: not empty, in the picture, no pixel drawn before. throws: as
-  /// renderFrame.
+  /// The pixels of `pixels`, without background, their planes as sums (splat/aov_pixels.h). requires: not empty, in the
+  /// picture, no pixel drawn before. throws: as renderFrame.
   Image draw(const PixelRect& pixels);
   /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
   FrameStatistics finish();
 
  private:
+  /// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
+  std::vector<TilePixels> tilesOf(const TilePixels& drawn, const PixelRect& rect) const;
   void drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles);
   /// What the voxel lattice's kernels are told.
   SplatFrame frameOfLevel(int level) const;

@@ -9,12 +9,13 @@
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
+#include "render/aov_planes.h"
 
 namespace kiln {
 namespace {
 
-// RGBA in floats.
-constexpr std::uint64_t kPixelBytes = 16;
+// RGBA in floats, and what goes with it.
+std::uint64_t pixelBytes(const RenderJob& job) { return 16 + aovBytes(job.picture.aovs); }
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
@@ -24,6 +25,8 @@ constexpr std::uint64_t kWalkBytes = 16;
 // half of their samples wait at a time: 8 a cubic pixel of 33 bytes make 1.1 KiB. Measured over the test scenes, in
 // perspective: 1.5 KiB.
 constexpr std::uint64_t kSweepBytesOfPixel = 1800;
+// As many samples and sheets again, of what is told beside colours.
+constexpr std::uint64_t kSweepBytesOfAovs = 1800;
 constexpr std::uint64_t kSweepMargin = 4;
 // A unit's voxels and samples.
 constexpr std::uint64_t kUnitBytes = 512u << 10;
@@ -34,12 +37,13 @@ constexpr int kLeastSweep = 16;
 std::uint64_t slabBytes(const RenderJob& job, int edge) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
-  return threads * (padded * padded * kSweepBytesOfPixel + kUnitBytes);
+  const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
+  return threads * (padded * padded * of_pixel + kUnitBytes);
 }
 
-std::uint64_t bandBytes(const PixelRect& drawn, int edge, int rows) {
+std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
   return static_cast<std::uint64_t>(edge * drawn.width()) *
-         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * kPixelBytes;
+         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * pixelBytes(job);
 }
 
 }  // namespace
@@ -49,11 +53,11 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
-  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * kPixelBytes;
+  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * pixelBytes(job);
   out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
   out.index = store.index().size() * (sizeof(BrickEntry) + kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();
-  if (edge > 1) out.band = out.least_band = bandBytes(drawn, edge, out.band_px);
+  if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
   if (job.picture.lattice == Lattice::kPixel) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
@@ -64,8 +68,9 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   if (edge > 1) {
     const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() - out.band + out.brick;
     const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
-    while (out.band_px < edge * drawn.height() && bandBytes(drawn, edge, 2 * out.band_px) <= share) out.band_px *= 2;
-    out.band = bandBytes(drawn, edge, out.band_px);
+    while (out.band_px < edge * drawn.height() && bandBytes(job, drawn, edge, 2 * out.band_px) <= share)
+      out.band_px *= 2;
+    out.band = bandBytes(job, drawn, edge, out.band_px);
   }
   return out;
 }

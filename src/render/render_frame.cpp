@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 
 namespace kiln {
@@ -74,15 +75,25 @@ void putMeans(const Image& sub_pixels, int edge, Image& image, int row) {
 }
 
 // Bands of rows end at borders of tiles, which are borders of pixels, too.
-Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, int band_px) {
+Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, const FrameRequest& request) {
   constexpr int kTile = kVisibilityTile;
-  const int step = std::max(band_px / kTile, 1) * kTile;
+  const int step = std::max(request.band_px / kTile, 1) * kTile;
   Image image(pixels.width(), pixels.height());
+  addAovPlanes(request.aovs, image);
   PixelRect band = subPixelsOf(pixels, edge);
   for (const int end = band.y1; band.y0 < end; band.y0 = band.y1) {
     band.y1 = std::min(end, band.y0 / kTile * kTile + step);
-    putMeans(drawing.draw(band), edge, image, band.y0 / edge - pixels.y0);
+    Image sub_pixels = drawing.draw(band);
+    const int row = band.y0 / edge - pixels.y0;
+    putMeans(sub_pixels, edge, image, row);
+    putAovs(request.aovs, request.view, sub_pixels, edge, image, row);
   }
+  return image;
+}
+
+Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequest& request) {
+  Image image = drawing.draw(pixels);
+  putAovs(request.aovs, request.view, image, 1, image, 0);
   return image;
 }
 
@@ -103,7 +114,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   const int edge = subPixelsAlongEdge(request.samples);
   const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
   FrameDrawing drawing(store, cache, of_sub_pixels, progress);
-  Image image = edge == 1 ? drawing.draw(pixels) : drawMeans(drawing, pixels, edge, request.band_px);
+  Image image = edge == 1 ? drawPixels(drawing, pixels, request) : drawMeans(drawing, pixels, edge, request);
   statistics = drawing.finish();
   layOverBackground(image, pixels.y0, request.view.size.height, request.background);
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -26,6 +26,7 @@ struct FrameRequest {
   Interpolation interpolation = Interpolation::kLinear;
   std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all
   int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
+  Aovs aovs;                      // what the image has planes of
   std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;    // as SpeedOptions has it
@@ -38,11 +39,11 @@ struct FrameRequest {
 std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts);
 
 /// Draws one frame: an image of the crop's size, each pixel of which is that of the whole picture, bit for bit, but for
-/// the quadtree. The picture depends neither on the cache's budget, the threads, the tiles nor on an exact
-/// visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is Lee and
-/// Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A brick that
-/// the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop,
-/// samples, interpolation).
+/// the quadtree, and its planes the same. The picture depends neither on the cache's budget, the threads, the tiles nor
+/// on an exact visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is
+/// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
+/// brick that the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage
+/// (level, crop, samples, interpolation).
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

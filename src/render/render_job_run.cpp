@@ -53,6 +53,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   request.interpolation = job.picture.interpolation;
   request.crop = job.picture.crop;
   request.samples = job.picture.samples;
+  request.aovs = job.picture.aovs;
   request.level = job.picture.level;
   request.visibility = job.speed.visibility;
   request.tile_px = job.speed.tile_px;
@@ -60,7 +61,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
 }
 
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
-  if (!job.output.path.empty()) requireImagePath(job.output.path);
+  if (!job.output.path.empty()) requireImagePath(job.output.path, job.picture.aovs.any());
   const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
   const FrameMemory memory = frameMemory(store, job);

@@ -60,12 +60,32 @@ struct Background {
   bool operator==(const Background&) const = default;
 };
 
+enum class Aov { kDepth, kNormal };
+/// What a picture tells of each pixel beside its colour (arbitrary output variables), as planes of 32-bit floats that
+/// are named as compositing programs expect them in an EXR. The colours are the same with and without. Every part of
+/// the volume counts as much as it adds to the pixel's alpha, and the background not at all.
+struct Aovs {
+  /// Depth along the direction of view, from the plane through the eye, in either projection: z of view space. unit:
+  /// world.
+  /// "Z": where the pixel's alpha passes one half; the nearest of its sub-pixels'. +infinity where it does not, which
+  /// is behind everything, whatever a depth composite lays over it. "depth.mean": the mean of all that the pixel shows,
+  /// of all its sub-pixels; +infinity where it shows nothing.
+  bool depth = false;
+  /// "N.X", "N.Y", "N.Z": the mean of the normals that light falls on (of the gradient or the face that cuts, turned
+  /// towards the eye), in the world; of unit length, or 0 where nothing shown has a gradient.
+  bool normal = false;
+  bool any() const { return depth || normal; }
+  bool& of(Aov aov) { return aov == Aov::kDepth ? depth : normal; }
+  bool operator==(const Aovs&) const = default;
+};
+
 /// What the picture is.
 struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
   int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   Background background;
+  Aovs aovs;
   CameraSpec camera;
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends

@@ -142,10 +142,8 @@ class Refiner {
     if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
     if (l_.phong || details_ != nullptr) {
       const Vector slope = field_.gradients(ui);
-      if (details_ == nullptr)
-        shade(slope, u, v, oblique, r, g, b);
-      else
-        note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
+      if (l_.phong) shade(slope, u, v, oblique, r, g, b);
+      if (details_ != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
     // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.

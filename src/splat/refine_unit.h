@@ -43,7 +43,8 @@ struct UnitLattice {
   // where a sample is a point.
   const float* integral = nullptr;
   float least_interval = 1;
-  // Phong with one white headlight, if any. What is more than that, the caller does for each sample with its details.
+  // Phong with one white headlight, if any. What is more than that, the caller does for each sample with its details,
+  // and then there is none here.
   bool phong = false;
   float ambient = 0, diffuse = 0, specular = 0, power = 0, least_gradient_squared = 0;
   glm::mat3 view_from_index_gradient{1};
@@ -69,7 +70,7 @@ struct SlabSample {
   std::int32_t slab;  // negative (~slab) where it is not to be counted
 };
 
-/// What a caller needs who shades, clips or modulates samples itself.
+/// What a caller needs who shades, clips or modulates samples itself, or tells more of them than their colour.
 struct SampleDetails {
   glm::vec3 offset;    // from the unit's first voxel. unit: voxels
   glm::vec3 gradient;  // unit: value per voxel; 0 where it is not finite
@@ -78,9 +79,8 @@ struct SampleDetails {
   float ray;           // through the slab. unit: world
 };
 
-/// Appends the samples that are not transparent and whose footprints may touch the tile. With `details`, their colour
-/// is the material's and their opacity is left to the caller. shape: `out`, and `details` if not null, have room for
-/// 16³. returns: how many.
+/// Appends the samples that are not transparent and whose footprints may touch the tile, and their `details` if not
+/// null. shape: `out`, and `details` if not null, have room for 16³. returns: how many.
 int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details);
 
 /// The instruction set in use: "AVX3" and the like.

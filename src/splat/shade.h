@@ -46,6 +46,17 @@ class Shader {
     return lit(material, index_normal, view_point);
   }
 
+  /// The normal that such a sample is lit by, turned towards the eye, of unit length, in view space; 0 where it is not
+  /// shaded for want of a direction.
+  glm::vec3 normal(const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
+    if (!(glm::dot(index_gradient, index_gradient) > least_gradient_squared_)) return glm::vec3(0);
+    return normalOnCut(index_gradient, view_point);
+  }
+  glm::vec3 normalOnCut(const glm::vec3& index_normal, const glm::dvec3& view_point) const {
+    const glm::vec3 out = glm::normalize(view_from_index_gradient_ * index_normal);
+    return glm::dot(out, toEye(view_point)) < 0 ? -out : out;
+  }
+
  private:
   struct ViewLight {
     bool point;
@@ -53,9 +64,13 @@ class Shader {
     glm::vec3 color;
   };
 
+  glm::vec3 toEye(const glm::dvec3& view_point) const {
+    return perspective_ ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
+  }
+
   Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
     glm::vec3 normal = view_from_index_gradient_ * index_gradient;
-    const glm::vec3 to_eye = perspective_ ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
+    const glm::vec3 to_eye = toEye(view_point);
     const float facing = glm::dot(normal, to_eye);
     const float length = glm::length(normal);
     const float cosine = std::min(std::abs(facing) / length, 1.0f);

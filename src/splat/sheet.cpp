@@ -65,6 +65,25 @@ void addSamplesOn(std::span<const SlabSample> samples, const FootprintTable& foo
   }
 }
 
+void addAovsOn(std::span<const AovSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
+  for (const AovSample& s : samples) {
+    int phase_x, phase_y;
+    const int x0 = footprint.first(s.x, phase_x), y0 = footprint.first(s.y, phase_y);
+    const auto add = [&](float amount, float depth, Sheet& sheet) {
+      const float scale = amount * Sheet::kOne;
+      alignas(64) float sums[16];
+      for (int p = 0; p < 16; p += 4) {
+        for (int axis = 0; axis < 3; ++axis) sums[p + axis] = scale * s.normal[axis];
+        sums[p + 3] = scale * depth;
+      }
+      addRows(footprint.wide(phase_x), footprint.weights(phase_y), footprint.taps(), footprint.padded(), sums,
+              sheet.at(x0, y0), sheet.stride());
+    };
+    if (s.front > 0) add(s.front, s.depth_front, here);
+    if (s.back > 0) add(s.back, s.depth_back, next);
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace kiln
@@ -79,6 +98,7 @@ double normalBelow(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }  // namespace
 
 HWY_EXPORT(addSamplesOn);
+HWY_EXPORT(addAovsOn);
 
 FootprintTable::FootprintTable(double sigma_px) {
   double reach = 3 * sigma_px + 0.5;
@@ -133,6 +153,10 @@ void Sheet::clear() {
 
 void addSamples(std::span<const SlabSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
   HWY_DYNAMIC_DISPATCH(addSamplesOn)(samples, footprint, here, next);
+}
+
+void addAovs(std::span<const AovSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
+  HWY_DYNAMIC_DISPATCH(addAovsOn)(samples, footprint, here, next);
 }
 
 }  // namespace kiln

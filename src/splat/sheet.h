@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "occlusion/visibility.h"
+#include "splat/aov_sample.h"
 #include "splat/refine_unit.h"
 
 namespace kiln {
@@ -104,5 +105,9 @@ class Sheet {
 /// Adds samples to the sheet of their slab and to the next one. requires: each touches the sheets' rectangle, and its
 /// blocks are marked.
 void addSamples(std::span<const SlabSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next);
+
+/// The same of sheets whose pixels hold, in the place of RGBA, sums of a normal's three coordinates and of depths from
+/// the slab's middle; what samples fill is not in them.
+void addAovs(std::span<const AovSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next);
 
 }  // namespace kiln

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "splat/slab_layer.h"
 #include "splat/waiting_samples.h"
 
 namespace kiln {
@@ -59,7 +60,7 @@ bool plainlyLit(const Shading& shading) {
 }
 
 UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
-                        const SampleTable& table, const SampleLook& look) {
+                        const SampleTable& table, const SampleLook& look, bool detailed) {
   const Shading& shading = look.shading;
   UnitLattice out;
   out.interpolation = look.interpolation;
@@ -91,7 +92,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
   if (zone.level > 0 && !refined) out.integral = table.integral();
   out.least_interval = table.leastInterval();
-  out.phong = shading.phong;
+  out.phong = shading.phong && !detailed;
   out.ambient = static_cast<float>(shading.ambient);
   const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
   out.diffuse = static_cast<float>(intensity * shading.diffuse);
@@ -126,7 +127,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       look_(look),
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
-      lattice_(unitLattice(zone, projector, footprint_, table, look)),
+      lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
       // Between voxels, one more is for interpolation.
       ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
 
@@ -208,10 +209,12 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
 struct SweepMemory::Parts {
   std::vector<const SlabCell*> cells;    // by their first slab
   std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
-  WaitingSamples waiting;                // by their slab
+  WaitingSamples<SlabSample> waiting;    // by their slab
+  WaitingSamples<AovSample> waiting_aovs;
   std::vector<SlabSample> refined, visible;
+  std::vector<AovSample> visible_aovs;
   std::vector<SampleDetails> details;
-  Sheet sheets[2];
+  Sheet sheets[2], aov_sheets[2];
   std::vector<Owned> owned;  // 64 pixels a block
   std::vector<std::uint8_t> owned_known;
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
@@ -225,8 +228,9 @@ SweepMemory::~SweepMemory() = default;
 std::size_t SweepMemory::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   const Parts& p = *parts_;
-  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + of(p.refined) + of(p.visible) + of(p.details) +
-                    of(p.owned) + of(p.owned_known) + p.sheets[0].bytes() + p.sheets[1].bytes() + of(p.units);
+  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + p.waiting_aovs.bytes() + of(p.refined) +
+                    of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.owned_known) + of(p.units);
+  for (int i = 0; i < 2; ++i) sum += p.sheets[i].bytes() + p.aov_sheets[i].bytes();
   for (const std::vector<Unit>& units : p.units) sum += of(units);
   return sum;
 }
@@ -248,6 +252,7 @@ class Sweep {
         opaque_at_(opaque_at),
         m_(memory),
         counts_(counts),
+        aovs_(tile.aovs.any()),
         offset_(frame.table().offset()),
         reach_(intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()))) {}
 
@@ -263,6 +268,10 @@ class Sweep {
     m_.waiting.reset(slabs);
     if (m_.units.size() < slabs) m_.units.resize(slabs);
     for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().padded());
+    if (aovs_) {
+      m_.waiting_aovs.reset(slabs);
+      for (Sheet& sheet : m_.aov_sheets) sheet.reset(tile_.rect, f_.footprint().padded());
+    }
     m_.owned.resize(static_cast<std::size_t>(m_.sheets[0].blocks()) * 64);
     m_.owned_known.assign(static_cast<std::size_t>(m_.sheets[0].blocks()), 0);
     std::size_t next = 0;
@@ -274,6 +283,11 @@ class Sweep {
       Sheet& here = m_.sheets[slab & 1];
       Sheet& next_sheet = m_.sheets[(slab + 1) & 1];
       m_.waiting.take(i, [&](std::span<const SlabSample> samples) { splat(samples, here, next_sheet); });
+      if (aovs_) {
+        Sheet& next_aovs = m_.aov_sheets[(slab + 1) & 1];
+        m_.waiting_aovs.take(
+            i, [&](std::span<const AovSample> samples) { splatAovs(samples, m_.aov_sheets[slab & 1], next_aovs); });
+      }
       if (!here.empty()) composite(here, slab);
     }
   }
@@ -334,20 +348,42 @@ class Sweep {
     }
     in.tile_x0 = static_cast<float>(tile_.rect.x0), in.tile_x1 = static_cast<float>(tile_.rect.x1);
     in.tile_y0 = static_cast<float>(tile_.rect.y0), in.tile_y1 = static_cast<float>(tile_.rect.y1);
-    if (f_.detailed()) m_.details.resize(m_.refined.size());
-    const int count = refineUnit(l, in, m_.refined.data(), f_.detailed() ? m_.details.data() : nullptr);
+    const bool detailed = f_.detailed() || aovs_;
+    if (detailed) m_.details.resize(m_.refined.size());
+    const int count = refineUnit(l, in, m_.refined.data(), detailed ? m_.details.data() : nullptr);
     for (int i = 0; i < count; ++i) {
       SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
       if (f_.detailed() && !finish(s, m_.details[static_cast<std::size_t>(i)], unit.lo)) continue;
       const int slab = std::max(s.slab < 0 ? ~s.slab : s.slab, begin_);
       m_.waiting.add(static_cast<std::size_t>(slab - begin_), s);
+      if (aovs_) addToWaitingAovs(s, slab, m_.details[static_cast<std::size_t>(i)], unit.lo);
     }
+  }
+
+  // What is for pictures with AOVs only is apart, so that the loops of the others stay small.
+  [[gnu::noinline]] void addToWaitingAovs(const SlabSample& s, int slab, const SampleDetails& details,
+                                          const VoxelCoord& lo) {
+    const UnitLattice& l = f_.lattice();
+    const float depth = (details.view.z - l.near) * l.slabs_per_depth;
+    m_.waiting_aovs.add(static_cast<std::size_t>(slab - begin_),
+                        aovSample(s, slab, depth, l.spread, normalOf(details, lo)));
+  }
+
+  glm::vec3 normalOf(const SampleDetails& details, const VoxelCoord& lo) const {
+    const SampleLook& look = f_.look();
+    const glm::vec3* const face = look.clip->cutGradient(indexOf(details, lo));
+    return face != nullptr ? look.shader.normalOnCut(*face, details.view)
+                           : look.shader.normal(details.gradient, details.view);
+  }
+
+  static glm::dvec3 indexOf(const SampleDetails& details, const VoxelCoord& lo) {
+    return glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset);
   }
 
   // Shades, modulates and clips a sample by itself; false where it is clipped.
   bool finish(SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) const {
     const SampleLook& look = f_.look();
-    const glm::dvec3 index = glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset);
+    const glm::dvec3 index = indexOf(details, lo);
     if (!look.clip->contains(index)) return false;
     const Material material{s.r, s.g, s.b, details.tau};
     const glm::vec3* const face = look.clip->cutGradient(index);
@@ -409,10 +445,8 @@ class Sweep {
 
   void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
     m_.visible.clear();
-    const int taps = f_.footprint().taps();
     for (const SlabSample& s : samples) {
-      const int x0 = f_.footprint().first(s.x), y0 = f_.footprint().first(s.y);
-      const PixelRect touched = intersection({x0, y0, x0 + taps, y0 + taps}, tile_.rect);
+      const PixelRect touched = touchedBy(s.x, s.y);
       if (touched.empty()) continue;
       const bool counted = s.slab >= 0;
       counts_.visited += counted ? 1 : 0;
@@ -423,6 +457,25 @@ class Sweep {
       m_.visible.push_back(s);
     }
     if (!m_.visible.empty()) addSamples(m_.visible, f_.footprint(), here, next);
+  }
+
+  // What the samples' colours went to. No pixel has been closed since.
+  [[gnu::noinline]] void splatAovs(std::span<const AovSample> samples, Sheet& here, Sheet& next) {
+    m_.visible_aovs.clear();
+    for (const AovSample& s : samples) {
+      const PixelRect touched = touchedBy(s.x, s.y);
+      if (touched.empty() || (test_samples_ && visibility_.hidden(touched))) continue;
+      here.mark(touched);
+      if (s.back > 0) next.mark(touched);
+      m_.visible_aovs.push_back(s);
+    }
+    if (!m_.visible_aovs.empty()) addAovs(m_.visible_aovs, f_.footprint(), here, next);
+  }
+
+  // The pixels of the tile in the footprint of a sample at (x, y).
+  PixelRect touchedBy(float x, float y) const {
+    const int x0 = f_.footprint().first(x), y0 = f_.footprint().first(y), taps = f_.footprint().taps();
+    return intersection({x0, y0, x0 + taps, y0 + taps}, tile_.rect);
   }
 
   // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
@@ -479,8 +532,10 @@ class Sweep {
           if (sum[3] == 0 || pixel[3] == 1.0f || slab < o.first || slab >= o.end) continue;
           counts_.changed = true;
           const auto full = static_cast<float>(*filled);
-          const float open = (1.0f - pixel[3]) * covered(full / Sheet::kOne) / full;
+          const float before = pixel[3];
+          const float open = (1.0f - before) * covered(full / Sheet::kOne) / full;
           for (int c = 0; c < 4; ++c) pixel[c] += open * static_cast<float>(sum[c]);
+          if (aovs_) addToAovs(x, y, slab, before, open, static_cast<float>(sum[3]), full);
           if (pixel[3] < opaque_at_) continue;
           for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
           pixel[3] = 1.0f;
@@ -489,6 +544,23 @@ class Sweep {
       }
     }
     sheet.clear();
+    if (aovs_) m_.aov_sheets[slab & 1].clear();
+  }
+
+  // `open` is what the sheet's sums were multiplied by, `opacity` and `filled` are two of them.
+  [[gnu::noinline]] void addToAovs(int x, int y, int slab, float before, float open, float opacity, float filled) {
+    const std::int32_t* const sum = m_.aov_sheets[slab & 1].at(x, y);
+    SlabLayer layer;
+    layer.before = before;
+    layer.added = open * opacity;
+    layer.closes = before + layer.added >= opaque_at_;
+    layer.opacity = opacity / filled;
+    layer.filled = std::min(filled / Sheet::kOne, 1.0f);
+    layer.place = std::clamp(static_cast<float>(sum[3]) / opacity, -0.5f, 0.5f);
+    layer.middle = zone_.near + (slab + 0.5) * zone_.thickness;
+    layer.thickness = zone_.thickness;
+    for (int axis = 0; axis < 3; ++axis) layer.normal[axis] = open * static_cast<float>(sum[axis]);
+    addLayer(layer, tile_.aovs, tile_.placeOf(x, y));
   }
 
   const SlabFrame& f_;
@@ -501,6 +573,7 @@ class Sweep {
   const float opaque_at_;
   SweepMemory::Parts& m_;
   SplatCounts& counts_;
+  const bool aovs_;  // whether the tile has any
   const double offset_;
   const VoxelBox reach_;  // of the samples that are drawn. unit: voxels
   int begin_ = 0;

@@ -92,10 +92,25 @@ class Taps {
   float weights_[kSmallTaps];
 };
 
+// What a sample tells beside its colour.
+struct AovSplat {
+  float depth;       // unit: world
+  glm::vec3 normal;  // in view space, of unit length or 0
+};
+
+// A pixel's alpha was `before` and is more by `added`, not closed yet.
+void addAovSplat(const AovPixels& aovs, std::ptrdiff_t at, const AovSplat& place, float before, float added,
+                 bool closes) {
+  const float after = before + added;
+  aovs.add(at, added * place.depth, added * place.normal, closes ? 1 / after : 1);
+  if (aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes)) aovs.first[at] = place.depth;
+}
+
 // Front to back over the pixels; a pixel that reaches the threshold is divided by its alpha and closed, so that its
-// alpha of one lets nothing more in, whatever the visibility method.
+// alpha of one lets nothing more in, whatever the visibility method. `place` is asked for where the tile has AOVs.
+template <bool kAovs>
 void accumulate(const SplatFrame& frame, const TilePixels& tile, const Footprint& print, float depth,
-                const Color& color) {
+                const Color& color, const AovSplat& place) {
   const Taps taps(print);
   if (!(taps.sum() > 0)) return;
   const float scale = depth / taps.sum();
@@ -104,12 +119,15 @@ void accumulate(const SplatFrame& frame, const TilePixels& tile, const Footprint
     float* pixel = tile.rgba + (y - tile.rect.y0) * tile.stride + std::ptrdiff_t{4} * (rect.x0 - tile.rect.x0);
     for (int x = rect.x0; x < rect.x1; ++x, pixel += 4) {
       if (pixel[3] == 1.0f) continue;
-      const float alpha = opacityOf(scale * taps(x, y)) * (1.0f - pixel[3]);
+      const float before = pixel[3];
+      const float alpha = opacityOf(scale * taps(x, y)) * (1.0f - before);
       pixel[0] += alpha * color.r;
       pixel[1] += alpha * color.g;
       pixel[2] += alpha * color.b;
       pixel[3] += alpha;
-      if (pixel[3] < frame.opaque_at) continue;
+      const bool closes = pixel[3] >= frame.opaque_at;
+      if constexpr (kAovs) addAovSplat(tile.aovs, tile.placeOf(x, y), place, before, alpha, closes);
+      if (!closes) continue;
       const float full = 1.0f / pixel[3];
       for (int channel = 0; channel < 3; ++channel) pixel[channel] *= full;
       pixel[3] = 1.0f;
@@ -171,8 +189,14 @@ class CellSplatter {
     const float tau = frame_.gradient_opacity.active() ? frame_.gradient_opacity(material.tau, slope) : material.tau;
     const float depth = tau * static_cast<float>(projector.lengthAt(p) * frame_.ends.partOf(v));
     const glm::vec3* const face = cut_ ? frame_.clip->cutGradient(index) : nullptr;
-    accumulate(frame_, tile_, print, depth,
-               face != nullptr ? frame_.shader.onCut(material, *face, p) : frame_.shader(material, slope, p));
+    const Shader& shader = frame_.shader;
+    const Color color = face != nullptr ? shader.onCut(material, *face, p) : shader(material, slope, p);
+    if (!tile_.aovs.any()) {
+      accumulate<false>(frame_, tile_, print, depth, color, {});
+    } else {
+      const glm::vec3 normal = face != nullptr ? shader.normalOnCut(*face, p) : shader.normal(slope, p);
+      accumulate<true>(frame_, tile_, print, depth, color, {static_cast<float>(p.z), normal});
+    }
   }
 
   // Central differences at voxel scale. unit: value per voxel.

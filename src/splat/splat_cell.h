@@ -6,6 +6,7 @@
 
 #include "occlusion/visibility.h"
 #include "scene/clip_region.h"
+#include "splat/aov_pixels.h"
 #include "splat/classifier.h"
 #include "splat/gradient_opacity.h"
 #include "splat/projector.h"
@@ -42,6 +43,15 @@ struct TilePixels {
   PixelRect rect;
   float* rgba = nullptr;
   std::ptrdiff_t stride = 0;
+  AovPixels aovs;
+
+  /// Of pixel (x, y), counted from the first one. requires: in `rect`.
+  std::ptrdiff_t placeOf(int x, int y) const { return (y - rect.y0) * (stride / 4) + (x - rect.x0); }
+  /// Those of `part` alone. requires: inside of `rect`.
+  TilePixels of(const PixelRect& part) const {
+    const std::ptrdiff_t first = placeOf(part.x0, part.y0);
+    return {part, rgba + 4 * first, stride, aovs.from(first)};
+  }
 };
 
 struct SplatCounts {

@@ -10,40 +10,56 @@
 #include <utility>
 #include <vector>
 
-#include "splat/refine_unit.h"
-
 namespace kiln {
 
+template <class Sample>
 class WaitingSamples {
  public:
   /// Empties the lists and makes `slabs` of them.
-  void reset(std::size_t slabs);
-  void add(std::size_t slab, const SlabSample& sample) {
+  void reset(std::size_t slabs) {
+    for (std::size_t slab = 0; slab < slabs_.size(); ++slab) take(slab, [](std::span<const Sample>) {});
+    slabs_.resize(slabs);
+  }
+  void add(std::size_t slab, const Sample& sample) {
     Chunk* last = slabs_[slab];
     if (last == nullptr || last->count == kOfChunk) last = extend(slab);
     last->samples[static_cast<std::size_t>(last->count++)] = sample;
   }
-  /// Calls each(std::span<const SlabSample>) with all the samples of the slab, some at a time, and forgets them.
+  /// Calls each(std::span<const Sample>) with all the samples of the slab, some at a time, and forgets them.
   template <class Each>
   void take(std::size_t slab, Each&& each) {
     for (Chunk* chunk = std::exchange(slabs_[slab], nullptr); chunk != nullptr;) {
-      each(std::span<const SlabSample>(chunk->samples.data(), static_cast<std::size_t>(chunk->count)));
+      each(std::span<const Sample>(chunk->samples.data(), static_cast<std::size_t>(chunk->count)));
       Chunk* const next = std::exchange(chunk->next, free_);
       free_ = chunk;
       chunk = next;
     }
   }
   /// What it holds, and keeps for the next sweep. unit: bytes.
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return chunks_.size() * (sizeof(Chunk) + sizeof(Chunk*)) + slabs_.capacity() * sizeof(Chunk*);
+  }
 
  private:
   static constexpr int kOfChunk = 63;
   struct Chunk {
-    std::array<SlabSample, kOfChunk> samples;
+    std::array<Sample, kOfChunk> samples;
     Chunk* next;
     int count;
   };
-  Chunk* extend(std::size_t slab);
+
+  // Once in 63 samples: `add` stays small without it.
+  [[gnu::noinline]] Chunk* extend(std::size_t slab) {
+    if (free_ == nullptr) {
+      chunks_.push_back(std::make_unique_for_overwrite<Chunk>());
+      free_ = chunks_.back().get();
+      free_->next = nullptr;
+    }
+    Chunk* const out = std::exchange(free_, free_->next);
+    out->next = std::exchange(slabs_[slab], out);
+    out->count = 0;
+    return out;
+  }
 
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::vector<Chunk*> slabs_;

@@ -15,13 +15,6 @@ constexpr ImageSize kCroppedSize{90, 75};  // neither is a multiple of a tile
 constexpr VisibilityMethod kExact[] = {VisibilityMethod::kMask, VisibilityMethod::kNone, VisibilityMethod::kRangeTree,
                                        VisibilityMethod::kOverlay};
 
-Image partOf(const Image& whole, const PixelRect& rect) {
-  Image out(rect.width(), rect.height());
-  for (int y = rect.y0; y < rect.y1; ++y)
-    std::copy(whole.pixel(rect.x0, y), whole.pixel(rect.x0, y) + 4 * rect.width(), out.pixel(0, y - rect.y0));
-  return out;
-}
-
 // One pixel, a tile's last row, what begins at a tile and ends in one, what no tile's border bounds, all.
 std::vector<PixelRect> cropsOf(std::uint64_t seed) {
   Random random(seed ^ 0x63726f70);
@@ -45,6 +38,7 @@ class Crop : public ::testing::TestWithParam<Lattice> {
       const RandomScene scene = randomScene(seed, volume, kCroppedSize);
       FrameRequest request = requestOf(scene, GetParam(), randomThreshold(seed));
       if (request.background == Background{}) request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
+      if (seed % 4 == 0) request.aovs = {true, true};
       FrameStatistics statistics;
       const Image whole = draw(store, request, 1ull << 30, &statistics);
       with_something += statistics.bricks_contributing > 0 ? 1 : 0;

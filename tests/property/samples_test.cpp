@@ -46,11 +46,35 @@ class Samples : public ::testing::TestWithParam<Lattice> {
   const std::filesystem::path store_ = makeStore(volume_, "samples", 16);
 };
 
+// The nearest of the sub-pixels' first hits, and the mean of all that they show, each as much as its alpha.
+void expectDepthsOf(const Image& larger, int edge, const Image& image, std::uint64_t seed) {
+  ASSERT_EQ(image.planes.size(), 2u);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      float first = std::numeric_limits<float>::infinity();
+      double alpha = 0, sum = 0;
+      for (int i = 0; i < edge * edge; ++i) {
+        const auto at = static_cast<std::size_t>((edge * y + i / edge) * larger.width + edge * x + i % edge);
+        first = std::min(first, larger.planes[0].values[at]);
+        alpha += larger.rgba[4 * at + 3];
+        if (larger.rgba[4 * at + 3] > 0) sum += larger.rgba[4 * at + 3] * larger.planes[1].values[at];
+      }
+      const auto at = static_cast<std::size_t>(y * image.width + x);
+      EXPECT_EQ(image.planes[0].values[at], first) << "seed " << seed;
+      if (alpha > 0)
+        EXPECT_NEAR(image.planes[1].values[at], sum / alpha, 1e-5 * sum / alpha) << "seed " << seed;
+      else
+        EXPECT_EQ(image.planes[1].values[at], std::numeric_limits<float>::infinity());
+    }
+  }
+}
+
 TEST_P(Samples, AreMeansOfALargerPicture) {
   for (const std::uint64_t seed : {301, 302}) {
     FrameRequest request = requestFor(seed);
     request.samples = seed == 302 ? 16 : 4;
     const int edge = subPixelsAlongEdge(request.samples);
+    request.aovs.depth = request.samples == 4;
     FrameStatistics statistics, of_larger;
     const Image image = draw(store_, request, 1ull << 30, &statistics);
     FrameRequest larger = request;
@@ -58,9 +82,12 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
     larger.view.size = {edge * kSampledSize.width, edge * kSampledSize.height};
     larger.view.focal_px = edge * request.view.focal_px;
     larger.view.centre_px = {edge * request.view.centre_px.x, edge * request.view.centre_px.y};
-    EXPECT_LT(departure(image, draw(store_, larger, 1ull << 30, &of_larger), edge), 1e-6) << "seed " << seed;
+    const Image larger_image = draw(store_, larger, 1ull << 30, &of_larger);
+    EXPECT_LT(departure(image, larger_image, edge), 1e-6) << "seed " << seed;
+    if (request.aovs.depth) expectDepthsOf(larger_image, edge, image, seed);
     EXPECT_EQ(statistics.bricks_contributing, of_larger.bricks_contributing) << "seed " << seed;
 
+    request.aovs.normal = request.aovs.depth;
     request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
     const Image whole = draw(store_, request);
     request.band_px = 64 << seed % 2;
@@ -70,11 +97,7 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
     EXPECT_TRUE(equalBits(whole, draw(store_, request, one_brick))) << "bands, seed " << seed;
     const ThreadLimit one(1);
     request.crop = PixelRect{7, 11, 28, 36};
-    const Image part = draw(store_, request);
-    ASSERT_EQ(part.height, 25);
-    for (int y = 0; y < part.height; ++y)
-      EXPECT_TRUE(std::equal(part.pixel(0, y), part.pixel(0, y) + 4 * part.width, whole.pixel(7, 11 + y)))
-          << "crop, seed " << seed << ", row " << y;
+    EXPECT_TRUE(equalBits(partOf(whole, *request.crop), draw(store_, request))) << "crop, seed " << seed;
   }
 }
 
@@ -84,14 +107,16 @@ TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   job.volume = store_;
   job.picture.size = {100, 90};
   job.picture.samples = 4;
+  job.picture.aovs = {true, true};
   job.picture.lattice = GetParam();
   const StoreReader store(store_);
   const FrameMemory ample = frameMemory(store, job);
   job.speed.memory_bytes = ample.smallest();
   const FrameMemory least = frameMemory(store, job);
   EXPECT_GE(ample.band_px, 180);
-  EXPECT_EQ(ample.band, 16u * 200 * 180);
-  EXPECT_EQ(least.band, 16u * 200 * 64);
+  // Four floats, three of depth, three of a normal.
+  EXPECT_EQ(ample.band, 40u * 200 * 180);
+  EXPECT_EQ(least.band, 40u * 200 * 64);
   EXPECT_EQ(least.smallest(), ample.smallest());
   EXPECT_LE(least.besideBricks() + least.brick, job.speed.memory_bytes);
   Progress silent;

@@ -1,5 +1,6 @@
 #include "support/drawing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -19,8 +20,30 @@ Image draw(const std::filesystem::path& store, const FrameRequest& request, std:
 }
 
 bool equalBits(const Image& a, const Image& b) {
-  return a.width == b.width && a.height == b.height &&
-         std::memcmp(a.rgba.data(), b.rgba.data(), a.rgba.size() * sizeof(float)) == 0;
+  const auto equal = [](const std::vector<float>& p, const std::vector<float>& q) {
+    return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(float)) == 0;
+  };
+  const auto same = [&](const Plane& p, const Plane& q) { return p.name == q.name && equal(p.values, q.values); };
+  return a.width == b.width && a.height == b.height && equal(a.rgba, b.rgba) &&
+         std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), same);
+}
+
+Image partOf(const Image& whole, const PixelRect& rect) {
+  Image out(rect.width(), rect.height());
+  for (const Plane& plane : whole.planes) out.planes.push_back({plane.name, {}});
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    std::copy(whole.pixel(rect.x0, y), whole.pixel(rect.x0, y) + 4 * rect.width(), out.pixel(0, y - rect.y0));
+    for (std::size_t i = 0; i < whole.planes.size(); ++i) {
+      const auto row = whole.planes[i].values.begin() + std::ptrdiff_t{y} * whole.width;
+      out.planes[i].values.insert(out.planes[i].values.end(), row + rect.x0, row + rect.x1);
+    }
+  }
+  return out;
+}
+
+Image colorsOf(Image image) {
+  image.planes.clear();
+  return image;
 }
 
 Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection) {

@@ -11,8 +11,14 @@ namespace kiln::test {
 Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
            FrameStatistics* statistics = nullptr);
 
-/// Whether they have the same size and every float is the same, the sign of zero and the kind of NaN included.
+/// Whether they have the same size and every float is the same, planes' too, the sign of zero and the kind of NaN
+/// included.
 bool equalBits(const Image& a, const Image& b);
+
+/// requires: `rect` inside of the image.
+Image partOf(const Image& whole, const PixelRect& rect);
+/// The image without planes.
+Image colorsOf(Image image);
 
 /// A camera that sees all of the volume's box, the eye in direction `from` (world, any length).
 Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection);

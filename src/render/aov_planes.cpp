@@ -1,0 +1,88 @@
+#include "render/aov_planes.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <iterator>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace kiln {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr const char* kDepthNames[] = {"Z", "depth.mean"};
+constexpr const char* kNormalNames[] = {"N.X", "N.Y", "N.Z"};
+
+// The sub-pixels of one pixel, together.
+struct Gathered {
+  float alpha = 0, first = kNothing, mean = 0;
+  glm::vec3 normal{0};
+
+  void add(const AovPixels& from, float pixel_alpha) {
+    alpha += pixel_alpha;
+    if (from.mean != nullptr) {
+      if (pixel_alpha >= kHitAlpha) first = std::min(first, *from.first);
+      mean += *from.mean;
+    }
+    for (int axis = 0; axis < 3 && from.normal[0] != nullptr; ++axis) normal[axis] += *from.normal[axis];
+  }
+  void put(const glm::mat3& world_from_view, const AovPixels& to) const {
+    if (to.mean != nullptr) {
+      *to.first = first;
+      *to.mean = alpha > 0 ? mean / alpha : kNothing;
+    }
+    if (to.normal[0] == nullptr) return;
+    const float length = glm::length(normal);
+    const glm::vec3 unit = length > 0 ? world_from_view * (normal / length) : glm::vec3(0);
+    for (int axis = 0; axis < 3; ++axis) *to.normal[axis] = unit[axis];
+  }
+};
+
+}  // namespace
+
+std::uint64_t aovBytes(const Aovs& aovs) {
+  return sizeof(float) * ((aovs.depth ? std::size(kDepthNames) + 1 : 0) + (aovs.normal ? std::size(kNormalNames) : 0));
+}
+
+void addAovPlanes(const Aovs& aovs, Image& image) {
+  const std::size_t pixels = image.rgba.size() / 4;
+  if (aovs.depth) {
+    image.planes.push_back({kDepthNames[0], std::vector<float>(pixels, kNothing)});
+    image.planes.push_back({kDepthNames[1], std::vector<float>(pixels)});
+  }
+  if (!aovs.normal) return;
+  for (const char* name : kNormalNames) image.planes.push_back({name, std::vector<float>(pixels)});
+}
+
+AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y) {
+  AovPixels out;
+  std::size_t next = 0;
+  const auto plane = [&] { return image.planes[next++].values.data(); };
+  if (aovs.depth) {
+    out.first = plane();
+    out.mean = plane();
+  }
+  for (int axis = 0; axis < 3 && aovs.normal; ++axis) out.normal[axis] = plane();
+  return out.from(std::ptrdiff_t{y} * image.width + x);
+}
+
+void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Image& image, int row) {
+  if (!aovs.any()) return;
+  const glm::mat3 world_from_view = glm::transpose(glm::mat3(view.view_from_world));
+  parallelFor(static_cast<std::size_t>(sub_pixels.height / edge), [&](std::size_t i) {
+    const int y = static_cast<int>(i);
+    for (int x = 0; x < image.width; ++x) {
+      Gathered pixel;
+      for (int j = 0; j < edge * edge; ++j) {
+        const int from_x = edge * x + j % edge, from_y = edge * y + j / edge;
+        pixel.add(aovPixels(aovs, sub_pixels, from_x, from_y), sub_pixels.pixel(from_x, from_y)[3]);
+      }
+      pixel.put(world_from_view, aovPixels(aovs, image, x, row + y));
+    }
+  });
+}
+
+}  // namespace kiln

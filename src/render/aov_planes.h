@@ -1,0 +1,27 @@
+// The planes of a picture beside its colours (scene/render_job.h says what they hold): made empty, lent to those who
+// draw, and at the end made of sums what they are called.
+#pragma once
+
+#include <cstdint>
+
+#include "output/image.h"
+#include "scene/camera.h"
+#include "scene/render_job.h"
+#include "splat/aov_pixels.h"
+
+namespace kiln {
+
+/// The planes and what drawing them takes. unit: bytes a pixel.
+std::uint64_t aovBytes(const Aovs& aovs);
+
+/// Appends the planes of `aovs` to a picture that has none. No pixel has been hit.
+void addAovPlanes(const Aovs& aovs, Image& image);
+
+/// Of the picture's planes, from pixel (x, y) on. requires: they are those of `aovs`.
+AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y);
+
+/// Writes into the image's rows from `row` on what the sums of edge × edge sub-pixels, alpha among them, come to.
+/// `sub_pixels` may be `image` itself where `edge` is 1. requires: both have the planes of `aovs`; no background.
+void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Image& image, int row);
+
+}  // namespace kiln
