@@ -25,7 +25,7 @@ bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
 void readImage(const JobObject& object, PictureOptions& picture) {
-  object.requireKnown({"width", "height", "background", "crop"});
+  object.requireKnown({"width", "height", "background", "crop", "aov"});
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
   picture.size.height = static_cast<int>(object.integer("height", 1, 65536).value_or(picture.size.height));
   picture.background = backgroundFrom(object);
@@ -34,6 +34,8 @@ void readImage(const JobObject& object, PictureOptions& picture) {
     const auto at = [&](std::size_t i) { return static_cast<int>((*c)[i]); };
     picture.crop = PixelRect{at(0), at(1), at(0) + at(2), at(1) + at(3)};
   }
+  for (const std::size_t place : object.choices("aov", kAovNames).value_or(std::vector<std::size_t>()))
+    picture.aovs.of(static_cast<Aov>(place)) = true;
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {

@@ -170,5 +170,23 @@ TEST_F(SceneCli, SamplesOfAPixel) {
   expectRefused({"--samples", "9"}, "--samples: expected 1, 4 or 16");
 }
 
+TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
+  const Image plain = drawn({});
+  for (const char* lattice : {"pixel", "voxel"}) {
+    const Image colors = drawn({"--lattice", lattice});
+    EXPECT_EQ(drawnTwice({"--lattice", lattice, "--aov", "depth,normal"}).rgba, colors.rgba);
+    const std::string file = readTextFile(in("a.exr"));
+    for (const char* channel : {"Z", "depth.mean", "N.X", "N.Y", "N.Z"})
+      EXPECT_NE(file.find(std::string("\0", 1) + channel + std::string("\0", 1)), std::string::npos) << channel;
+  }
+  EXPECT_EQ(drawnTwice({"--aov", "normal"}).rgba, plain.rgba);
+  EXPECT_EQ(readTextFile(in("a.exr")).find("depth.mean"), std::string::npos);
+  expectRefused({"--aov", "depth,colour"}, "--aov: expected one of depth, normal, found 'colour'");
+  const ToolResult refused = runTool({"render", store_, "-o", in("r.png"), "--aov", "depth"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.errorLines().size(), 1u) << refused.err;
+  EXPECT_NE(refused.err.find("needs a name in .exr"), std::string::npos) << refused.err;
+}
+
 }  // namespace
 }  // namespace kiln::test

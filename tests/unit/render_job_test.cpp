@@ -257,6 +257,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.crop, b.picture.crop);
   EXPECT_EQ(a.picture.samples, b.picture.samples);
+  EXPECT_EQ(a.picture.aovs, b.picture.aovs);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
@@ -292,6 +293,24 @@ TEST(RenderJob, ACropIsFourWholeNumbers) {
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
       EXPECT_NE(std::string(error.what()).find("image.crop"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(RenderJob, AovsAreAList) {
+  const auto aovs = [](const std::string& list) {
+    return parseJob(R"({"volume": "a.kiln", "image": {"aov": )" + list + "}}", "job.json").picture.aovs;
+  };
+  EXPECT_EQ(aovs("[]"), Aovs());
+  EXPECT_EQ(aovs(R"(["normal"])"), (Aovs{false, true}));
+  EXPECT_EQ(aovs(R"(["normal", "depth"])"), (Aovs{true, true}));
+  for (const char* wrong : {R"("depth")", R"(["alpha"])", R"(["depth", "depth"])"}) {
+    try {
+      aovs(wrong);
+      ADD_FAILURE() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      EXPECT_NE(std::string(error.what()).find("image.aov"), std::string::npos) << error.what();
     }
   }
 }
@@ -335,6 +354,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     if (projection == Projection::kOrthographic) job.picture.level = 2;
     job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
     if (job.picture.lattice == Lattice::kPixel) job.picture.interpolation = Interpolation::kCatmullRom;
+    job.picture.aovs = {true, projection == Projection::kOrthographic};
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");
     expectSamePicture(job, again);

@@ -26,6 +26,7 @@ struct RenderArguments {
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
+  std::vector<std::string> aovs;
   bool nodes_only = false, skip_damaged = false, dry_run = false;
   int repeat = 1;
   SceneArguments scene;
@@ -79,6 +80,8 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.crop) picture.crop = parseCrop(*a.crop, "--crop");
   drawnPixels(picture.size, picture.crop);
   if (a.samples) picture.samples = *a.samples;
+  if (!a.aovs.empty()) picture.aovs = {};
+  for (const std::string& name : a.aovs) picture.aovs.of(named<Aov>(kAovNames, name, "--aov")) = true;
   subPixelsAlongEdge(picture.samples);
   applyCamera(a, picture.camera);
   a.scene.apply(picture);
@@ -131,7 +134,7 @@ RenderJob jobOf(const RenderArguments& a) {
   applyPicture(a, job.picture);
   applySpeed(a, job.speed);
   applyOutput(a, job.output);
-  if (!job.output.path.empty()) requireImagePath(job.output.path);
+  if (!job.output.path.empty()) requireImagePath(job.output.path, job.picture.aovs.any());
   return job;
 }
 
@@ -208,6 +211,14 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
   command->add_option("--samples", a->samples, "sub-pixels whose mean a pixel is: 1 (default), 4 or 16");
+  command
+      ->add_option(
+          "--aov", a->aovs,
+          "more channels of the EXR: depth (Z, where alpha passes one half, and depth.mean, of all that is seen; along "
+          "the view, infinite where there is nothing), normal (N.X, N.Y, N.Z, in the world), or both")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAME,...");
   addCameraOptions(*command, *a);
   command->add_option("--tf", a->tf,
                       fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "
