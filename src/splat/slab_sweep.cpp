@@ -13,16 +13,6 @@
 namespace kiln {
 namespace {
 
-// What one pixel of the tile owns: slabs [first, end).
-struct Owned {
-  int first = 0, end = 0;
-};
-
-struct Unit {
-  VoxelCoord lo;
-  PixelRect rect;
-};
-
 // What of a pixel's area a slab covers whose samples fill `filled` of it. Samples fill a pixel at an edge a little in
 // every slab, which together would close it, half a pixel beyond the edge: a steep step leaves 0.3 of that. It turns
 // about one half, so that what is split over two slabs is as much as before.
@@ -207,6 +197,14 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
 }
 
 struct SweepMemory::Parts {
+  // What one pixel of the tile owns: slabs [first, end).
+  struct Owned {
+    int first = 0, end = 0;
+  };
+  struct Unit {
+    VoxelCoord lo;
+    PixelRect rect;
+  };
   std::vector<const SlabCell*> cells;    // by their first slab
   std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
   WaitingSamples<SlabSample> waiting;    // by their slab
@@ -231,11 +229,14 @@ std::size_t SweepMemory::bytes() const {
   std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + p.waiting_aovs.bytes() + of(p.refined) +
                     of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.owned_known) + of(p.units);
   for (int i = 0; i < 2; ++i) sum += p.sheets[i].bytes() + p.aov_sheets[i].bytes();
-  for (const std::vector<Unit>& units : p.units) sum += of(units);
+  for (const std::vector<Parts::Unit>& units : p.units) sum += of(units);
   return sum;
 }
 
 namespace {
+
+using Owned = SweepMemory::Parts::Owned;
+using Unit = SweepMemory::Parts::Unit;
 
 template <class T>
 class Sweep {
