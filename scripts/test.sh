@@ -47,7 +47,7 @@ for preset in "${presets[@]}"; do
     chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Turn|Zoom|MemoryBudget')
   fi
   if [ "$preset" = tsan ]; then
-    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|(PictureEquality|MixedLevels).*/\([12],')
+    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],')
     targets=(--target kiln_unit_tests kiln_property_tests)
   fi
   if [ "$preset" = dev ] && [ "$whole_dev" = OFF ]; then
