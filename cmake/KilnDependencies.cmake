@@ -29,6 +29,9 @@ foreach(kiln_library gdcmMSFF gdcmDSED gdcmCommon)
   list(APPEND kiln_gdcm_libraries ${GDCM_${kiln_library}})
 endforeach()
 
+# OpenVDB's compressor.
+find_path(BLOSC_INCLUDE_DIR blosc.h)
+find_library(BLOSC_LIBRARY blosc)
 find_path(HIGHWAY_INCLUDE_DIR hwy/highway.h)
 find_library(HIGHWAY_LIBRARY hwy)
 
@@ -44,6 +47,9 @@ endif()
 if(NOT HIGHWAY_INCLUDE_DIR OR NOT HIGHWAY_LIBRARY)
   list(APPEND kiln_missing Highway)
 endif()
+if(NOT BLOSC_INCLUDE_DIR OR NOT BLOSC_LIBRARY)
+  list(APPEND kiln_missing Blosc)
+endif()
 if(NOT GDCM_INCLUDE_DIR OR NOT GDCM_gdcmMSFF OR NOT GDCM_gdcmDSED OR NOT GDCM_gdcmCommon)
   list(APPEND kiln_missing GDCM)
 endif()
@@ -53,6 +59,6 @@ if(NOT kiln_missing AND NOT TARGET kiln_dependencies)
   add_library(kiln_dependencies INTERFACE)
   target_link_libraries(kiln_dependencies INTERFACE OpenVDB::openvdb TBB::tbb OpenEXR::OpenEXR Imath::Imath fmt::fmt
                         nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB ${XXHASH_LIBRARY}
-                        ${HIGHWAY_LIBRARY} ${kiln_gdcm_libraries})
+                        ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${kiln_gdcm_libraries})
   target_include_directories(kiln_dependencies SYSTEM INTERFACE ${GDCM_INCLUDE_DIR})
 endif()

@@ -2,6 +2,7 @@
 // Internal, and not installed: it is for the .cpp files that use OpenVDB.
 #pragma once
 
+#include <blosc.h>
 #include <openvdb/openvdb.h>
 
 #include <bit>
@@ -16,7 +17,13 @@ namespace kiln {
 
 /// To be called before anything else of OpenVDB's. thread: safe.
 inline void initializeOpenVdb() {
-  static const bool done = (openvdb::initialize(), true);
+  static const bool done = [] {
+    openvdb::initialize();
+    // Blosc has LZ4 compress the bytes of each place by themselves, 512 of a leaf, and LZ4 clears 16 KB before each. All
+    // at once they take an eighth less time, and a twentieth less space: upper bytes that are alike are one match.
+    blosc_set_splitmode(BLOSC_NEVER_SPLIT);
+    return true;
+  }();
   (void)done;
 }
 
