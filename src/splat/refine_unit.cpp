@@ -106,7 +106,11 @@ class Refiner {
       return hn::Add(a, hn::Mul(between, hn::Sub(b, a)));
     };
     V tau = channel(3);
-    if (l_.integral != nullptr) tau = meanExtinction(field_.gradients(ui), place, alive, tau);
+    Vector slope{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    if (l_.integral != nullptr) {
+      slope = field_.gradients(ui);
+      tau = meanExtinction(slope, place, alive, tau);
+    }
     alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
     if (hn::AllFalse(d, alive)) return;
 
@@ -141,7 +145,7 @@ class Refiner {
     V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
     if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
     if (l_.phong || details_ != nullptr) {
-      const Vector slope = field_.gradients(ui);
+      if (l_.integral == nullptr) slope = field_.gradients(ui);
       if (l_.phong) shade(slope, u, v, oblique, r, g, b);
       if (details_ != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
