@@ -79,7 +79,9 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
     const BrickKey key{0, brickAt(lattice, (2 * i + 1) * lattice.count() / (2 * count))};
     return BrickFrame{key, info.type, options.brick_size, kApron, geometry};
   };
-  std::vector<std::vector<std::byte>> bricks(static_cast<std::size_t>(count));
+  std::vector<VoxelBox> boxes;
+  for (std::int64_t i = 0; i < count; ++i) boxes.push_back(frameOf(i).stored());
+  std::vector<std::vector<std::byte>> bricks(boxes.size());
   std::vector<std::byte> row(static_cast<std::size_t>(dims.x * size));
   Samples out;
   const auto begin = Clock::now();
@@ -87,11 +89,10 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
     progress.throwIfCancelled("sampling");
     for (std::int64_t y = 0; y < dims.y; ++y) {
       source.read({{0, y, out.slices}, {dims.x, y + 1, out.slices + 1}}, row);
-      for (std::int64_t i = 0; i < count; ++i) {
-        const VoxelBox box = frameOf(i).stored();
+      for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const VoxelBox& box = boxes[i];
         if (y < box.lo.y || y >= box.hi.y) continue;
-        std::vector<std::byte>& brick = bricks[static_cast<std::size_t>(i)];
-        brick.insert(brick.end(), row.begin() + box.lo.x * size, row.begin() + box.hi.x * size);
+        bricks[i].insert(bricks[i].end(), row.begin() + box.lo.x * size, row.begin() + box.hi.x * size);
       }
     }
     out.slices_s = secondsSince(begin);

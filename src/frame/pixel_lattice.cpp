@@ -29,15 +29,15 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
       sweep_px_(sweep_px),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range) {
+  const double unit = transfer_function.unitIn(volume.geometry().meanSpacing());
   for (const SlabZone& zone : zones_) {
     const Projector& projector = levels.projector(zone.level);
-    const SampleLook look{
-        shading,
-        Shader(shading, view, gradient_noise, projector),
-        GradientOpacity(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), projector),
-        &levels.clipRegion(zone.level),
-        gradient_noise,
-        interpolation};
+    const SampleLook look{shading,
+                          Shader(shading, view, gradient_noise, projector),
+                          GradientOpacity(transfer_function, unit, projector),
+                          &levels.clipRegion(zone.level),
+                          gradient_noise,
+                          interpolation};
     frames_.push_back(std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level),
                                                   levels.endVoxels(zone.level), table_, look));
   }
