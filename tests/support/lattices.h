@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/render_frame.h"
+#include "scene/job_names.h"
 
 namespace kiln::test {
 
@@ -9,6 +10,6 @@ inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel};
 
 inline void setLattice(FrameRequest& request, Lattice lattice) { request.lattice = lattice; }
 
-inline const char* nameOf(Lattice lattice) { return lattice == Lattice::kVoxel ? "voxel" : "pixel"; }
+inline const char* nameOf(Lattice lattice) { return nameIn(kLatticeNames, lattice).data(); }
 
 }  // namespace kiln::test

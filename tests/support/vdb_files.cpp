@@ -65,7 +65,6 @@ openvdb::GridBase::Ptr points() {
 }
 
 openvdb::GridBase::Ptr gridOf(VdbKind kind) {
-  openvdb::initialize();
   switch (kind) {
     case VdbKind::kFloat:
     case VdbKind::kHalf:

@@ -14,6 +14,7 @@
 #include "store/manifest.h"
 #include "support/faulty_file_system.h"
 #include "support/forward_source.h"
+#include "support/impatient_progress.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -106,15 +107,6 @@ TEST(ForwardWindow, ReadsAheadWhileABrickIsInTheMaking) {
   EXPECT_TRUE(ahead);
 }
 
-class Stopping : public Progress {
- public:
-  explicit Stopping(int polls) : left_(polls) {}
-  bool cancelled() const override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
-};
-
 // The code that all lanes together end with; kUsage stands for none.
 ErrorCode endOf(
     ForwardSource& source, bool on_disk, Progress& progress, FileSystem& disk,
@@ -146,7 +138,7 @@ TEST(ForwardWindow, StopsAllLanesWithTheFirstError) {
     }
     for (const int polls : {0, 1, strips / 2, strips}) {
       ForwardSource source(volume());
-      Stopping stopping(polls);
+      ImpatientProgress stopping(polls);
       EXPECT_EQ(endOf(source, on_disk, stopping, FileSystem::real()), ErrorCode::kCancelled) << polls << " questions";
     }
     for (const std::int64_t bad : {0, 40, 2 * 5 * 33 - 1}) {
