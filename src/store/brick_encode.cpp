@@ -133,16 +133,32 @@ class Encoder {
     out.reserve(tree.leafCount(), sizeof(Stored));
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
       const VoxelBox part = intersection(leafAt(voxelOf(leaf->origin())), box);
-      const std::int64_t count = part.extent().z;
+      const Extent3 n = part.extent();
+      const T* const from =
+          voxels_ + (part.lo.z - box_.lo.z) * slice + (part.lo.y - box_.lo.y) * row + (part.lo.x - box_.lo.x);
       Stored values[kLeaf * kLeaf * kLeaf];
-      Stored* to = values;
-      for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-        for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-          const T* const from = voxels_ + (part.lo.z - box_.lo.z) * slice + (y - box_.lo.y) * row + (x - box_.lo.x);
-          for (std::int64_t z = 0; z < count; ++z) *to++ = storedOf(from[z * slice]);
-        }
+      if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
+        transposeLeaf({kLeaf, kLeaf, kLeaf}, from, values, storedOf);
+      } else {
+        transposeLeaf(n, from, values, storedOf);
       }
-      out.add(leaf->valueMask(), values, sizeof(Stored), static_cast<std::size_t>(to - values));
+      out.add(leaf->valueMask(), values, sizeof(Stored), static_cast<std::size_t>(n.count()));
+    }
+  }
+
+  // Voxels of the block, x fastest, to those of a leaf, z fastest. Rows are taken whole: a leaf's columns along z are a
+  // cache line a voxel. For a whole leaf, the caller's constants unroll it.
+  template <class F, class Stored>
+  [[gnu::always_inline]] void transposeLeaf(const Extent3& n, const T* from, Stored* to, F storedOf) const {
+    T leaf[kLeaf * kLeaf * kLeaf];
+    for (std::int64_t z = 0; z < n.z; ++z) {
+      for (std::int64_t y = 0; y < n.y; ++y)
+        std::copy_n(from + (z * size_.y + y) * size_.x, n.x, leaf + (z * kLeaf + y) * kLeaf);
+    }
+    for (std::int64_t x = 0; x < n.x; ++x) {
+      for (std::int64_t y = 0; y < n.y; ++y) {
+        for (std::int64_t z = 0; z < n.z; ++z) *to++ = storedOf(leaf[(z * kLeaf + y) * kLeaf + x]);
+      }
     }
   }
 
