@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -44,6 +46,28 @@ void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
     if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(offset.value_or(0) + done));
     done += static_cast<std::size_t>(put);
   }
+}
+
+// Writes the first of the bytes past the page cache; returns how many. The rest, which is all of them on a file system
+// that cannot do it, is to be written the other way, which also tells what is wrong with the disk.
+std::size_t writePastCache(int file, std::span<const std::byte> data) {
+  constexpr std::size_t kBlock = 4096, kBuffer = 256 * kBlock;
+  const int flags = ::fcntl(file, F_GETFL);
+  if (data.size() < kBuffer || flags < 0 || ::fcntl(file, F_SETFL, flags | O_DIRECT) != 0) return 0;
+  // The kernel takes whole blocks, and memory that begins at one.
+  const std::unique_ptr<void, void (*)(void*)> buffer(std::aligned_alloc(kBlock, kBuffer), std::free);
+  std::size_t done = 0;
+  while (buffer && data.size() - done >= kBlock) {
+    const std::size_t bytes = std::min(kBuffer, (data.size() - done) / kBlock * kBlock);
+    std::memcpy(buffer.get(), data.data() + done, bytes);
+    const ssize_t put = ::pwrite(file, buffer.get(), bytes, static_cast<off_t>(done));
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) break;
+    done += static_cast<std::size_t>(put);
+    if (done % kBlock != 0) break;
+  }
+  ::fcntl(file, F_SETFL, flags);
+  return done;
 }
 
 }  // namespace
@@ -108,13 +132,13 @@ FileSystem& FileSystem::real() {
   return instance;
 }
 
-void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data, bool durable) {
+void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
-  if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, false);
+  if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, WriteMode::kUnsynced);
   const fs::path temporary = path.string() + ".tmp";
   try {
-    writeFile(temporary, data, durable);
+    writeFile(temporary, data, mode);
     rename(temporary, path);
   } catch (...) {
     std::error_code ignored;
@@ -124,7 +148,7 @@ void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> da
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::string_view text) {
-  writeAtomic(path, std::as_bytes(std::span(text.data(), text.size())), true);
+  writeAtomic(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
 void FileSystem::makeDirectories(const fs::path& path) {
@@ -133,11 +157,12 @@ void FileSystem::makeDirectories(const fs::path& path) {
   if (error) throw systemError(error.value(), path, "making the directory");
 }
 
-void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, bool durable) {
+void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
-  writeAll(file.get(), path, data);
-  if (durable && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
+  writeAll(file.get(), path, data.subspan(done), done);
+  if (mode == WriteMode::kSynced && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
 

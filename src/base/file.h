@@ -44,6 +44,14 @@ class File {
 std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 
+/// What is true of a file when the call that writes it returns.
+enum class WriteMode {
+  kSynced,     // it is on its disk
+  kUnsynced,   // it is there for every reader; bringing it onto the disk is left to a later `syncAll`
+  kPastCache,  // as kUnsynced, but where the file system allows it, its bytes took no room in the page cache: for more
+               // bytes than that has room for, which nobody reads soon
+};
+
 /// The changes Kiln makes to a disk. Tests derive from it to fail at the n-th call (tests/support).
 class FileSystem {
  public:
@@ -51,15 +59,15 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// Writes `data` to a temporary name beside `path`, syncs it and renames it over `path`: a reader sees the old file
-  /// or the new one, never a part. With `durable` false the sync is left to the caller's later `syncAll`. A device or a
-  /// pipe (/dev/null) is written to as it is, never replaced. throws: Error kNoSpace, kIo; the temporary file is
-  /// removed on failure.
-  void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data, bool durable = true);
+  /// Writes `data` to a temporary name beside `path` and renames it over `path`: a reader sees the old file or the new
+  /// one, never a part. A device or a pipe (/dev/null) is written to as it is, never replaced. throws: Error kNoSpace,
+  /// kIo; the temporary file is removed on failure.
+  void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data,
+                   WriteMode mode = WriteMode::kSynced);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
 
   virtual void makeDirectories(const std::filesystem::path& path);
-  virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, bool durable);
+  virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);
   /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.
   virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <cctype>
@@ -11,6 +12,11 @@
 #include "base/error.h"
 
 namespace kiln {
+
+std::uint64_t machineMemoryBytes() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), page_bytes = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && page_bytes > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes) : 0;
+}
 
 std::uint64_t peakResidentBytes() {
   rusage usage{};

@@ -1,4 +1,4 @@
-// What the process holds: the resident memory that the operating system counts.
+// What the machine has and the process holds, as the operating system counts, and how amounts are read and written.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,9 @@
 #include <string_view>
 
 namespace kiln {
+
+/// Of the machine; 0 where the system does not say. unit: bytes.
+std::uint64_t machineMemoryBytes();
 
 /// The largest resident memory of this process so far. unit: bytes.
 std::uint64_t peakResidentBytes();

@@ -1,11 +1,11 @@
 // Linux keeps what is asked here in /proc, in files that have no size until they are read.
 #include "bench/machine.h"
 
-#include <charconv>
 #include <thread>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
 
 namespace kiln {
 namespace {
@@ -30,13 +30,6 @@ std::string valueOf(const std::string& text, const std::string& key) {
   return begin == std::string::npos || begin >= end ? "" : text.substr(begin, end - begin);
 }
 
-std::uint64_t memoryBytes() {
-  const std::string kibibytes = valueOf(firstText("/proc/meminfo"), "MemTotal");
-  std::uint64_t value = 0;
-  std::from_chars(kibibytes.data(), kibibytes.data() + kibibytes.size(), value);
-  return value << 10;
-}
-
 std::string firstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 }  // namespace
@@ -46,7 +39,7 @@ Machine thisMachine() {
   out.processor = valueOf(firstText("/proc/cpuinfo"), "model name");
   if (out.processor.empty()) out.processor = "unknown";
   out.logical_cores = std::thread::hardware_concurrency();
-  out.memory_bytes = memoryBytes();
+  out.memory_bytes = machineMemoryBytes();
   out.system =
       firstLine(firstText("/proc/sys/kernel/ostype")) + " " + firstLine(firstText("/proc/sys/kernel/osrelease"));
 #if defined(__clang__)

@@ -111,7 +111,7 @@ Journal::Journal(const fs::path& directory, const JournalContent& content, FileS
   for (const char c : kMagic) kiln::append(file, c);
   appendRecord(file, identityPayload(content.identity));
   for (const FinishedBrick& brick : content.bricks) appendRecord(file, brickPayload(brick));
-  disk_.writeAtomic(path_, file, /*durable=*/false);
+  disk_.writeAtomic(path_, file, WriteMode::kUnsynced);
 }
 
 void Journal::append(const FinishedBrick& brick) {

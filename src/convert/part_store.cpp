@@ -40,7 +40,7 @@ void PartStore::put(const BrickKey& key, const CoarsePart& part) {
   std::memcpy(file.data(), &header, sizeof header);
   std::memcpy(file.data() + sizeof header, part.voxels.data(), part.voxels.size());
   std::memcpy(file.data() + sizeof header + part.voxels.size(), part.cells.data(), cell_bytes);
-  disk_.writeFile(pathOf(key), file, /*durable=*/false);
+  disk_.writeFile(pathOf(key), file, WriteMode::kUnsynced);
 }
 
 CoarsePart PartStore::get(const BrickKey& key) const {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -16,6 +17,12 @@ bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
   return std::memcmp(voxels.data(), voxels.data() + voxel_bytes, voxels.size() - voxel_bytes) == 0;
 }
 
+// `finish` syncs them all. What the page cache cannot hold would only drive out of it what somebody reads.
+WriteMode brickModeOf(const Manifest& manifest) {
+  const std::uint64_t bytes = static_cast<std::uint64_t>(manifest.geometry().dims.count()) * sizeOf(manifest.type);
+  return bytes > machineMemoryBytes() / 2 ? WriteMode::kPastCache : WriteMode::kUnsynced;
+}
+
 }  // namespace
 
 fs::path brickPath(const BrickKey& key) {
@@ -23,7 +30,7 @@ fs::path brickPath(const BrickKey& key) {
 }
 
 StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk)
-    : directory_(directory), manifest_(std::move(draft)), disk_(disk) {
+    : directory_(directory), manifest_(std::move(draft)), disk_(disk), brick_mode_(brickModeOf(manifest_)) {
   if (isStore(directory)) {
     throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
   }
@@ -54,7 +61,7 @@ BrickEntry StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxe
     const std::vector<std::byte> file = encodeBrick(brick, voxels, ranges.cells);
     entry.file_bytes = file.size();
     entry.checksum = hashOf(file);
-    disk_.writeAtomic(directory_ / brickPath(key), file, /*durable=*/false);  // `finish` syncs them all
+    disk_.writeAtomic(directory_ / brickPath(key), file, brick_mode_);
   }
   keep(key, entry);
   return entry;

@@ -44,6 +44,7 @@ class StoreWriter {
   std::filesystem::path directory_;
   Manifest manifest_;
   FileSystem& disk_;
+  const WriteMode brick_mode_;
   BrickIndex index_;
   std::mutex mutex_;
 };

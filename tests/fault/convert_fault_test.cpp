@@ -276,7 +276,7 @@ TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   const auto damage = [](const fs::path& brick) {
     std::vector<std::byte> file = readFile(brick);
     file[file.size() / 2] ^= std::byte{1};
-    FileSystem::real().writeFile(brick, file, false);
+    FileSystem::real().writeFile(brick, file, WriteMode::kUnsynced);
   };
   damage(out / "bricks/0/1_0_0.vdb");
   resume(volume, out, kBrickSize);
@@ -373,7 +373,7 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
     return ErrorCode::kCancelled;
   };
   EXPECT_EQ(codeOf(out, false), ErrorCode::kExists);
-  FileSystem::real().writeFile(out / "thesis.txt", {}, false);
+  FileSystem::real().writeFile(out / "thesis.txt", {}, WriteMode::kUnsynced);
   EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
   EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kExists);
   EXPECT_TRUE(fs::exists(out / "thesis.txt"));

@@ -272,8 +272,8 @@ TEST_F(ImageFile, FlippedBitsAreSurvived) {
 
 class FullDisk : public FileSystem {
  public:
-  void writeFile(const fs::path& path, std::span<const std::byte> data, bool durable) override {
-    FileSystem::writeFile(path, data.first(data.size() / 2), durable);
+  void writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) override {
+    FileSystem::writeFile(path, data.first(data.size() / 2), mode);
     throw Error(ErrorCode::kNoSpace, path, "", "full");
   }
 };

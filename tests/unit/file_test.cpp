@@ -1,0 +1,27 @@
+// What is written is what is read, whichever way it goes to the disk. Sizes around a block and the buffer of writes
+// that go past the page cache; on a file system that cannot do that, the test shows that nothing depends on it.
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+TEST(FileSystem, WritesTheSameBytesInEveryMode) {
+  const fs::path directory = freshDirectory("write_modes");
+  for (const std::size_t size : {0u, 1u, 4095u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, (3u << 20) + 4096 + 7}) {
+    std::vector<std::byte> data(size);
+    for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 13);
+    for (const WriteMode mode : {WriteMode::kSynced, WriteMode::kUnsynced, WriteMode::kPastCache}) {
+      const fs::path path = directory / "file";
+      FileSystem::real().writeAtomic(path, data, mode);
+      EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
