@@ -1,6 +1,7 @@
 #include "convert/coarse_part.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -26,8 +27,8 @@ T meanOf(Sum sum, int count) {
   if constexpr (std::is_floating_point_v<T>) {
     return count == 0 ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(sum / static_cast<Sum>(count));
   } else {
-    const Sum n = 2 * count, twice = 2 * sum + count;  // floor(mean + 1/2), also below zero
-    return static_cast<T>(twice >= 0 ? twice / n : -((-twice + n - 1) / n));
+    // floor(mean + 1/2), also below zero. `count` is a power of two: each axis gives one voxel or two.
+    return static_cast<T>((2 * sum + count) >> (std::countr_zero(static_cast<unsigned>(count)) + 1));
   }
 }
 
@@ -54,35 +55,48 @@ class Halver {
     for (std::int64_t z = coarse.lo.z; z < coarse.hi.z; ++z) {
       for (std::int64_t y = coarse.lo.y; y < coarse.hi.y; ++y) {
         const int rows = sumRows(below(y, by_.y, core_.hi.y), below(z, by_.z, core_.hi.z));
-        for (std::int64_t x = coarse.lo.x; x < coarse.hi.x; ++x) {
-          const Below run = below(x, by_.x, core_.hi.x);
-          Sum sum = 0;
-          int count = 0;
-          for (std::int64_t i = run.lo - core_.lo.x; i < run.hi - core_.lo.x; ++i) {
-            sum += sums_[static_cast<std::size_t>(i)];
-            count += std::is_floating_point_v<T> ? counts_[static_cast<std::size_t>(i)] : rows;
-          }
-          *out++ = meanOf<T>(sum, count);
-        }
+        out = by_.x == 2 ? meansAlong<2>(rows, out) : meansAlong<1>(rows, out);
       }
     }
   }
 
  private:
+  // Makes a coarse row of the sums of the rows below it; returns where the next one begins.
+  template <std::size_t kBy>
+  T* meansAlong(int rows, T* out) const {
+    const Sum* const sums = sums_.data();
+    const auto countAt = [&](std::size_t i) { return std::is_floating_point_v<T> ? counts_[i] : rows; };
+    const std::size_t whole = sums_.size() / kBy;
+    for (std::size_t x = 0; x < whole; ++x) {
+      Sum sum = sums[kBy * x];
+      int count = countAt(kBy * x);
+      if constexpr (kBy == 2) {
+        sum += sums[kBy * x + 1];
+        count += countAt(kBy * x + 1);
+      }
+      out[x] = meanOf<T>(sum, count);
+    }
+    // The volume ends in the middle of a coarse voxel.
+    if (kBy * whole < sums_.size()) out[whole] = meanOf<T>(sums[kBy * whole], countAt(kBy * whole));
+    return out + (sums_.size() + kBy - 1) / kBy;
+  }
+
   // Sums the rows below one coarse row, voxel by voxel along x; returns how many rows there are.
   int sumRows(const Below& ys, const Below& zs) {
     std::fill(sums_.begin(), sums_.end(), Sum(0));
     std::fill(counts_.begin(), counts_.end(), 0);
     for (std::int64_t z = zs.lo; z < zs.hi; ++z) {
       for (std::int64_t y = ys.lo; y < ys.hi; ++y) {
-        const T* row = voxels_ + ((z - box_.lo.z) * size_.y + (y - box_.lo.y)) * size_.x + (core_.lo.x - box_.lo.x);
+        const T* const row =
+            voxels_ + ((z - box_.lo.z) * size_.y + (y - box_.lo.y)) * size_.x + (core_.lo.x - box_.lo.x);
+        Sum* const sums = sums_.data();
         for (std::size_t i = 0; i < sums_.size(); ++i) {
           if constexpr (std::is_floating_point_v<T>) {
             const bool exists = !std::isnan(row[i]);
-            sums_[i] += exists ? static_cast<Sum>(row[i]) : Sum(0);
+            sums[i] += exists ? static_cast<Sum>(row[i]) : Sum(0);
             counts_[i] += exists ? 1 : 0;
           } else {
-            sums_[i] += row[i];
+            sums[i] += row[i];
           }
         }
       }
@@ -110,6 +124,12 @@ CoarsePart emptyPart(const BrickFrame& fine, const Extent3& by) {
 }
 
 }  // namespace
+
+std::uint64_t CoarsePart::bytesOf(const Extent3& voxels, std::uint64_t voxel_bytes) {
+  const std::int64_t cells = cellsOf(boxOf(voxels)).count();
+  return sizeof(CoarsePart) + static_cast<std::uint64_t>(voxels.count()) * voxel_bytes +
+         static_cast<std::uint64_t>(cells) * sizeof(ValueRange);
+}
 
 VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
   VoxelBox out;

@@ -18,6 +18,10 @@ struct CoarsePart {
   VoxelBox cell_box;
   std::vector<ValueRange> cells;
   ValueRange support;
+
+  /// What a part of so many coarse voxels takes. requires: its first voxel begins a cell, or it is within one.
+  static std::uint64_t bytesOf(const Extent3& voxels, std::uint64_t voxel_bytes);
+  std::uint64_t bytes() const { return bytesOf(box.extent(), voxels.size() / static_cast<std::uint64_t>(box.count())); }
 };
 
 /// Halves a brick along the axes where `by` is 2. A coarse voxel is the mean of the voxels below it that exist (in the

@@ -110,14 +110,6 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
   return out;
 }
 
-// The parts of two layers of bricks a level wait at most, as the order of bricks has it.
-std::uint64_t partBytes(const SourceInfo& info, const VolumeGeometry& level, std::int64_t brick_size) {
-  const Extent3 lattice = latticeOf(level.dims, brick_size), by = halvingOf(level);
-  const std::int64_t layers = std::min<std::int64_t>(2, lattice.z);
-  const std::int64_t voxels = level.dims.x * level.dims.y * std::min(layers * brick_size, level.dims.z);
-  return static_cast<std::uint64_t>(voxels / by.count()) * (sizeOf(info.type) + 1);
-}
-
 }  // namespace
 
 ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
@@ -125,7 +117,6 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
   ConversionCost out;
   out.plan = planConversion(source, options);
   out.order = source.order();
-  out.scratch_bytes = out.plan.scratch_bytes;
   const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);
   out.levels = static_cast<int>(levels.size());
   std::uint64_t stored_voxels = 0;
@@ -133,7 +124,6 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
     const Extent3 lattice = latticeOf(levels[level].dims, options.brick_size);
     out.bricks += static_cast<std::uint64_t>(lattice.count());
     stored_voxels += storedVoxels(levels[level].dims, lattice);
-    if (level + 1 < levels.size()) out.scratch_bytes += partBytes(info, levels[level], options.brick_size);
   }
   const std::uint64_t index_bytes = out.bricks * sizeof(BrickEntry);
   const bool stream = out.order == ReadOrder::kForward;

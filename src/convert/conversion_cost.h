@@ -16,9 +16,6 @@ struct ConversionCost {
   std::int64_t sampled_slices = 0;
   /// Of all files of the store, as the samples are. unit: bytes.
   std::uint64_t store_bytes = 0;
-  /// The most that lies beside these until the store is finished: slices of a stream, what bricks give to coarser
-  /// levels. unit: bytes.
-  std::uint64_t scratch_bytes = 0;
   /// By the samples.
   double seconds = 0;
 };

@@ -68,7 +68,7 @@ class Conversion {
         writer_(writer),
         directory_(directory),
         progress_(progress),
-        pyramid_(writer, directory / "parts", disk, half),
+        pyramid_(writer, directory / "parts", plan.parts_bytes, disk, half),
         counters_(plan.lanes, ValueCounter(source.info().type)),
         totals_(counters_) {
     if (plan.window_slices > 0) {

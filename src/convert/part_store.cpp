@@ -18,7 +18,8 @@ struct Header {
 
 }  // namespace
 
-PartStore::PartStore(const fs::path& directory, FileSystem& disk) : directory_(directory), disk_(disk) {
+PartStore::PartStore(const fs::path& directory, std::uint64_t memory_bytes, FileSystem& disk)
+    : directory_(directory), disk_(disk), free_bytes_(memory_bytes) {
   std::error_code ignored;
   if (fs::exists(directory, ignored)) disk_.removeAll(directory);
   disk_.makeDirectories(directory);
@@ -33,7 +34,16 @@ fs::path PartStore::pathOf(const BrickKey& key) const {
   return directory_ / fmt::format("{}_{}_{}_{}.tmp", key.level, key.brick.x, key.brick.y, key.brick.z);
 }
 
-void PartStore::put(const BrickKey& key, const CoarsePart& part) {
+void PartStore::put(const BrickKey& key, CoarsePart part) {
+  const std::uint64_t bytes = part.bytes();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (bytes <= free_bytes_) {
+      free_bytes_ -= bytes;
+      kept_[key] = std::make_shared<const CoarsePart>(std::move(part));
+      return;
+    }
+  }
   const Header header{part.box, part.cell_box, part.support, part.voxels.size()};
   const std::size_t cell_bytes = part.cells.size() * sizeof(ValueRange);
   std::vector<std::byte> file(sizeof header + part.voxels.size() + cell_bytes);
@@ -43,7 +53,16 @@ void PartStore::put(const BrickKey& key, const CoarsePart& part) {
   disk_.writeFile(pathOf(key), file, WriteMode::kUnsynced);
 }
 
-CoarsePart PartStore::get(const BrickKey& key) const {
+std::shared_ptr<const CoarsePart> PartStore::get(const BrickKey& key) const {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = kept_.find(key);
+    if (found != kept_.end()) return found->second;
+  }
+  return std::make_shared<const CoarsePart>(read(key));
+}
+
+CoarsePart PartStore::read(const BrickKey& key) const {
   const File file(pathOf(key));
   Header header;
   file.readAt(0, std::as_writable_bytes(std::span(&header, 1)));
@@ -55,6 +74,15 @@ CoarsePart PartStore::get(const BrickKey& key) const {
 }
 
 void PartStore::drop(const BrickKey& key) noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = kept_.find(key);
+    if (found != kept_.end()) {
+      free_bytes_ += found->second->bytes();
+      kept_.erase(found);
+      return;
+    }
+  }
   std::error_code ignored;
   fs::remove(pathOf(key), ignored);
 }

@@ -6,7 +6,9 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "convert/coarse_part.h"
 #include "convert/forward_window.h"
+#include "grid/pyramid.h"
 
 namespace kiln {
 namespace {
@@ -45,6 +47,22 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
 }
 
+// The most that waits at once. Bricks come layer by layer, and a parent needs those of four: the two that its core is
+// made of, and for its apron one on either side.
+std::uint64_t waitingPartBytes(const SourceInfo& info, const ConvertOptions& options) {
+  std::uint64_t out = 0;
+  const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);
+  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+    const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
+    const std::int64_t slices = std::min(4 * options.brick_size, dims.z);
+    const auto bricks = brickLattice({dims.x, dims.y, slices}, options.brick_size).count();
+    const std::int64_t edge = options.brick_size;
+    out += static_cast<std::uint64_t>(bricks) *
+           CoarsePart::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
+  }
+  return out;
+}
+
 }  // namespace
 
 ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& options) {
@@ -63,9 +81,14 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
   if (!forward && source.decodeBytes() > 0) {
-    const std::uint64_t volume_bytes = static_cast<std::uint64_t>(info.geometry.dims.count()) * sizeOf(info.type);
-    plan.kept_bytes = std::min(options.memory_bytes - plan.total(), volume_bytes);
+    // Bricks come layer by layer, so what two layers are made of is enough to decode everything once.
+    const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);
+    plan.kept_bytes =
+        std::min(options.memory_bytes - plan.total(), static_cast<std::uint64_t>(slices) * sliceBytes(info));
   }
+  const std::uint64_t waiting = waitingPartBytes(info, options);
+  plan.parts_bytes = std::min(options.memory_bytes - plan.total(), waiting);
+  plan.scratch_bytes += waiting - plan.parts_bytes;
   return plan;
 }
 

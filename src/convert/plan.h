@@ -1,5 +1,5 @@
 // What a conversion will hold in memory and beside its store, decided before it begins: the slices of a stream, a lane
-// of buffers a thread, and what the source keeps decoded.
+// of buffers a thread, what the source keeps decoded, and the parts of which coarser bricks are made.
 #pragma once
 
 #include "convert/convert.h"
@@ -12,18 +12,21 @@ struct ConversionPlan {
   bool window_on_disk = false;
   /// In memory: those slices or a strip of them, and what the stream needs to be decoded. unit: bytes.
   std::uint64_t window_bytes = 0;
-  /// On the disk of the store until it is finished. unit: bytes.
+  /// The most that is on the disk of the store until it is finished: slices, and parts beyond `parts_bytes`. unit:
+  /// bytes.
   std::uint64_t scratch_bytes = 0;
   std::uint64_t lane_bytes = 0;
   std::size_t lanes = 1;
   /// What the source may keep of what it decoded. unit: bytes.
   std::uint64_t kept_bytes = 0;
-  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + kept_bytes; }
+  /// Parts of bricks that wait for a parent (convert/part_store.h), in memory. unit: bytes.
+  std::uint64_t parts_bytes = 0;
+  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + kept_bytes + parts_bytes; }
 };
 
 /// The best use of `options.memory_bytes`: a lane for each thread that can be kept busy, then slices of a stream, on
-/// disk where they do not fit, then decoded blocks. throws: Error kBudget, naming the smallest memory that works, which
-/// does not depend on the size of a slice.
+/// disk where they do not fit, then decoded blocks, then parts, on disk where they do not fit. throws: Error kBudget,
+/// naming the smallest memory that works, which does not depend on the size of a slice.
 ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& options);
 
 }  // namespace kiln

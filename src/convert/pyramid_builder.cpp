@@ -40,8 +40,9 @@ void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::
 
 }  // namespace
 
-PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk, bool half)
-    : writer_(writer), parts_(parts, disk), half_(half) {
+PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, std::uint64_t parts_bytes,
+                               FileSystem& disk, bool half)
+    : writer_(writer), parts_(parts, parts_bytes, disk), half_(half) {
   const std::vector<LevelInfo>& levels = writer.manifest().levels;
   levels_.resize(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l) levels_[l].by = halvingOf(levels[l].geometry);
@@ -126,7 +127,9 @@ void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vec
   const BrickFrame frame = writer_.frame(key), fine = writer_.frame(child);
   const BrickEntry& entry = writer_.entry(child);
   const Extent3& by = levels_[static_cast<std::size_t>(child.level)].by;
-  const CoarsePart part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.get(child);
+  const auto held =
+      entry.constant ? std::make_shared<const CoarsePart>(constantPartOf(fine, entry.core.lo, by)) : parts_.get(child);
+  const CoarsePart& part = *held;
   copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
   const VoxelBox core = frame.core();
   if (intersection(part.box, core).empty()) return;  // the apron has ranges of its own

@@ -14,9 +14,11 @@ namespace kiln {
 
 class PyramidBuilder {
  public:
-  /// `parts` is a folder for this object alone. With `half` every mean is rounded to the nearest value that a half
-  /// holds. requires: `writer` and `disk` outlive this.
-  PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, FileSystem& disk, bool half);
+  /// `parts` is a folder for this object alone, for what bricks leave behind beyond `parts_bytes` of them in memory.
+  /// With `half` every mean is rounded to the nearest value that a half holds. requires: `writer` and `disk` outlive
+  /// this.
+  PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, std::uint64_t parts_bytes, FileSystem& disk,
+                 bool half);
 
   /// A brick has been put. Returns the bricks of the next level that can be built now, each once. shape: as
   /// coarsePartOf. thread: safe for different keys.

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "convert/convert.h"
+#include "convert/plan.h"
 #include "store/store_reader.h"
 #include "support/faulty_file_system.h"
 #include "support/impatient_progress.h"
@@ -78,8 +78,12 @@ DenseVolume oldVolume() { return cheese({{20, 9, 9}, VoxelType::i16}, 2, usualRa
 std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, How how, FaultyFileSystem& disk) {
   DenseSource source(volume);
   Progress silent;
+  ConvertOptions asked = options(how);
+  // None is left for parts, so that each is a file, whose writing may fail, too.
+  const ConversionPlan ample = planConversion(source, asked);
+  asked.memory_bytes = ample.lanes * ample.lane_bytes;
   try {
-    convert(source, out, options(how), silent, disk);
+    convert(source, out, asked, silent, disk);
     return std::nullopt;
   } catch (const Error& error) {
     return error;
@@ -104,6 +108,32 @@ std::uint64_t changesOf(bool overwrite) {
   EXPECT_TRUE(holds(out, newVolume()));
   EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1) << "something was left beside the store";
   return counted.calls();
+}
+
+// Known because the parts are the same, wherever they wait.
+TEST(ConvertParts, MayBeInMemoryOrInFiles) {
+  const DenseVolume volume = cheese({{70, 40, 40}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
+  DenseSource source(volume);
+  ConvertOptions asked = options();
+  const ConversionPlan ample = planConversion(source, asked);
+  ASSERT_GT(ample.parts_bytes, 0u);
+  ASSERT_EQ(ample.scratch_bytes, 0u);
+  std::map<std::string, std::vector<std::byte>> first;
+  std::vector<std::uint64_t> changes;
+  for (const double share : {1.0, 0.4, 0.0}) {
+    const fs::path directory = freshDirectory("parts");
+    asked.memory_bytes =
+        ample.total() - ample.parts_bytes + static_cast<std::uint64_t>(share * static_cast<double>(ample.parts_bytes));
+    FaultyFileSystem disk;
+    Progress silent;
+    const ConvertReport report = convert(source, directory / "volume.kiln", asked, silent, disk);
+    EXPECT_LE(report.buffer_bytes, asked.memory_bytes);
+    changes.push_back(disk.calls());
+    if (first.empty()) first = filesOf(directory);
+    EXPECT_EQ(filesOf(directory), first);
+  }
+  EXPECT_LT(changes[0], changes[1]);
+  EXPECT_LT(changes[1], changes[2]);
 }
 
 struct FaultCase {

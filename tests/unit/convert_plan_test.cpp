@@ -61,24 +61,28 @@ TEST(ConversionPlan, SlicesAreInMemoryWhereTheyFitBesideTheLanes) {
   EXPECT_EQ(ample.window_slices, 140 + 128);
   EXPECT_EQ(ample.window_bytes, 268 * 2 * kMiB + 3 * kMiB);
   EXPECT_EQ(ample.scratch_bytes, 0u);
+  // Of four layers of 8 x 8 bricks, then 4 x 4, then 2 x 2 x 2 in all: 64³ voxels and the ranges of 8³ cells each.
+  EXPECT_NEAR(static_cast<double>(ample.parts_bytes), (256 + 64 + 8) * 520.0 * 1024, 64.0 * 1024);
   EXPECT_FALSE(tight.window_on_disk);
   EXPECT_GE(tight.window_slices, 140);
   EXPECT_LT(tight.window_slices, 268);
   EXPECT_TRUE(small.window_on_disk);
   EXPECT_EQ(small.window_slices, 268);
   EXPECT_EQ(small.window_bytes, 256 * 1024 + 3 * kMiB);
-  EXPECT_EQ(small.scratch_bytes, 268 * 2 * kMiB);
+  EXPECT_EQ(small.scratch_bytes, 268 * 2 * kMiB + ample.parts_bytes - small.parts_bytes);
   for (const ConversionPlan& plan : {ample, tight, small}) EXPECT_EQ(plan.lanes, 2u);
   EXPECT_EQ(planOf({1024, 1024, 90}, 4096 * kMiB).window_slices, 90);
 }
 
 TEST(ConversionPlan, SourcesThatGiveBoxesHaveNoWindow) {
   const ThreadLimit threads(2);
-  const ConversionPlan plan = planOf({1024, 1024, 1000}, 400 * kMiB, ReadOrder::kAnyBox);
+  const ConversionPlan plan = planOf({1024, 1024, 1000}, 750 * kMiB, ReadOrder::kAnyBox);
   EXPECT_EQ(plan.window_slices, 0);
-  EXPECT_EQ(plan.window_bytes + plan.scratch_bytes, 0u);
+  EXPECT_EQ(plan.window_bytes, 0u);
   EXPECT_EQ(plan.lanes, 2u);
-  EXPECT_EQ(plan.total(), 400 * kMiB);  // the rest keeps what is decoded
+  EXPECT_EQ(plan.kept_bytes, 268 * 2 * kMiB);  // what two layers of bricks are made of, decoded
+  EXPECT_EQ(plan.total(), 750 * kMiB);         // the rest is for parts; those beyond it have files
+  EXPECT_EQ(plan.scratch_bytes, planOf({1024, 1024, 1000}, 4096 * kMiB).parts_bytes - plan.parts_bytes);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
                                                       : fmt::format("{} of them", cost.sampled_bricks);
   fmt::print("writing      about {} in {}, as {} say that were read and encoded\n", formatBytes(cost.store_bytes),
              bricks, samples);
-  fmt::print("scratch      up to {} beside it until it is finished\n", formatBytes(cost.scratch_bytes));
+  fmt::print("scratch      up to {} beside it until it is finished\n", formatBytes(cost.plan.scratch_bytes));
   fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
              static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
   fmt::print("nothing was written\n");
