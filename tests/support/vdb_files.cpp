@@ -208,17 +208,43 @@ class SeekableArchive : public openvdb::io::Archive {
     Archive::write(out, grids, /*seekable=*/true, metadata);
   }
 };
-}  // namespace
 
-std::vector<std::byte> writtenAgain(const std::filesystem::path& path) {
+// The bytes of an archive that holds change(grid) of every grid of the file, and its metadata.
+template <class Change>
+std::vector<std::byte> writtenWith(const std::filesystem::path& path, Change&& change) {
   openvdb::initialize();
   std::ifstream in(path, std::ios::binary);
   openvdb::io::Stream stream(in, /*delayLoad=*/false);
+  openvdb::GridPtrVec grids = *stream.getGrids();
+  for (openvdb::GridBase::Ptr& grid : grids) grid = change(grid);
   std::ostringstream out;
-  SeekableArchive().writeTo(out, *stream.getGrids(), *stream.getMetadata());
+  SeekableArchive().writeTo(out, grids, *stream.getMetadata());
   const std::string bytes = std::move(out).str();
   const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
   return {first, first + bytes.size()};
+}
+}  // namespace
+
+std::vector<std::byte> writtenAgain(const std::filesystem::path& path) {
+  return writtenWith(path, [](const openvdb::GridBase::Ptr& grid) { return grid; });
+}
+
+std::vector<std::byte> writtenAsFloat(const std::filesystem::path& path, bool half) {
+  initializeOpenVdb();
+  blosc_set_splitmode(BLOSC_FORWARD_COMPAT_SPLIT);
+  std::vector<std::byte> bytes = writtenWith(path, [half](const openvdb::GridBase::Ptr& grid) {
+    const auto from = openvdb::gridPtrCast<openvdb::Int32Grid>(grid);
+    const auto to = newGrid<openvdb::FloatGrid>(0);
+    to->setName(from->getName());
+    to->setTransform(from->transformPtr());
+    to->setSaveFloatAsHalf(half);
+    auto accessor = to->getAccessor();
+    for (auto value = from->cbeginValueOn(); value; ++value)
+      accessor.setValueOn(value.getCoord(), static_cast<float>(*value));
+    return to;
+  });
+  blosc_set_splitmode(BLOSC_NEVER_SPLIT);
+  return bytes;
 }
 
 }  // namespace kiln::test

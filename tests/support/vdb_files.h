@@ -77,5 +77,8 @@ std::vector<std::string> gridNames(const std::filesystem::path& path);
 /// The bytes that OpenVDB's own archive makes of the file's grids and metadata, in the file's order of grids and with
 /// Blosc and active-mask compression. The 36 bytes of the UUID are random.
 std::vector<std::byte> writtenAgain(const std::filesystem::path& path);
+/// The same of a brick file of Int32 grids, but every grid holds floats, saved as half or not, in Blosc's split blocks.
+/// thread: while nothing else compresses.
+std::vector<std::byte> writtenAsFloat(const std::filesystem::path& path, bool half);
 
 }  // namespace kiln::test
