@@ -82,6 +82,29 @@ struct Planes {
   glm::dvec3 normalAt(const Pixel& pixel) const { return {at("N.X", pixel), at("N.Y", pixel), at("N.Z", pixel)}; }
 };
 
+// The departures from what is known, over all pixels. unit: pixels.
+struct Departure {
+  double worst = 0, sum = 0, squares = 0;
+  int count = 0;
+  void add(double d) {
+    worst = std::max(worst, std::abs(d));
+    sum += d;
+    squares += d * d;
+    ++count;
+  }
+  double mean() const { return sum / count; }
+  double rms() const { return std::sqrt(squares / count); }
+};
+
+// What the planes of a picture of a ball are off by.
+struct BallDeparture {
+  Departure first, mean;     // of Z and depth.mean
+  double largest_angle = 0;  // of a normal. unit: degrees
+};
+
+// Light goes some hundredths of a voxel deep.
+const TransferFunction kSolidAboveZero{0.1, {{0, glm::dvec3(1), 0}, {0, glm::dvec3(1), 1}}};
+
 class AovValues : public ::testing::TestWithParam<std::tuple<Projection, Lattice>> {
  protected:
   AovValues() {
@@ -101,21 +124,24 @@ class AovValues : public ::testing::TestWithParam<std::tuple<Projection, Lattice
     return (request_.view.projection == Projection::kPerspective ? depth : 1) / request_.view.focal_px;
   }
   bool pixelLattice() const { return request_.lattice == Lattice::kPixel; }
-  FrameRequest request_;
-};
-
-// The departures from what is known, over all pixels. unit: pixels.
-struct Departure {
-  double worst = 0, sum = 0, squares = 0;
-  int count = 0;
-  void add(double d) {
-    worst = std::max(worst, std::abs(d));
-    sum += d;
-    squares += d * d;
-    ++count;
+  BallDeparture departureFromBall(const Image& image, const glm::dvec3& centre, double radius) const {
+    const Planes planes{image};
+    BallDeparture off;
+    for (const Pixel& pixel : pixelsWellInside(request_.view, ballOf(centre, radius))) {
+      const double depth = depthOf(pixel, pixel.crossing.begin);
+      off.first.add((planes.at("Z", pixel) - depth) / pixelAt(depth));
+      off.mean.add((planes.at("depth.mean", pixel) - depth) / pixelAt(depth));
+      const glm::dvec3 normal = glm::normalize(pixel.ray.origin + pixel.crossing.begin * pixel.ray.direction - centre);
+      const glm::dvec3 found = planes.normalAt(pixel);
+      EXPECT_NEAR(glm::length(found), 1, 1e-5);
+      off.largest_angle = std::max(off.largest_angle, glm::degrees(std::acos(std::min(1.0, glm::dot(found, normal)))));
+    }
+    std::printf("%s of %d pixels: Z %.3f px in the mean, rms %.3f, worst %.3f; depth.mean %.3f; normal %.2f degrees\n",
+                nameOf(request_.lattice), image.width, off.first.mean(), off.first.rms(), off.first.worst,
+                off.mean.mean(), off.largest_angle);
+    return off;
   }
-  double mean() const { return sum / count; }
-  double rms() const { return std::sqrt(squares / count); }
+  FrameRequest request_;
 };
 
 TEST_P(AovValues, OfASolidBallAreItsSurface) {
@@ -125,33 +151,17 @@ TEST_P(AovValues, OfASolidBallAreItsSurface) {
     return radius - glm::length(glm::dvec3(i, j, k) - centre);
   });
   const auto store = makeStore(volume, "ball", 16);
-  const Solid solid = ballOf(centre, radius);
-  // Light goes some hundredths of a voxel deep.
-  request_.transfer_function = {0.1, {{0, glm::dvec3(1), 0}, {0, glm::dvec3(1), 1}}};
+  request_.transfer_function = kSolidAboveZero;
   for (const int size : {70, 120}) {
     look(volume, {0.4, -0.8, 0.3}, size);
-    const Image image = draw(store, request_);
-    const Planes planes{image};
-    Departure first, mean;
-    double largest_angle = 0;
-    for (const Pixel& pixel : pixelsWellInside(request_.view, solid)) {
-      const double depth = depthOf(pixel, pixel.crossing.begin);
-      first.add((planes.at("Z", pixel) - depth) / pixelAt(depth));
-      mean.add((planes.at("depth.mean", pixel) - depth) / pixelAt(depth));
-      const glm::dvec3 normal = glm::normalize(pixel.ray.origin + pixel.crossing.begin * pixel.ray.direction - centre);
-      const glm::dvec3 found = planes.normalAt(pixel);
-      EXPECT_NEAR(glm::length(found), 1, 1e-5);
-      largest_angle = std::max(largest_angle, glm::degrees(std::acos(std::min(1.0, glm::dot(found, normal)))));
-    }
-    std::printf("%s of %d pixels: Z %.3f px in the mean, rms %.3f, worst %.3f; depth.mean %.3f; normal %.2f degrees\n",
-                nameOf(request_.lattice), size, first.mean(), first.rms(), first.worst, mean.mean(), largest_angle);
-    EXPECT_GT(first.count, 300);
+    const BallDeparture off = departureFromBall(draw(store, request_), centre, radius);
+    EXPECT_GT(off.first.count, 300);
     // The other lattice's footprints are as large as its voxels, of one or two pixels.
-    EXPECT_LT(std::abs(first.mean()), pixelLattice() ? 0.1 : 0.7);
-    EXPECT_LT(first.rms(), pixelLattice() ? 0.25 : 1.6);
-    EXPECT_LT(first.worst, pixelLattice() ? 0.6 : 6);
-    EXPECT_LT(std::abs(mean.mean()), pixelLattice() ? 0.3 : 0.7);
-    EXPECT_LT(largest_angle, pixelLattice() ? 3 : 10);
+    EXPECT_LT(std::abs(off.first.mean()), pixelLattice() ? 0.1 : 0.7);
+    EXPECT_LT(off.first.rms(), pixelLattice() ? 0.25 : 1.6);
+    EXPECT_LT(off.first.worst, pixelLattice() ? 0.6 : 6);
+    EXPECT_LT(std::abs(off.mean.mean()), pixelLattice() ? 0.3 : 0.7);
+    EXPECT_LT(off.largest_angle, pixelLattice() ? 3 : 10);
   }
 }
 
@@ -208,6 +218,39 @@ TEST_P(AovValues, OfACutHaveThePlanesNormal) {
   EXPECT_EQ(Planes{image}.at("depth.mean", corner), std::numeric_limits<float>::infinity());
 }
 
+// Between voxels of R² - r², Catmull-Rom is R² - r² itself; the B-spline averages over a variance of 1/3 along each
+// axis, and is R² - 1 - r². Of either, the gradient is along the radius.
+class AovValuesOfCubics : public AovValues {};
+
+TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
+  const glm::dvec3 centre(11.3, 10.8, 11.1);
+  const double radius2 = 64;
+  const DenseVolume volume = fill({{23, 22, 24}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    const glm::dvec3 r = glm::dvec3(i, j, k) - centre;
+    return radius2 - glm::dot(r, r);
+  });
+  const auto store = makeStore(volume, "ball", 16);
+  request_.transfer_function = kSolidAboveZero;
+  // Of one sample a voxel; and of several, where the two surfaces are a quarter of a pixel apart and more.
+  for (const int size : {40, 160}) {
+    look(volume, {0.4, -0.8, 0.3}, size);
+    for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
+      request_.interpolation = interpolation;
+      const bool averages = interpolation == Interpolation::kCubic;
+      const BallDeparture off = departureFromBall(draw(store, request_), centre, std::sqrt(radius2 - averages));
+      EXPECT_GT(off.first.count, 30);
+      EXPECT_LT(std::abs(off.first.mean()), 0.1);
+      EXPECT_LT(off.first.rms(), 0.25);
+      EXPECT_LT(off.first.worst, 0.8);
+      EXPECT_LT(std::abs(off.mean.mean()), 0.3);
+      EXPECT_LT(off.largest_angle, size == 40 ? 5 : 2);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Views, AovValuesOfCubics,
+                         ::testing::Combine(::testing::Values(Projection::kOrthographic, Projection::kPerspective),
+                                            ::testing::Values(Lattice::kPixel)));
 INSTANTIATE_TEST_SUITE_P(Views, AovValues,
                          ::testing::Combine(::testing::Values(Projection::kOrthographic, Projection::kPerspective),
                                             ::testing::ValuesIn(kLattices)));
