@@ -10,9 +10,12 @@
 namespace kiln {
 namespace {
 
-// The largest spacing that refinement leaves: what a picture at a pixel a voxel needs to be no worse than a ray
-// caster's (ARCHITECTURE.md has the figures). unit: pixels.
+// The largest spacing of samples: what a picture at a pixel a voxel needs to be no worse than a ray caster's
+// (ARCHITECTURE.md has the figures). unit: pixels.
 constexpr double kSpacing = 0.75;
+// From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
+// interval that the sweep classifies), which a refined sample does not. unit: pixels.
+constexpr double kCoarseSpacing = 1;
 // A footprint is a pixel's square folded with a Gaussian of this deviation, in spacings. Narrower is sharper by some
 // tenths of a decibel, and flickers where voxels are smaller than pixels.
 constexpr double kSigma = 0.42;
@@ -56,7 +59,8 @@ SlabZone latticeAt(double scale, const Manifest& volume, std::optional<int> leve
   double widest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = spacing[axis] * scale;
-    int n = edge < 1 - 1e-9 ? 1 : static_cast<int>(std::ceil(edge / kSpacing - 1e-9));
+    const bool whole = out.level > 0 && edge < kCoarseSpacing - 1e-9;
+    int n = whole ? 1 : static_cast<int>(std::ceil(edge / kSpacing - 1e-9));
     n = std::min(n, kLargestRefinement);
     out.refinement[static_cast<std::size_t>(axis)] = n;
     widest = std::max(widest, edge / n);
