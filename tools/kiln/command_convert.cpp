@@ -46,7 +46,10 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
                                                       : fmt::format("{} of them", cost.sampled_bricks);
   fmt::print("writing      about {} in {}, as {} say that were read and encoded\n", formatBytes(cost.store_bytes),
              bricks, samples);
-  fmt::print("scratch      up to {} beside it until it is finished\n", formatBytes(cost.plan.scratch_bytes));
+  const std::uint64_t scratch = cost.plan.scratch_bytes;
+  fmt::print("scratch      {}\n", scratch > 0
+                                      ? fmt::format("up to {} beside it until it is finished", formatBytes(scratch))
+                                      : std::string("none: what waits is in memory"));
   fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
              static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
   fmt::print("nothing was written\n");
