@@ -223,16 +223,17 @@ TEST_P(AovValues, OfACutHaveThePlanesNormal) {
 class AovValuesOfCubics : public AovValues {};
 
 TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
-  const glm::dvec3 centre(11.3, 10.8, 11.1);
-  const double radius2 = 64;
-  const DenseVolume volume = fill({{23, 22, 24}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+  const glm::dvec3 centre(15.3, 14.8, 15.1);
+  const double radius2 = 144;
+  const DenseVolume volume = fill({{31, 30, 32}, VoxelType::f32}, [&](auto i, auto j, auto k) {
     const glm::dvec3 r = glm::dvec3(i, j, k) - centre;
     return radius2 - glm::dot(r, r);
   });
   const auto store = makeStore(volume, "ball", 16);
   request_.transfer_function = kSolidAboveZero;
-  // Of one sample a voxel; and of several, where the two surfaces are a quarter of a pixel apart and more.
-  for (const int size : {40, 160}) {
+  // Of one sample a voxel in an orthographic view, and of several, where the two surfaces are a sixth of a pixel apart
+  // and more.
+  for (const int size : {40, 180}) {
     look(volume, {0.4, -0.8, 0.3}, size);
     for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
       request_.interpolation = interpolation;
