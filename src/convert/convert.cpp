@@ -146,7 +146,7 @@ class Conversion {
                           const BrickEntry& entry = writer_.entry(key);
                           const auto cells = block.octree.cells();
                           pyramid_.addFinished(key, block.voxels, block.extent,
-                                               {{cells.begin(), cells.end()}, entry.core, entry.support});
+                                               {{cells.begin(), cells.end()}, entry.core, entry.support, {}});
                         });
     build(ready);
   }

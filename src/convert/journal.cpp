@@ -1,4 +1,4 @@
-// The file: "KILNJNL1", then records of a u32 length, the hash of the payload, and the payload. The first is the
+// The file: "KILNJNL2", then records of a u32 length, the hash of the payload, and the payload. The first is the
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 
@@ -12,7 +12,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '1'};
+constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '2'};
 
 struct RecordHead {
   std::uint32_t bytes;
@@ -90,8 +90,9 @@ std::optional<FinishedBrick> brickFrom(std::span<const std::byte> payload) {
   FinishedBrick out;
   out.key.level = taker.take<std::int32_t>();
   out.key.brick = taker.take<BrickCoord>();
-  const auto entry = taker.take<std::array<std::byte, kEntryBytes>>();
-  out.entry = entryFrom(entry);
+  std::optional<BrickEntry> entry = takeEntry(taker.left);
+  if (!entry) return std::nullopt;
+  out.entry = *std::move(entry);
   out.counts.nan_count = taker.take<std::uint64_t>();
   const auto keys = taker.take<std::uint32_t>();
   for (std::uint32_t i = 0; i < keys && taker.ok; ++i) {

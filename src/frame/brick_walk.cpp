@@ -1,6 +1,8 @@
 #include "frame/brick_walk.h"
 
 #include <bit>
+#include <limits>
+#include <utility>
 
 namespace kiln {
 
@@ -12,9 +14,13 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice,
-                     const Interesting& interesting, std::int64_t ghosts)
-    : levels_(levels), brick_size_(store.manifest().brick_size), ghosts_(ghosts) {
+BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, AnyPart any_part,
+                     std::int64_t ghosts)
+    : store_(store),
+      levels_(levels),
+      any_part_(std::move(any_part)),
+      brick_size_(store.manifest().brick_size),
+      ghosts_(ghosts) {
   for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
     Extent3 children{1, 1, 1};
     if (level > levels.finest()) {
@@ -22,15 +28,15 @@ BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const 
       const Extent3& finer = levels.span(level - 1);
       children = {own.x / finer.x, own.y / finer.y, own.z / finer.z};
     }
-    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, store, choice, interesting);
+    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, choice);
   }
   while (layers_.back().lattice.count() > 1) {
     const Layer& below = layers_.back();
-    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, store, choice, interesting);
+    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, choice);
   }
 }
 
-void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& choice, const Interesting& interesting) {
+void BrickWalk::addLayer(Layer layer, const Choice& choice) {
   layers_.push_back(std::move(layer));
   Layer& added = layers_.back();
   added.nodes.reserve(static_cast<std::size_t>(added.lattice.count()));
@@ -38,14 +44,16 @@ void BrickWalk::addLayer(Layer layer, const StoreReader& store, const Choice& ch
     const BrickCoord brick = brickAt(added.lattice, i);
     const VoxelCoord at = {brick.x, brick.y, brick.z};
     const bool brick_sized = added.edge == brick_size_;
-    const Use use = brick_sized ? choice(added.level, voxelsOf(added, at)) : Use{false, true};
+    const VoxelBox voxels = voxelsOf(added, at);
+    const Use use = brick_sized ? choice(added.level, voxels) : Use{false, true};
     Node node;
     if (use.finer) node = sumOfChildren(layers_.size() - 1, at);
     node.finer = node.interesting > 0;
     if (use.itself) {
-      const bool shown = levels_.clipRegion(added.level).classify(dilated(voxelsOf(added, at), ghosts_)) !=
-                         ClipRegion::Overlap::kOutside;
-      node.drawn = shown && interesting(added.level, store.index().at({added.level, brick}));
+      const bool shown =
+          levels_.clipRegion(added.level).classify(dilated(voxels, ghosts_)) != ClipRegion::Overlap::kOutside;
+      const BrickEntry& entry = store_.index().at({added.level, brick});
+      node.drawn = shown && any_part_(added.level, voxels, entry, [](const PixelRect&) { return true; });
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
     }
@@ -138,14 +146,29 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
     }
   }
   if (!node->drawn) return;
-  // What is finer is nearer, and may hide it.
-  if (node->finer && visit.visibility.hidden(rect)) {
-    ++visit.counts.hidden;
-    return;
-  }
-  const BrickCoord brick{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
-                         static_cast<std::int32_t>(at.z)};
-  visit.draw({nodes.level, brick}, rect);
+  const BrickKey key{
+      nodes.level, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}};
+  // What is finer is nearer, and may hide it; and its parts are smaller than it is.
+  const Seen seen = this->seen(key, rect, visit.visibility);
+  if (seen == Seen::kHidden) ++visit.counts.hidden;
+  if (seen == Seen::kOpen) visit.draw(key, rect);
+}
+
+// What of the brick's parts falls on `rect`.
+BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility) const {
+  const VoxelBox core = coreBox(key.brick, brick_size_, levels_.dims(key.level));
+  Seen out = Seen::kOutside;
+  any_part_(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
+    const PixelRect touched = intersection(part, rect);
+    if (touched.empty()) return false;
+    out = visibility.hidden(touched) ? Seen::kHidden : Seen::kOpen;
+    return out == Seen::kOpen;
+  });
+  return out;
+}
+
+bool BrickWalk::hidden(const BrickInView& brick, const Visibility& visibility) const {
+  return visibility.hidden(brick.rect) || seen(brick.key, brick.rect, visibility) != Seen::kOpen;
 }
 
 BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
@@ -155,8 +178,12 @@ BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
   };
 }
 
-BrickWalk::Interesting showsCore(const Classifier& classifier) {
-  return [&classifier](int /*level*/, const BrickEntry& entry) { return classifier.interesting(entry.core); };
+BrickWalk::AnyPart wholeBrick(const Classifier& classifier) {
+  constexpr int kAll = std::numeric_limits<int>::max();
+  return
+      [&classifier](int /*level*/, const VoxelBox& /*core*/, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+        return classifier.interesting(entry.core) && test({-kAll, -kAll, kAll, kAll});
+      };
 }
 
 }  // namespace kiln

@@ -37,12 +37,15 @@ class BrickWalk {
     bool finer = false;   // those below it are, before it
   };
   using Choice = std::function<Use(int level, const VoxelBox& box)>;
-  using Interesting = std::function<bool(int level, const BrickEntry& entry)>;
+  /// Whether any part of a brick with the voxels of `core` is interesting and passes the test, which is told what of
+  /// the plane of the image the part can touch, and perhaps more.
+  using PartTest = std::function<bool(const PixelRect&)>;
+  using AnyPart = std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const PartTest& test)>;
 
-  /// requires: `levels` are of this store and outlive this; no brick of the finest level has finer ones. What is drawn
-  /// of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of 12 bytes a brick and a
-  /// seventh.
-  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, const Interesting& interesting,
+  /// requires: `store` and `levels`, which are of this store, outlive this; no brick of the finest level has finer
+  /// ones. What is drawn of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of
+  /// 12 bytes a brick and a seventh.
+  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, AnyPart any_part,
             std::int64_t ghosts = 0);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
@@ -54,6 +57,8 @@ class BrickWalk {
 
   /// The bricks that `run` would draw if nothing hid anything, in its order, and its counts.
   std::vector<BrickInView> inView(const PixelRect& image, BrickWalkCounts& counts) const;
+  /// Whether a brick in view touches no pixel that is not hidden.
+  bool hidden(const BrickInView& brick, const Visibility& visibility) const;
 
  private:
   struct Node {
@@ -69,14 +74,18 @@ class BrickWalk {
     std::vector<Node> nodes;
   };
   struct Visit;
-  void addLayer(Layer layer, const StoreReader& store, const Choice& choice, const Interesting& interesting);
+  enum class Seen { kOpen, kHidden, kOutside };
+  Seen seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility) const;
+  void addLayer(Layer layer, const Choice& choice);
   Node sumOfChildren(std::size_t layer, const VoxelCoord& at) const;
   const Node* find(std::size_t layer, const VoxelCoord& at) const;
   VoxelBox voxelsOf(const Layer& layer, const VoxelCoord& at) const;
   PixelRect boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const;
   void node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const;
 
+  const StoreReader& store_;
   const FrameLevels& levels_;
+  const AnyPart any_part_;
   std::int64_t brick_size_, ghosts_;
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
@@ -84,7 +93,7 @@ class BrickWalk {
 /// The choice of the voxel lattice: the coarsest brick whose voxels are small enough where it is nearest. requires:
 /// `levels` outlives the result.
 BrickWalk::Choice voxelChoice(const FrameLevels& levels);
-/// Whether the brick's own voxels show anything. requires: `classifier` outlives the result.
-BrickWalk::Interesting showsCore(const Classifier& classifier);
+/// The brick as one part: whether its own voxels show anything. requires: `classifier` outlives the result.
+BrickWalk::AnyPart wholeBrick(const Classifier& classifier);
 
 }  // namespace kiln

@@ -2,6 +2,8 @@
 // those that are hidden already. The cache reads them while this one is drawn.
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "frame/brick_walk.h"
@@ -10,9 +12,10 @@ namespace kiln {
 
 class Lookahead {
  public:
-  /// requires: `visibility` outlives this.
-  Lookahead(std::vector<BrickInView> in_view, const Visibility& visibility)
-      : in_view_(std::move(in_view)), visibility_(visibility) {}
+  using Hidden = std::function<bool(const BrickInView&)>;
+  /// `hidden` says of a brick that it touches nothing any more.
+  Lookahead(std::vector<BrickInView> in_view, Hidden hidden)
+      : in_view_(std::move(in_view)), hidden_(std::move(hidden)) {}
 
   /// The turn of `drawn` has come: up to `count` bricks that come after it. requires: calls in the order of the frame.
   /// thread: not while tiles are drawn. cost: a test for each brick looked at, a bounded number of them.
@@ -20,7 +23,7 @@ class Lookahead {
 
  private:
   std::vector<BrickInView> in_view_;
-  const Visibility& visibility_;
+  Hidden hidden_;
   std::size_t next_ = 0;
 };
 

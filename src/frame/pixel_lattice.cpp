@@ -19,6 +19,15 @@ std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge) {
   return out;
 }
 
+// Where the samples of a sub-brick are, with those of the apron beside it, which no other has.
+VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& reach) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (sub_brick.lo[axis] == core.lo[axis]) sub_brick.lo[axis] = reach.lo[axis];
+    if (sub_brick.hi[axis] == core.hi[axis]) sub_brick.hi[axis] = reach.hi[axis];
+  }
+  return sub_brick;
+}
+
 }  // namespace
 
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
@@ -26,6 +35,7 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
                            const TransferFunction& transfer_function, const Shading& shading, float gradient_noise,
                            int sweep_px)
     : levels_(levels),
+      brick_size_(volume.brick_size),
       sweep_px_(sweep_px),
       zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range) {
@@ -75,10 +85,37 @@ BrickWalk::Choice PixelLattice::choice() const {
   };
 }
 
-BrickWalk::Interesting PixelLattice::interesting() const {
-  return [this](int level, const BrickEntry& entry) {
-    return level == 0 ? table_.interesting(entry.support) : table_.interestingAsIntervals(entry.support);
+BrickWalk::AnyPart PixelLattice::anyPart() const {
+  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+    const Depths depths = depthsOf(level, core);
+    for (std::size_t i = 0; i < zones_.size(); ++i) {
+      if (zones_[i].level != level || !reaches(depths, zones_[i])) continue;
+      if (anyPartIn(*frames_[i], core, brick_size_, entry, test)) return true;
+    }
+    return false;
   };
+}
+
+bool PixelLattice::anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size,
+                             const BrickEntry& entry, const BrickWalk::PartTest& test) {
+  if (!frame.interesting(entry.support)) return false;
+  const VoxelBox volume = boxOf(frame.dims()), reach = intersection(dilated(core, frame.ghosts()), volume);
+  const auto passes = [&](const VoxelBox& samples) {
+    if (frame.look().clip->classify(samples) == ClipRegion::Overlap::kOutside) return false;
+    const SlabFrame::Bounds bounds = frame.boundsOf(samples);
+    return !bounds.empty() && test(bounds.rect);
+  };
+  if (!entry.sub_ranges) return passes(reach);
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < kSubBricks; ++z) {
+    for (std::int64_t y = 0; y < kSubBricks; ++y) {
+      for (std::int64_t x = 0; x < kSubBricks; ++x, ++i) {
+        if (!frame.interesting(entry.sub_ranges->at(i, entry.support))) continue;
+        if (passes(samplesOf(subBrickOf(core, brick_size, {x, y, z}), core, reach))) return true;
+      }
+    }
+  }
+  return false;
 }
 
 SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,

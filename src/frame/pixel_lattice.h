@@ -21,7 +21,8 @@ class PixelLattice {
 
   /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
   BrickWalk::Choice choice() const;
-  BrickWalk::Interesting interesting() const;
+  /// Parts are sub-bricks (store/sub_bricks.h), in each zone of their level. requires: this outlives the result.
+  BrickWalk::AnyPart anyPart() const;
 
   /// Draws what the tiles show of what the brick owns, its zones from near to far, tiles in parallel.
   SplatCounts draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
@@ -36,11 +37,14 @@ class PixelLattice {
   };
   Depths depthsOf(int level, const VoxelBox& box) const;
   static bool reaches(const Depths& depths, const SlabZone& zone);
+  static bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+                        const BrickWalk::PartTest& test);
   SplatCounts drawZone(const SlabFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
                        Visibility& visibility, bool test_samples, float opaque_at);
   std::unique_ptr<SweepMemory> takeMemory();
 
   const FrameLevels& levels_;
+  const std::int64_t brick_size_;
   const int sweep_px_;
   std::vector<SlabZone> zones_;
   SampleTable table_;

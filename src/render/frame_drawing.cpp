@@ -59,9 +59,9 @@ FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
   if (request.lattice == Lattice::kPixel) {
     pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
                   request.transfer_function, request.shading, gradientNoise(store.manifest().range), request.sweep_px);
-    bricks.emplace(store, levels, pixel->choice(), pixel->interesting(), kMostGhosts);
+    bricks.emplace(store, levels, pixel->choice(), pixel->anyPart(), kMostGhosts);
   } else {
-    bricks.emplace(store, levels, voxelChoice(levels), showsCore(classifier));
+    bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
   }
 }
 
@@ -86,7 +86,8 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
   std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {
     BrickWalkCounts ignored;
-    lookahead.emplace(plan_.bricks->inView(pixels, ignored), *visibility_);
+    lookahead.emplace(plan_.bricks->inView(pixels, ignored),
+                      [&](const BrickInView& brick) { return plan_.bricks->hidden(brick, *visibility_); });
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");

@@ -55,7 +55,7 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * pixelBytes(job);
   out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
-  out.index = store.index().size() * (sizeof(BrickEntry) + kWalkBytes + sizeof(BrickInView));
+  out.index = store.index().bytes() + store.index().size() * (kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
   if (job.picture.lattice == Lattice::kPixel) {

@@ -37,11 +37,14 @@ inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBo
   return mask;
 }
 
+/// Of stores of either format.
+inline constexpr int kBrickFileFormat = 1;
+
 /// The file's own metadata, by which a reader knows that it has the right brick.
 inline openvdb::MetaMap metadataOf(const BrickFrame& frame) {
   openvdb::MetaMap out;
   const BrickCoord& brick = frame.key.brick;
-  out.insertMeta("kiln_format", openvdb::Int32Metadata(kFormatVersion));
+  out.insertMeta("kiln_format", openvdb::Int32Metadata(kBrickFileFormat));
   out.insertMeta("kiln_level", openvdb::Int32Metadata(frame.key.level));
   out.insertMeta("kiln_brick", openvdb::Vec3IMetadata(openvdb::Vec3i(brick.x, brick.y, brick.z)));
   out.insertMeta("kiln_type", openvdb::StringMetadata(std::string(nameOf(frame.type))));

@@ -10,8 +10,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "index.bin is little-endian and copied as it is");
 
-constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '1'};
-constexpr std::uint32_t kConstantFlag = 1;
+constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '2'};
+// Of format 1, which had no sub-ranges.
+constexpr char kEarlierMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '1'};
+constexpr std::uint32_t kConstantFlag = 1, kSubRangesFlag = 2;
 
 // FORMAT.md, index.bin: the 64 bytes of an entry.
 struct RawEntry {
@@ -20,7 +22,7 @@ struct RawEntry {
   std::uint64_t file_bytes;
   std::uint8_t checksum[16];
 };
-static_assert(sizeof(RawEntry) == kEntryBytes);
+static_assert(sizeof(RawEntry) == 64);
 
 template <class T>
 void append(std::vector<std::byte>& out, const T& value) {
@@ -45,7 +47,7 @@ bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
 }  // namespace
 
 void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
-  RawEntry raw{entry.constant ? kConstantFlag : 0,
+  RawEntry raw{(entry.constant ? kConstantFlag : 0) | (entry.sub_ranges ? kSubRangesFlag : 0),
                0,
                entry.core.lo,
                entry.core.hi,
@@ -55,10 +57,12 @@ void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
                {}};
   std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
   append(out, raw);
+  if (entry.sub_ranges) append(out, *entry.sub_ranges);
 }
 
-BrickEntry entryFrom(std::span<const std::byte, kEntryBytes> bytes) {
+std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes) {
   RawEntry raw;
+  if (bytes.size() < sizeof raw) return std::nullopt;
   std::memcpy(&raw, bytes.data(), sizeof raw);
   BrickEntry entry;
   entry.constant = (raw.flags & kConstantFlag) != 0;
@@ -66,6 +70,15 @@ BrickEntry entryFrom(std::span<const std::byte, kEntryBytes> bytes) {
   entry.support = {raw.support_min, raw.support_max};
   entry.file_bytes = raw.file_bytes;
   std::memcpy(entry.checksum.bytes.data(), raw.checksum, sizeof raw.checksum);
+  std::size_t taken = sizeof raw;
+  if ((raw.flags & kSubRangesFlag) != 0) {
+    SubRanges sub_ranges;
+    if (bytes.size() < taken + sizeof sub_ranges) return std::nullopt;
+    std::memcpy(&sub_ranges, bytes.data() + taken, sizeof sub_ranges);
+    entry.sub_ranges = std::make_shared<const SubRanges>(sub_ranges);
+    taken += sizeof sub_ranges;
+  }
+  bytes = bytes.subspan(taken);
   return entry;
 }
 
@@ -89,9 +102,16 @@ std::size_t BrickIndex::place(const BrickKey& key) const {
          static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
 }
 
+std::uint64_t BrickIndex::bytes() const {
+  constexpr std::uint64_t kShared = 32;  // what it takes to be allocated and counted
+  std::uint64_t sum = entries_.size() * sizeof(BrickEntry);
+  for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? sizeof(SubRanges) + kShared : 0;
+  return sum;
+}
+
 std::vector<std::byte> BrickIndex::encode() const {
   std::vector<std::byte> out;
-  out.reserve(12 + lattices_.size() * 24 + entries_.size() * sizeof(RawEntry));
+  out.reserve(12 + lattices_.size() * 24 + entries_.size() * (sizeof(RawEntry) + sizeof(SubRanges)));
   for (const char c : kMagic) append(out, c);
   append(out, static_cast<std::uint32_t>(lattices_.size()));
   for (std::size_t level = 0; level < lattices_.size(); ++level) {
@@ -107,34 +127,34 @@ BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector
   if (!haveRoom(data.size(), lattices))
     throw Error(ErrorCode::kFormat, path, "", "is too short for the bricks of the manifest");
   BrickIndex index(lattices);
-  std::size_t at = 0;
+  std::span<const std::byte> left = data;
+  const auto place = [&] { return "byte " + std::to_string(data.size() - left.size()); };
+  const auto endsHere = [&] { return Error(ErrorCode::kFormat, path, place(), "the index ends here"); };
   const auto take = [&](void* into, std::size_t bytes) {
-    if (data.size() - at < bytes)
-      throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "the index ends here");
-    std::memcpy(into, data.data() + at, bytes);
-    at += bytes;
+    if (left.size() < bytes) throw endsHere();
+    std::memcpy(into, left.data(), bytes);
+    left = left.subspan(bytes);
   };
   char magic[8];
   std::uint32_t levels = 0;
   take(magic, sizeof magic);
   take(&levels, sizeof levels);
-  if (std::memcmp(magic, kMagic, sizeof magic) != 0 || levels != lattices.size()) {
+  const bool known =
+      std::memcmp(magic, kMagic, sizeof magic) == 0 || std::memcmp(magic, kEarlierMagic, sizeof magic) == 0;
+  if (!known || levels != lattices.size())
     throw Error(ErrorCode::kFormat, path, "byte 0", "not the index of this store");
-  }
   std::size_t next = 0;
   for (const Extent3& expected : lattices) {
     Extent3 lattice;
     take(&lattice, sizeof lattice);
-    if (lattice != expected) {
-      throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "brick counts disagree with the manifest");
-    }
+    if (lattice != expected) throw Error(ErrorCode::kFormat, path, place(), "brick counts disagree with the manifest");
     for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      std::byte raw[kEntryBytes];
-      take(raw, sizeof raw);
-      index.entries_[next++] = entryFrom(raw);
+      std::optional<BrickEntry> entry = takeEntry(left);
+      if (!entry) throw endsHere();
+      index.entries_[next++] = *std::move(entry);
     }
   }
-  if (at != data.size()) throw Error(ErrorCode::kFormat, path, "byte " + std::to_string(at), "bytes beyond the index");
+  if (!left.empty()) throw Error(ErrorCode::kFormat, path, place(), "bytes beyond the index");
   return index;
 }
 

@@ -3,13 +3,17 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/hash.h"
 #include "grid/coords.h"
 #include "grid/value_range.h"
+#include "store/sub_bricks.h"
 
 namespace kiln {
 
@@ -19,12 +23,14 @@ struct BrickEntry {
   ValueRange support;  // of core and apron: bounds every value that is interpolated in them
   std::uint64_t file_bytes = 0;
   Hash128 checksum;
+  /// Within `support`. Null for a constant brick, and where the store is of a format that had none.
+  std::shared_ptr<const SubRanges> sub_ranges;
 };
 
 /// The bytes of an entry in index.bin.
-inline constexpr std::size_t kEntryBytes = 64;
 void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry);
-BrickEntry entryFrom(std::span<const std::byte, kEntryBytes> bytes);
+/// Takes an entry from the front of `bytes`; nothing, and leaves them, where they end before it does.
+std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes);
 
 class BrickIndex {
  public:
@@ -39,6 +45,8 @@ class BrickIndex {
   const BrickEntry& at(const BrickKey& key) const { return entries_[place(key)]; }
   BrickEntry& at(const BrickKey& key) { return entries_[place(key)]; }
   std::size_t size() const { return entries_.size(); }
+  /// What it costs in memory. unit: bytes.
+  std::uint64_t bytes() const;
 
   std::vector<std::byte> encode() const;
   /// throws: Error kFormat naming `path` where the bytes are not an index of these lattices.

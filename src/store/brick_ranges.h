@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "store/brick_codec.h"
+#include "store/sub_bricks.h"
 
 namespace kiln {
 
@@ -13,6 +14,8 @@ struct BrickRanges {
   std::vector<ValueRange> cells;
   ValueRange core;     // of the brick's own voxels, and of what lies below them
   ValueRange support;  // of every value that is interpolated in core and apron, at this level or below
+  /// As subBrickRanges: of this level alone, since a brick draws its own voxels.
+  std::vector<ValueRange> sub_bricks;
 };
 
 /// The ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.

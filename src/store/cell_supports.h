@@ -9,6 +9,7 @@
 #include "grid/coords.h"
 #include "grid/value_range.h"
 #include "grid/voxel_type.h"
+#include "store/box_ranges.h"
 #include "store/minmax_octree.h"
 
 namespace kiln {
@@ -34,8 +35,7 @@ class CellSupports {
   }
   /// The most that computing those of a brick holds beside its result. unit: bytes.
   static std::size_t scratchBytes(std::int64_t brick_size, std::int64_t apron, VoxelType type) {
-    const std::int64_t width = brick_size + 2 * apron, cells = brick_size / kCellSize + 2;
-    return static_cast<std::size_t>(2 * width * cells * (width + cells)) * sizeOf(type);
+    return boxRangesScratch(brick_size + 2 * apron, brick_size / kCellSize + 2, type);
   }
 
  private:

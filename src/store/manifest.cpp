@@ -269,9 +269,10 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   if (json.is_discarded()) throw Error(ErrorCode::kFormat, path, "", "is not JSON");
   Reader root(json, "", path);
   const std::int64_t version = root.integer("kiln", 0, 1'000'000);
-  if (version != kFormatVersion) {
+  if (version < kFirstFormatVersion || version > kFormatVersion) {
     throw Error(ErrorCode::kUnsupported, path, "kiln",
-                fmt::format("store format {}, but this version reads format {} only", version, kFormatVersion));
+                fmt::format("store format {}, but this version reads formats {} to {} only", version,
+                            kFirstFormatVersion, kFormatVersion));
   }
   Manifest m;
   const std::optional<VoxelType> type = voxelTypeNamed(root.value<std::string>("type"));

@@ -14,7 +14,9 @@
 
 namespace kiln {
 
-inline constexpr int kFormatVersion = 1;
+inline constexpr int kFormatVersion = 2;
+/// The first that is still read.
+inline constexpr int kFirstFormatVersion = 1;
 inline constexpr std::int64_t kApron = 6;
 inline constexpr std::int64_t kDefaultBrickSize = 128;
 

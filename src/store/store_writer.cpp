@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <memory>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -61,6 +62,7 @@ BrickEntry StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxe
     const std::vector<std::byte> file = encodeBrick(brick, voxels, ranges.cells);
     entry.file_bytes = file.size();
     entry.checksum = hashOf(file);
+    entry.sub_ranges = std::make_shared<const SubRanges>(ranges.sub_bricks, entry.support);
     disk_.writeAtomic(directory_ / brickPath(key), file, brick_mode_);
   }
   keep(key, entry);

@@ -146,6 +146,12 @@ class Verification {
     if (!covers(level, entry.core, core)) contradict("core range in the index", entry.core, core);
     if (!covers(level, entry.support, own.support) || !entry.support.contains(entry.core))
       contradict("support range in the index", entry.support, own.support);
+    if (!entry.sub_ranges) return;
+    const SubRanges found(own.sub_bricks, entry.support);
+    for (std::size_t i = 0; i < SubRanges::kCount; ++i) {
+      const ValueRange said = entry.sub_ranges->at(i, entry.support), expected = found.at(i, entry.support);
+      if (said != expected) contradict(fmt::format("range of sub-brick {} in the index", i), said, expected);
+    }
   }
 
   bool isOurs(const fs::path& file) const {

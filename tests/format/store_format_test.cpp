@@ -16,8 +16,10 @@
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
+#include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
+#include "support/sub_bricks.h"
 #include "support/test_store.h"
 #include "support/vdb_files.h"
 
@@ -163,6 +165,24 @@ bool isConstant(const DenseVolume& volume, const VoxelBox& box) {
   });
 }
 
+// Each range contains what it is of, and is wider by less than a step at either end.
+void expectSubRanges(const DenseVolume& volume, const StoreReader& store, const BrickKey& key) {
+  const BrickEntry& entry = store.index().at(key);
+  ASSERT_EQ(entry.sub_ranges == nullptr, entry.constant);
+  if (entry.constant) return;
+  const std::int64_t size = store.manifest().brick_size;
+  const double step = (entry.support.hi - entry.support.lo) / 255 * (1 + 1e-12);
+  forEachSubBrick(coreBox(key.brick, size, volume.geometry.dims), size, volume.geometry.dims,
+                  [&](std::size_t i, const VoxelBox& voxels) {
+                    const ValueRange expected = rangeIn(volume, voxels), found = entry.sub_ranges->at(i, entry.support);
+                    EXPECT_EQ(found.empty(), expected.empty()) << "sub-brick " << i;
+                    EXPECT_TRUE(found.contains(expected)) << "sub-brick " << i;
+                    if (expected.empty() || !std::isfinite(step)) return;
+                    EXPECT_LT(expected.lo - found.lo, step) << "sub-brick " << i;
+                    EXPECT_LT(found.hi - expected.hi, step) << "sub-brick " << i;
+                  });
+}
+
 void expectBrick(const DenseVolume& volume, const StoreReader& store, const BrickKey& key) {
   SCOPED_TRACE(brickPath(key));
   const BrickBlock block = store.read(key);
@@ -176,6 +196,7 @@ void expectBrick(const DenseVolume& volume, const StoreReader& store, const Bric
   EXPECT_EQ(entry.support, rangeIn(volume, storedBox(block.core, 6, volume.geometry.dims)));
   EXPECT_EQ(entry.constant, isConstant(volume, storedBox(block.core, 6, volume.geometry.dims)));
   EXPECT_EQ(fs::exists(store.path() / brickPath(key)), !entry.constant);
+  expectSubRanges(volume, store, key);
 }
 
 // Known: a reader and a writer of OpenVDB's own give the same file back, all but the UUID.
@@ -337,6 +358,20 @@ TEST(StoreFormatEdges, NothingButNanIsAStore) {
   for (const BrickKey& key : keysOf(store)) expectBrick(volume, store, key);
 }
 
+// Known because format 1 differs in what the index has: it opens, is whole, and draws the picture.
+TEST(StoreFormatEdges, AStoreOfFormat1Opens) {
+  const DenseVolume volume = cheese({{60, 41, 37}, VoxelType::u8}, 3, usualRange(VoxelType::u8));
+  const fs::path store = makeStore(volume, "format_1", 32);
+  const RandomScene scene = randomScene(4, volume, {60, 50});
+  const FrameRequest request = requestOf(scene, Lattice::kPixel, 0.99);
+  const Image picture = draw(store, request);
+  const std::uint64_t files = wholeFiles(store);
+  makeFormat1(store);
+  EXPECT_EQ(StoreReader(store).index().at({0, {0, 0, 0}}).sub_ranges, nullptr);
+  EXPECT_TRUE(equalBits(draw(store, request), picture));
+  EXPECT_EQ(wholeFiles(store), files);
+}
+
 // --- manifest
 // ---------------------------------------------------------------------------------------------------------
 
@@ -405,9 +440,11 @@ TEST(StoreManifest, ComesBackAsItWas) {
 // Known from FORMAT.md, Versions: a reader refuses a number it does not know, by name.
 TEST(StoreManifest, RefusesAnotherFormat) {
   Json json = Json::parse(manifestText(unusualManifest()));
-  json["kiln"] = 2;
-  const std::string said = complaintOf(json, ErrorCode::kUnsupported);
-  EXPECT_NE(said.find("kiln: store format 2"), std::string::npos) << said;
+  for (const int format : {0, 3}) {
+    json["kiln"] = format;
+    const std::string said = complaintOf(json, ErrorCode::kUnsupported);
+    EXPECT_NE(said.find("kiln: store format " + std::to_string(format)), std::string::npos) << said;
+  }
 }
 
 // Calls f(object, key, place) for every key of the manifest, those of inner objects too.

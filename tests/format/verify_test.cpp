@@ -237,6 +237,20 @@ TEST_F(Verify, AManifestThatTheIndexContradictsIsFound) {
   expectOne("manifest.json", "range");
 }
 
+// At every level: sub-bricks say what a brick's own voxels are.
+TEST_F(Verify, ALyingSubRangeIsFound) {
+  for (const int level : {0, 1}) {
+    rewrite([&](BrickIndex& index, Manifest&) {
+      BrickEntry& entry = index.at({level, {0, 0, 0}});
+      const std::vector<ValueRange> wide(SubRanges::kCount, entry.support);
+      entry.sub_ranges = std::make_shared<const SubRanges>(wide, entry.support);
+    });
+    const Findings found = findingsOf(store_);
+    ASSERT_EQ(found.sentences.size(), static_cast<std::size_t>(level + 1));
+    EXPECT_NE(found.sentences.back().find("range of sub-brick"), std::string::npos) << found.sentences.back();
+  }
+}
+
 TEST_F(Verify, AConstantBrickOfTwoValuesIsFound) {
   rewrite([&](BrickIndex& index, Manifest& manifest) {
     BrickEntry& entry = index.at({0, {0, 0, 0}});

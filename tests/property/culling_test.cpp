@@ -129,7 +129,7 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
   const auto mask = makeMaskVisibility(64, 64);
   std::vector<BrickInView> in_view;
   for (std::int32_t i = 0; i < 8; ++i) in_view.push_back({{0, {i, 0, 0}}, {8 * i, 0, 8 * i + 8, 8}});
-  Lookahead lookahead(in_view, *mask);
+  Lookahead lookahead(in_view, [&](const BrickInView& brick) { return mask->hidden(brick.rect); });
   const auto names = [&](std::int32_t drawn) {
     std::vector<std::int32_t> out;
     for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);

@@ -68,8 +68,11 @@ class LevelChoice : public ::testing::TestWithParam<int> {
 
   void check(const View& view, std::uint64_t seed) {
     const FrameLevels levels(store_->manifest(), std::nullopt, view, ProjectedArea::kBox);
-    const BrickWalk walk(*store_, levels, voxelChoice(levels), [](int, const BrickEntry&) { return true; });
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
+    const auto always = [&](int, const VoxelBox&, const BrickEntry&, const BrickWalk::PartTest& test) {
+      return test(anywhere);
+    };
+    const BrickWalk walk(*store_, levels, voxelChoice(levels), always);
     BrickWalkCounts counts;
     const std::vector<BrickInView> bricks = walk.inView(anywhere, counts);
     std::vector<int> covered(static_cast<std::size_t>(geometry(0).dims.count()));

@@ -10,6 +10,7 @@
 #include "store/store_reader.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
+#include "support/sub_bricks.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -107,6 +108,14 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
           const Level& finer = levels[static_cast<std::size_t>(below) - 1];
           core = voxelsBelow(core, halvingOf(finer.geometry), finer.geometry.dims);
         }
+      }
+      // A sub-brick's range is of its own level's voxels, whatever lies below.
+      if (!entry.constant) {
+        forEachSubBrick(block.core, store.manifest().brick_size, level.geometry.dims,
+                        [&](std::size_t sub_brick, const VoxelBox& voxels) {
+                          const ValueRange found = entry.sub_ranges->at(sub_brick, entry.support);
+                          EXPECT_TRUE(found.contains(rangeIn(level, voxels))) << "sub-brick " << sub_brick;
+                        });
       }
       const int edge = block.octree.edge(0);
       ValueRange cells;

@@ -58,6 +58,26 @@ std::uint64_t wholeFiles(const fs::path& store) {
       .files;
 }
 
+void makeFormat1(const fs::path& store) {
+  constexpr std::size_t kDigitOfMagic = 7;
+  const StoreReader reader(store);
+  BrickIndex index = reader.index();
+  for (int level = 0; level < index.levels(); ++level) {
+    for (std::int64_t i = 0; i < index.lattice(level).count(); ++i)
+      index.at({level, brickAt(index.lattice(level), i)}).sub_ranges.reset();
+  }
+  std::vector<std::byte> data = index.encode();
+  data[kDigitOfMagic] = std::byte{'1'};
+  Manifest manifest = reader.manifest();
+  manifest.index_bytes = data.size();
+  manifest.index_checksum = hashOf(data);
+  std::string text = manifestText(manifest);
+  const std::string now = "\"kiln\": 2", then = "\"kiln\": 1";
+  text.replace(text.find(now), now.size(), then);
+  writeText(store / "index.bin", {reinterpret_cast<const char*>(data.data()), data.size()});
+  writeText(store / "manifest.json", restamped(text));
+}
+
 std::string restamped(std::string manifest) {
   const std::string key = "\"checksum\": \"";
   const std::size_t digits = manifest.rfind(key) + key.size();

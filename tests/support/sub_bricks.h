@@ -1,0 +1,30 @@
+// What FORMAT.md says of sub-bricks, as plain loops.
+#pragma once
+
+#include "grid/coords.h"
+
+namespace kiln::test {
+
+/// Calls f(i, voxels) for each sub-brick of a brick in the order of the index: `voxels` are those of its own, 2 beyond,
+/// and the 6 of the apron where it is at the brick's face, as far as the volume has them; empty where the brick ends
+/// before it.
+template <class F>
+void forEachSubBrick(const VoxelBox& core, std::int64_t brick_size, const Extent3& dims, F&& f) {
+  const std::int64_t size = brick_size >= 32 ? brick_size / 4 : 8;
+  for (std::int64_t i = 0; i < 64; ++i) {
+    const std::int64_t at[3] = {i % 4, i / 4 % 4, i / 16};
+    VoxelBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = core.lo[axis] + at[axis] * size;
+      box.hi[axis] = std::min(box.lo[axis] + size, core.hi[axis]);
+    }
+    const VoxelBox own = box;
+    for (int axis = 0; axis < 3 && !own.empty(); ++axis) {
+      box.lo[axis] -= own.lo[axis] == core.lo[axis] ? 6 : 2;
+      box.hi[axis] += own.hi[axis] == core.hi[axis] ? 6 : 2;
+    }
+    f(static_cast<std::size_t>(i), own.empty() ? VoxelBox{} : intersection(box, boxOf(dims)));
+  }
+}
+
+}  // namespace kiln::test
