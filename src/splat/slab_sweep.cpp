@@ -93,6 +93,29 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   return out;
 }
 
+// How far beyond its core a brick's samples reach the pixels of slabs that it owns: along the axis where it is the
+// most, a footprint across and half a slab and a sample's own depth along the view.
+std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
+                      const DepthSpread& spread) {
+  constexpr double kSlack = 0.02;  // a footprint's phases, and rounding
+  const double along = (spread.reach + 0.5 + kSlack) * zone.thickness;
+  const double farthest = projector.perspective() ? zone.far + along : 1;
+  const double across = (footprint.radius() + kSlack) * farthest / projector.focal();
+  // Along a ray of the picture's corner, depth is also a way across.
+  const glm::dvec2 slope = projector.perspective() ? projector.centre() / projector.focal() : glm::dvec2(0);
+  std::int64_t most = 0;
+  for (int a = 0; a < 3; ++a) {
+    const glm::dvec3 row = glm::abs(glm::dvec3(projector.indexRow(a)));
+    const double voxels = (row.x + row.y) * across + (row.x * slope.x + row.y * slope.y + row.z) * along;
+    // The first sample of a voxel is half a sample beyond its face.
+    const double first = 0.5 / zone.refinement[static_cast<std::size_t>(a)];
+    most = std::max(most, static_cast<std::int64_t>(std::ceil(std::min(voxels - first, 1e6))));
+  }
+  // Between voxels, one more is for interpolation.
+  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
+  return std::min(most, refined ? kMostGhosts - 1 : kMostGhosts);
+}
+
 // What the supports of a cell and of those around it range over.
 ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
   ValueRange out;
@@ -118,8 +141,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px),
       lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
-      // Between voxels, one more is for interpolation.
-      ghosts_(zone.refinement == std::array<int, 3>{1, 1, 1} ? kMostGhosts : kMostGhosts - 1) {}
+      ghosts_(ghostsOf(zone, projector, footprint_, lattice_.spread)) {}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
