@@ -9,7 +9,8 @@ std::vector<BrickKey> Lookahead::after(const BrickKey& drawn, std::size_t count)
   if (next_ < in_view_.size()) ++next_;
   std::vector<BrickKey> out;
   for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && out.size() < count; ++i) {
-    if (!hidden_(in_view_[i])) out.push_back(in_view_[i].key);
+    if (!known_hidden_[i]) known_hidden_[i] = is_hidden_(in_view_[i]);
+    if (!known_hidden_[i]) out.push_back(in_view_[i].key);
   }
   return out;
 }

@@ -15,7 +15,7 @@ class Lookahead {
   using Hidden = std::function<bool(const BrickInView&)>;
   /// `hidden` says of a brick that it touches nothing any more.
   Lookahead(std::vector<BrickInView> in_view, Hidden hidden)
-      : in_view_(std::move(in_view)), hidden_(std::move(hidden)) {}
+      : in_view_(std::move(in_view)), is_hidden_(std::move(hidden)), known_hidden_(in_view_.size()) {}
 
   /// The turn of `drawn` has come: up to `count` bricks that come after it. requires: calls in the order of the frame.
   /// thread: not while tiles are drawn. cost: a test for each brick looked at, a bounded number of them.
@@ -23,7 +23,8 @@ class Lookahead {
 
  private:
   std::vector<BrickInView> in_view_;
-  Hidden hidden_;
+  const Hidden is_hidden_;
+  std::vector<bool> known_hidden_;  // and so they stay
   std::size_t next_ = 0;
 };
 

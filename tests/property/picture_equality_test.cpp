@@ -175,7 +175,7 @@ class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
   }
 };
 
-TEST_P(MixedLevels, HoldForMethodsThreadsTilesAndMemory) { check(201, (kQuickScenes + 1) / 2); }
+TEST_P(MixedLevels, HoldForMethodsThreadsTilesAndMemory) { check(202, (kQuickScenes + 1) / 2); }
 TEST_P(MixedLevels, NightlyHoldForManyScenes) { check(2000, 100); }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, MixedLevels,
