@@ -47,7 +47,9 @@ void check(std::uint64_t first_seed, std::uint64_t scenes) {
     EXPECT_TRUE(equalBits(truth, draw(with, request, 1ull << 30, &few))) << "seed " << seed;
     EXPECT_EQ(few.bricks_contributing, many.bricks_contributing) << "seed " << seed;
     // Reading ahead, threads may read what becomes hidden.
-    if (seed % 2 == 0) EXPECT_LE(few.bricks_read, many.bricks_read) << "seed " << seed;
+    if (seed % 2 == 0) {
+      EXPECT_LE(few.bricks_read, many.bricks_read) << "seed " << seed;
+    }
     read_with += few.bricks_read;
     read_without += many.bricks_read;
   }
