@@ -10,7 +10,7 @@
 namespace kiln {
 
 struct AovSample {
-  float x, y;                     // unit: pixels
+  FootprintPlace place;
   float front, back;              // what it fills of its two slabs, times its opacity
   float depth_front, depth_back;  // of these two parts, from the middles of their slabs. unit: slabs
   glm::vec3 normal;               // in view space, of unit length or 0
@@ -26,7 +26,7 @@ inline AovSample aovSample(const SlabSample& s, int slab, float depth, const Dep
     return 0.5f * (inside(from_middle - half) + inside(from_middle + half));
   };
   const float from_middle = depth - static_cast<float>(slab) - 0.5f;
-  return {s.x, s.y, s.front * s.opacity, s.back * s.opacity, middle(from_middle), middle(from_middle - 1), normal};
+  return {s.place, s.front * s.opacity, s.back * s.opacity, middle(from_middle), middle(from_middle - 1), normal};
 }
 
 }  // namespace kiln

@@ -1,7 +1,7 @@
 #include "splat/refine_unit.h"
 
-#include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/refine_unit.cpp"
@@ -68,10 +68,10 @@ HWY_INLINE V before(D d, const DepthSpread& s, V t) {
 template <class Field>
 class Refiner {
  public:
-  Refiner(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details)
-      : l_(lattice), u_(unit), out_(out), details_(details), field_(lattice, unit) {}
+  Refiner(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out)
+      : l_(lattice), u_(unit), out_(out), field_(lattice, unit) {}
 
-  int run() {
+  RefinedCounts run() {
     const D d;
     for (int k = u_.first[2]; k < u_.end[2]; ++k) {
       field_.toPlane(k);
@@ -80,7 +80,7 @@ class Refiner {
         for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) samples(i, j, k);
       }
     }
-    return count_;
+    return counts_;
   }
 
  private:
@@ -133,22 +133,12 @@ class Refiner {
     const V x = hn::Add(hn::Mul(u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
     const V y = hn::Add(hn::Mul(v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
     const V depth = hn::Mul(hn::Sub(pz, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
-    const auto touches = [&](V p, float lo, float hi) {
-      return hn::And(hn::Gt(p, hn::Set(d, lo - l_.reach_px)), hn::Lt(p, hn::Set(d, hi + l_.reach_px)));
-    };
-    alive = hn::And(alive, hn::And(touches(x, u_.tile_x0, u_.tile_x1), touches(y, u_.tile_y0, u_.tile_y1)));
+    const Along across = windowsAlong(x, u_.tile.x0, u_.tile.x1, alive);
+    const Along down = windowsAlong(y, u_.tile.y0, u_.tile.y1, alive);
     const V reach = hn::Set(d, l_.spread.reach);
     const V end = hn::Set(d, static_cast<float>(l_.slabs));
     alive = hn::And(alive, hn::And(hn::Gt(hn::Add(depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(depth, reach), end)));
     if (hn::AllFalse(d, alive)) return;
-
-    V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
-    if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
-    if (l_.phong || details_ != nullptr) {
-      if (l_.integral == nullptr) slope = field_.gradients(ui);
-      if (l_.phong) shade(slope, u, v, oblique, r, g, b);
-      if (details_ != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
-    }
 
     // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.
     const V s0 = hn::Floor(hn::Sub(depth, reach));
@@ -164,36 +154,87 @@ class Refiner {
       back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
     }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
-    weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
-    const V opacity = opacityOf(d, hn::Mul(tau, ray));
-
+    // Counted is a sample of the brick's own, in the tile and the zone where its centre is.
     const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
     M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
                                           hn::Lt(lane, hn::Set(di, u_.core_end[0]))));
-    counted = hn::And(counted, hn::And(hn::Ge(x, hn::Set(d, u_.tile_x0)), hn::Lt(x, hn::Set(d, u_.tile_x1))));
-    counted = hn::And(counted, hn::And(hn::Ge(y, hn::Set(d, u_.tile_y0)), hn::Lt(y, hn::Set(d, u_.tile_y1))));
+    counted = hn::And(counted, hn::And(within(x, u_.tile.x0, u_.tile.x1), within(y, u_.tile.y0, u_.tile.y1)));
     counted = hn::And(counted, hn::And(hn::Ge(depth, hn::Zero(d)), hn::Lt(depth, end)));
-    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
-    const VI marked = hn::IfThenElse(hn::RebindMask(di, counted), slab, hn::Not(slab));
-
-    alignas(64) float sx[16], sy[16], sr[16], sg[16], sb[16], so[16], sf[16], sk[16];
-    alignas(64) std::int32_t ss[16];
-    hn::Store(x, d, sx);
-    hn::Store(y, d, sy);
-    hn::Store(r, d, sr);
-    hn::Store(g, d, sg);
-    hn::Store(b, d, sb);
-    hn::Store(opacity, d, so);
-    hn::Store(hn::Mul(weight, front), d, sf);
-    hn::Store(hn::Mul(weight, back), d, sk);
-    hn::Store(marked, di, ss);
-    alignas(64) float is[16];
-    hn::Store(hn::IfThenElseZero(alive, one), d, is);
-    for (std::size_t n = 0; n < hn::Lanes(d); ++n) {
-      if (is[n] == 0) continue;
-      if (details_ != nullptr) details_[count_] = noted_.at(n);
-      out_[count_++] = {sx[n], sy[n], sr[n], sg[n], sb[n], so[n], sf[n], sk[n], ss[n]};
+    const VI window_x = hn::ConvertTo(di, hn::IfThenElseZero(alive, across.window));
+    const VI window_y = hn::ConvertTo(di, hn::IfThenElseZero(alive, down.window));
+    if (u_.windows != nullptr) {
+      const M closed = hn::AndNot(open(window_x, window_y), alive);
+      counts_.closed += static_cast<int>(hn::CountTrue(d, hn::And(closed, counted)));
+      alive = hn::AndNot(closed, alive);
     }
+    if (hn::AllFalse(d, alive)) return;
+
+    V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
+    if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
+    if (l_.phong || out_.details != nullptr) {
+      if (l_.integral == nullptr) slope = field_.gradients(ui);
+      if (l_.phong) shade(slope, u, v, oblique, r, g, b);
+      if (out_.details != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
+    }
+
+    weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
+    const V opacity = opacityOf(d, hn::Mul(tau, ray));
+
+    const VI phase_x = hn::ConvertTo(di, hn::IfThenElseZero(alive, across.phase));
+    const VI phase_y = hn::ConvertTo(di, hn::IfThenElseZero(alive, down.phase));
+    const VI window = hn::Add(window_x, hn::ShiftLeft<16>(window_y));
+    const VI phases = hn::Add(hn::Add(phase_x, hn::ShiftLeft<8>(phase_y)),
+                              hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
+    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
+    alignas(64) float halves[2][64];
+    alignas(64) std::int32_t slabs[16];
+    hn::StoreInterleaved4(r, g, b, opacity, d, halves[0]);
+    hn::StoreInterleaved4(hn::Mul(weight, front), hn::Mul(weight, back), hn::BitCast(d, window), hn::BitCast(d, phases),
+                          d, halves[1]);
+    hn::Store(slab, di, slabs);
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, alive, bytes);
+    for (unsigned rest = bytes[0] | bytes[1] << 8; rest != 0; rest &= rest - 1) {
+      const int n = std::countr_zero(rest);
+      SlabSample& to = out_.samples[counts_.samples];
+      std::memcpy(&to, halves[0] + 4 * n, 16);
+      std::memcpy(&to.front, halves[1] + 4 * n, 16);
+      out_.slabs[counts_.samples] = slabs[n];
+      if (out_.details != nullptr) out_.details[counts_.samples] = noted_.at(static_cast<std::size_t>(n));
+      ++counts_.samples;
+    }
+  }
+
+  // The window of a footprint along one axis, counted from the first that touches the tile, and its phase.
+  struct Along {
+    V window, phase;
+  };
+  HWY_INLINE Along windowsAlong(V at, int tile_first, int tile_end, M& alive) const {
+    const D d;
+    const V edge = hn::Add(at, hn::Set(d, 0.5f));
+    const V base = hn::Floor(edge);
+    const V window = hn::Sub(base, hn::Set(d, static_cast<float>(tile_first + 1 - l_.taps / 2)));
+    alive =
+        hn::And(alive, hn::And(hn::Ge(window, hn::Zero(d)),
+                               hn::Lt(window, hn::Set(d, static_cast<float>(tile_end - tile_first + l_.taps - 1)))));
+    constexpr float kPhases = FootprintPlace::kPhases;
+    // What rounds to a whole pixel is in the last phase before it.
+    const V phase = hn::Min(hn::Mul(hn::Sub(edge, base), hn::Set(d, kPhases)), hn::Set(d, kPhases - 1));
+    return {window, phase};
+  }
+
+  HWY_INLINE static M within(V at, int first, int end) {
+    const D d;
+    return hn::And(hn::Ge(at, hn::Set(d, static_cast<float>(first))), hn::Lt(at, hn::Set(d, static_cast<float>(end))));
+  }
+
+  HWY_INLINE M open(VI x, VI y) const {
+    const D d;
+    const DI di;
+    const VI word = hn::Add(hn::Mul(y, hn::Set(di, u_.windows->stride())), hn::ShiftRight<5>(x));
+    const VI bit = hn::Shl(hn::Set(di, 1), hn::And(x, hn::Set(di, 31)));
+    const VI bits = hn::And(hn::GatherIndex(di, u_.windows->openWords(), word), bit);
+    return hn::RebindMask(d, hn::Ne(bits, hn::Zero(di)));
   }
 
   // The mean extinction of what a voxel of a coarser level stands for: values that vary across it as the gradient says,
@@ -272,16 +313,15 @@ class Refiner {
 
   const UnitLattice& l_;
   const UnitInput& u_;
-  SlabSample* const out_;
-  SampleDetails* const details_;
+  const RefinedSamples& out_;
   Field field_;
-  int count_ = 0;
+  RefinedCounts counts_;
   Noted noted_;
 };
 
-int refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
-  return lattice.interpolation == Interpolation::kLinear ? Refiner<LinearField>(lattice, unit, out, details).run()
-                                                         : Refiner<CubicField>(lattice, unit, out, details).run();
+RefinedCounts refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out) {
+  return lattice.interpolation == Interpolation::kLinear ? Refiner<LinearField>(lattice, unit, out).run()
+                                                         : Refiner<CubicField>(lattice, unit, out).run();
 }
 
 const char* nameOfTarget() { return hwy::TargetName(HWY_TARGET); }
@@ -297,8 +337,8 @@ namespace kiln {
 HWY_EXPORT(refineUnitOn);
 HWY_EXPORT(nameOfTarget);
 
-int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details) {
-  return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out, details);
+RefinedCounts refineUnit(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out) {
+  return HWY_DYNAMIC_DISPATCH(refineUnitOn)(lattice, unit, out);
 }
 
 const char* instructionSet() { return HWY_DYNAMIC_DISPATCH(nameOfTarget)(); }

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "grid/coords.h"
+#include "splat/tile_windows.h"
 #include "splat/unit_axis.h"
 
 namespace kiln {
@@ -33,8 +34,8 @@ struct UnitLattice {
   float near = 0, slabs_per_depth = 1, thickness = 1;
   int slabs = 0;
   DepthSpread spread;
-  float reach_px = 0;  // of a footprint, from its sample
-  float weight = 1;    // V_sample / (A_px D); in perspective times depth squared
+  int taps = 4;      // of a footprint, along an axis. unit: pixels
+  float weight = 1;  // V_sample / (A_px D); in perspective times depth squared
   // Classification: shape: entries of r, g, b, tau; see SampleTable.
   const float* table = nullptr;
   float table_scale = 1, table_last = 0;
@@ -58,16 +59,17 @@ struct UnitInput {
   std::array<int, 3> first{}, end{};            // its samples that exist, along each axis
   std::array<int, 3> core_first{}, core_end{};  // those that are the brick's own
   std::array<float, kUnitSamples> part_x{}, part_y{}, part_z{};  // of a voxel that exists, at the volume's end
-  float tile_x0 = 0, tile_y0 = 0, tile_x1 = 0, tile_y1 = 0;
+  PixelRect tile;
+  // The tile's windows, if samples whose footprints are closed are to be left out.
+  const TileWindows* windows = nullptr;
 };
 
-/// A sample on its way to its slab. `front` of its weight goes to `slab`, the rest to the next one.
+/// A sample on its way to its slab. `front` of its weight goes there, the rest to the next one.
 struct SlabSample {
-  float x, y;  // unit: pixels
   float r, g, b;
   float opacity;
   float front, back;  // what of the two slabs it fills, of a pixel's area
-  std::int32_t slab;  // negative (~slab) where it is not to be counted
+  FootprintPlace place;
 };
 
 /// What a caller needs who shades, clips or modulates samples itself, or tells more of them than their colour.
@@ -79,9 +81,20 @@ struct SampleDetails {
   float ray;           // through the slab. unit: world
 };
 
-/// Appends the samples that are not transparent and whose footprints may touch the tile, and their `details` if not
-/// null. shape: `out`, and `details` if not null, have room for 16³. returns: how many.
-int refineUnit(const UnitLattice& lattice, const UnitInput& unit, SlabSample* out, SampleDetails* details);
+/// Where samples go. shape: each has room for 16³.
+struct RefinedSamples {
+  SlabSample* samples = nullptr;
+  std::int32_t* slabs = nullptr;     // of each
+  SampleDetails* details = nullptr;  // of each, if not null
+};
+
+struct RefinedCounts {
+  int samples = 0;  // that are kept
+  int closed = 0;   // that count, and were left out because their footprints are closed
+};
+
+/// Appends the samples that are not transparent and whose footprints touch the tile.
+RefinedCounts refineUnit(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out);
 
 /// The instruction set in use: "AVX3" and the like.
 const char* instructionSet();

@@ -1,6 +1,7 @@
 #include "splat/sheet.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -16,72 +17,101 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
+using D4 = hn::CappedTag<float, 4>;
+using V = hn::Vec<D>;
 
-// Four pixels of RGBA are one row of 16 numbers. shape: `width` pixels, a multiple of four, in `taps` rows.
-HWY_INLINE void addRows(const float* wide, const float* down, int taps, int width, const float* color, std::int32_t* to,
-                        std::ptrdiff_t stride) {
+// A footprint's pixels, in the part of a sheet where it lies. kTaps is 0 where only the table knows how many.
+template <int kTaps>
+struct Footprint {
+  const float *wide, *row, *down, *wide_down;
+  int taps, padded;
+  Footprint(const FootprintTable& table, const FootprintPlace& place)
+      : wide(table.wide(place.phaseX())),
+        row(table.row(place.phaseX())),
+        down(table.weights(place.phaseY())),
+        wide_down(table.wide(place.phaseY())),
+        taps(kTaps > 0 ? kTaps : table.taps()),
+        padded(kTaps > 0 ? kTaps : table.padded()) {}
+
+  // Four numbers a pixel, `sums` four times over. Four pixels are one row of 16 numbers.
+  HWY_INLINE void add(V sums, std::int32_t* to, std::ptrdiff_t stride) const {
+    const D d;
+    const hn::RebindToSigned<D> di;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(4 * padded); i += hn::Lanes(d)) {
+      const V c = hn::Mul(hn::LoadU(d, wide + i), sums);
+      std::int32_t* at = to + i;
+      for (int j = 0; j < taps; ++j, at += stride)
+        hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
+    }
+  }
+
+  // One number a pixel.
+  HWY_INLINE void addFilled(float fill, std::int32_t* to, std::ptrdiff_t stride) const {
+    const D4 d;
+    const hn::RebindToSigned<D4> di;
+    if constexpr (kTaps == 4) {
+      // All 16 at once.
+      const D wide_d;
+      const hn::RebindToSigned<D> wide_di;
+      const V c = hn::Mul(hn::LoadDup128(wide_d, row), hn::Set(wide_d, fill));
+      alignas(64) std::int32_t parts[16];
+      for (std::size_t i = 0; i < 16; i += hn::Lanes(wide_d))
+        hn::Store(hn::NearestInt(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), wide_di, parts + i);
+      for (int j = 0; j < 4; ++j, to += stride)
+        hn::StoreU(hn::Add(hn::LoadU(di, to), hn::Load(di, parts + 4 * j)), di, to);
+      return;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(padded); i += hn::Lanes(d)) {
+      const auto c = hn::Mul(hn::LoadU(d, row + i), hn::Set(d, fill));
+      std::int32_t* at = to + i;
+      for (int j = 0; j < taps; ++j, at += stride)
+        hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
+    }
+  }
+};
+
+template <int kTaps>
+void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
   const D d;
-  const DI di;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(4 * width); i += hn::Lanes(d)) {
-    const auto c = hn::Mul(hn::LoadU(d, wide + i), hn::LoadU(d, color + i % 16));
-    std::int32_t* row = to + i;
-    for (int j = 0; j < taps; ++j, row += stride)
-      hn::StoreU(hn::Add(hn::LoadU(di, row), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, row);
-  }
-}
-
-// What they fill: one number a pixel.
-HWY_INLINE void addRow(const float* row, const float* down, int taps, int width, float fill, std::int32_t* to,
-                       std::ptrdiff_t stride) {
-  const hn::CappedTag<float, 4> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(width); i += hn::Lanes(d)) {
-    const auto c = hn::Mul(hn::LoadU(d, row + i), hn::Set(d, fill));
-    std::int32_t* at = to + i;
-    for (int j = 0; j < taps; ++j, at += stride)
-      hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
-  }
-}
-
-void addSamplesOn(std::span<const SlabSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
-  for (const SlabSample& s : samples) {
-    int phase_x, phase_y;
-    const int x0 = footprint.first(s.x, phase_x), y0 = footprint.first(s.y, phase_y);
-    const float* const wide = footprint.wide(phase_x);
-    const float* const down = footprint.weights(phase_y);
-    alignas(64) float color[16];
+  alignas(64) static constexpr float kOpacity[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const auto at_opacity = hn::Ne(hn::Load(d, kOpacity), hn::Zero(d));
+  const auto one = hn::Set(d, 1.0f);
+  for (const SlabSample* s : samples) {
+    const Footprint<kTaps> footprint(table, s->place);
+    const V color = hn::IfThenElse(at_opacity, one, hn::LoadDup128(d, &s->r));
     const auto add = [&](float amount, Sheet& sheet) {
       const float fill = amount * Sheet::kOne;
-      const float scale = fill * s.opacity;
-      for (int p = 0; p < 16; p += 4)
-        color[p] = scale * s.r, color[p + 1] = scale * s.g, color[p + 2] = scale * s.b, color[p + 3] = scale;
-      addRows(wide, down, footprint.taps(), footprint.padded(), color, sheet.at(x0, y0), sheet.stride());
-      addRow(footprint.row(phase_x), down, footprint.taps(), footprint.padded(), fill, sheet.filledAt(x0, y0),
-             sheet.stride() / 4);
+      footprint.add(hn::Mul(color, hn::Set(d, fill * s->opacity)), sheet.at(s->place), sheet.stride());
+      footprint.addFilled(fill, sheet.filledAt(s->place), sheet.stride() / 4);
     };
-    if (s.front > 0) add(s.front, here);
-    if (s.back > 0) add(s.back, next);
+    if (s->front > 0) add(s->front, here);
+    if (s->back > 0) add(s->back, next);
   }
 }
 
-void addAovsOn(std::span<const AovSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
-  for (const AovSample& s : samples) {
-    int phase_x, phase_y;
-    const int x0 = footprint.first(s.x, phase_x), y0 = footprint.first(s.y, phase_y);
+template <int kTaps>
+void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
+  const D d;
+  for (const AovSample* s : samples) {
+    const Footprint<kTaps> footprint(table, s->place);
     const auto add = [&](float amount, float depth, Sheet& sheet) {
       const float scale = amount * Sheet::kOne;
-      alignas(64) float sums[16];
-      for (int p = 0; p < 16; p += 4) {
-        for (int axis = 0; axis < 3; ++axis) sums[p + axis] = scale * s.normal[axis];
-        sums[p + 3] = scale * depth;
-      }
-      addRows(footprint.wide(phase_x), footprint.weights(phase_y), footprint.taps(), footprint.padded(), sums,
-              sheet.at(x0, y0), sheet.stride());
+      alignas(16) const float sums[4] = {scale * s->normal.x, scale * s->normal.y, scale * s->normal.z, scale * depth};
+      footprint.add(hn::LoadDup128(d, sums), sheet.at(s->place), sheet.stride());
     };
-    if (s.front > 0) add(s.front, s.depth_front, here);
-    if (s.back > 0) add(s.back, s.depth_back, next);
+    if (s->front > 0) add(s->front, s->depth_front, here);
+    if (s->back > 0) add(s->back, s->depth_back, next);
   }
+}
+
+void addSamplesOn(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here,
+                  Sheet& next) {
+  footprint.taps() == 4 ? addSamplesOf<4>(samples, footprint, here, next)
+                        : addSamplesOf<0>(samples, footprint, here, next);
+}
+
+void addAovsOn(std::span<const AovSample* const> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
+  footprint.taps() == 4 ? addAovsOf<4>(samples, footprint, here, next) : addAovsOf<0>(samples, footprint, here, next);
 }
 
 }  // namespace
@@ -127,35 +157,34 @@ FootprintTable::FootprintTable(double sigma_px) {
   }
 }
 
-void Sheet::reset(const PixelRect& rect, int margin) {
+void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint) {
   rect_ = rect;
-  margin_ = margin;
-  width_ = rect.x1 - rect.x0 + 2 * margin_;
-  blocks_x_ = (rect.x1 - rect.x0 + 7) / 8;
-  const int height = rect.y1 - rect.y0;
-  sums_.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height + 2 * margin_), 0);
+  before_ = footprint.taps() - 1;
+  const int beside = before_ + footprint.padded();
+  width_ = rect.width() + beside;
+  sums_.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(rect.height() + beside), 0);
   filled_.assign(sums_.size() / 4, 0);
-  touched_.assign(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>((height + 7) / 8), 0);
-  dirty_.clear();
+  dirty_ = 0;
 }
 
 void Sheet::clear() {
-  for (const std::int32_t block : dirty_) {
-    const PixelRect area = blockRect(block);
+  for (std::uint64_t rest = dirty_; rest != 0; rest &= rest - 1) {
+    const PixelRect area = blockRect(std::countr_zero(rest));
     for (int y = area.y0; y < area.y1; ++y) {
-      std::fill_n(at(area.x0, y), 4 * (area.x1 - area.x0), 0);
-      std::fill_n(filledAt(area.x0, y), area.x1 - area.x0, 0);
+      const std::size_t first = indexOf(area.x0 - rect_.x0 + before_, y - rect_.y0 + before_);
+      const auto count = static_cast<std::size_t>(area.width());
+      std::fill_n(sums_.begin() + static_cast<std::ptrdiff_t>(4 * first), 4 * count, 0);
+      std::fill_n(filled_.begin() + static_cast<std::ptrdiff_t>(first), count, 0);
     }
-    touched_[static_cast<std::size_t>(block)] = 0;
   }
-  dirty_.clear();
+  dirty_ = 0;
 }
 
-void addSamples(std::span<const SlabSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
+void addSamples(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
   HWY_DYNAMIC_DISPATCH(addSamplesOn)(samples, footprint, here, next);
 }
 
-void addAovs(std::span<const AovSample> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
+void addAovs(std::span<const AovSample* const> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
   HWY_DYNAMIC_DISPATCH(addAovsOn)(samples, footprint, here, next);
 }
 

@@ -71,7 +71,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.thickness = static_cast<float>(zone.thickness);
   out.slabs = zone.slabs;
   out.spread = depthSpread(zone, projector);
-  out.reach_px = 0.5f * static_cast<float>(footprint.taps()) + 1;
+  out.taps = footprint.taps();
   const double samples = zone.refinement[0] * zone.refinement[1] * zone.refinement[2];
   out.weight =
       static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
@@ -231,25 +231,28 @@ struct SweepMemory::Parts {
   std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
   WaitingSamples<SlabSample> waiting;    // by their slab
   WaitingSamples<AovSample> waiting_aovs;
-  std::vector<SlabSample> refined, visible;
-  std::vector<AovSample> visible_aovs;
+  std::vector<SlabSample> refined;
+  std::vector<std::int32_t> slabs;  // of each of them
+  std::vector<const SlabSample*> visible;
+  std::vector<const AovSample*> visible_aovs;
   std::vector<SampleDetails> details;
+  TileWindows windows;
   Sheet sheets[2], aov_sheets[2];
   std::vector<Owned> owned;  // 64 pixels a block
-  std::vector<std::uint8_t> owned_known;
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
 };
 
 SweepMemory::SweepMemory() : parts_(std::make_unique<Parts>()) {
   parts_->refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
+  parts_->slabs.resize(parts_->refined.size());
 }
 SweepMemory::~SweepMemory() = default;
 
 std::size_t SweepMemory::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   const Parts& p = *parts_;
-  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + p.waiting_aovs.bytes() + of(p.refined) +
-                    of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.owned_known) + of(p.units);
+  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + p.waiting_aovs.bytes() + of(p.refined) + of(p.slabs) +
+                    p.windows.bytes() + of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.units);
   for (int i = 0; i < 2; ++i) sum += p.sheets[i].bytes() + p.aov_sheets[i].bytes();
   for (const std::vector<Parts::Unit>& units : p.units) sum += of(units);
   return sum;
@@ -290,13 +293,13 @@ class Sweep {
     const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
     m_.waiting.reset(slabs);
     if (m_.units.size() < slabs) m_.units.resize(slabs);
-    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint().padded());
+    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint());
     if (aovs_) {
       m_.waiting_aovs.reset(slabs);
-      for (Sheet& sheet : m_.aov_sheets) sheet.reset(tile_.rect, f_.footprint().padded());
+      for (Sheet& sheet : m_.aov_sheets) sheet.reset(tile_.rect, f_.footprint());
     }
-    m_.owned.resize(static_cast<std::size_t>(m_.sheets[0].blocks()) * 64);
-    m_.owned_known.assign(static_cast<std::size_t>(m_.sheets[0].blocks()), 0);
+    m_.windows.reset(tile_, f_.footprint().taps());
+    owned_known_ = 0;
     std::size_t next = 0;
     for (int slab = begin_; slab <= end; ++slab) {
       for (; next < m_.cells.size() && m_.cells[next]->bounds.first <= slab; ++next) cut(*m_.cells[next], slab);
@@ -369,17 +372,20 @@ class Sweep {
       if (f_.ends().part[a] != 1 && last >= 0 && last < l.voxels[ua])
         std::fill_n(parts[a]->begin() + last * n, n, static_cast<float>(f_.ends().part[a]));
     }
-    in.tile_x0 = static_cast<float>(tile_.rect.x0), in.tile_x1 = static_cast<float>(tile_.rect.x1);
-    in.tile_y0 = static_cast<float>(tile_.rect.y0), in.tile_y1 = static_cast<float>(tile_.rect.y1);
+    in.tile = tile_.rect;
+    // A sample that is clipped does not count: this is known later.
+    if (test_samples_ && !f_.detailed()) in.windows = &m_.windows;
     const bool detailed = f_.detailed() || aovs_;
     if (detailed) m_.details.resize(m_.refined.size());
-    const int count = refineUnit(l, in, m_.refined.data(), detailed ? m_.details.data() : nullptr);
-    for (int i = 0; i < count; ++i) {
-      SlabSample& s = m_.refined[static_cast<std::size_t>(i)];
-      if (f_.detailed() && !finish(s, m_.details[static_cast<std::size_t>(i)], unit.lo)) continue;
-      const int slab = std::max(s.slab < 0 ? ~s.slab : s.slab, begin_);
+    const RefinedCounts counts =
+        refineUnit(l, in, {m_.refined.data(), m_.slabs.data(), detailed ? m_.details.data() : nullptr});
+    counts_.visited += static_cast<std::uint64_t>(counts.closed);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(counts.samples); ++i) {
+      SlabSample& s = m_.refined[i];
+      if (f_.detailed() && !finish(s, m_.details[i], unit.lo)) continue;
+      const int slab = std::max(m_.slabs[i], begin_);
       m_.waiting.add(static_cast<std::size_t>(slab - begin_), s);
-      if (aovs_) addToWaitingAovs(s, slab, m_.details[static_cast<std::size_t>(i)], unit.lo);
+      if (aovs_) addToWaitingAovs(s, slab, m_.details[i], unit.lo);
     }
   }
 
@@ -467,38 +473,35 @@ class Sweep {
   }
 
   void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
-    m_.visible.clear();
-    for (const SlabSample& s : samples) {
-      const PixelRect touched = touchedBy(s.x, s.y);
-      if (touched.empty()) continue;
-      const bool counted = s.slab >= 0;
-      counts_.visited += counted ? 1 : 0;
-      if (test_samples_ && visibility_.hidden(touched)) continue;
-      counts_.splats += counted ? 1 : 0;
-      here.mark(touched);
-      if (s.back > 0) next.mark(touched);
-      m_.visible.push_back(s);
-    }
-    if (!m_.visible.empty()) addSamples(m_.visible, f_.footprint(), here, next);
+    for (const SlabSample& s : samples) counts_.visited += s.place.counted() ? 1 : 0;
+    takeVisible(samples, m_.visible, here, next);
+    for (const SlabSample* s : m_.visible) counts_.splats += s->place.counted() ? 1 : 0;
+    addSamples(m_.visible, f_.footprint(), here, next);
   }
 
   // What the samples' colours went to. No pixel has been closed since.
   [[gnu::noinline]] void splatAovs(std::span<const AovSample> samples, Sheet& here, Sheet& next) {
-    m_.visible_aovs.clear();
-    for (const AovSample& s : samples) {
-      const PixelRect touched = touchedBy(s.x, s.y);
-      if (touched.empty() || (test_samples_ && visibility_.hidden(touched))) continue;
-      here.mark(touched);
-      if (s.back > 0) next.mark(touched);
-      m_.visible_aovs.push_back(s);
-    }
-    if (!m_.visible_aovs.empty()) addAovs(m_.visible_aovs, f_.footprint(), here, next);
+    takeVisible(samples, m_.visible_aovs, here, next);
+    addAovs(m_.visible_aovs, f_.footprint(), here, next);
   }
 
-  // The pixels of the tile in the footprint of a sample at (x, y).
-  PixelRect touchedBy(float x, float y) const {
-    const int x0 = f_.footprint().first(x), y0 = f_.footprint().first(y), taps = f_.footprint().taps();
-    return intersection({x0, y0, x0 + taps, y0 + taps}, tile_.rect);
+  // Those whose footprints are not closed; their blocks are marked in their sheets.
+  template <class Sample>
+  void takeVisible(std::span<const Sample> samples, std::vector<const Sample*>& out, Sheet& here, Sheet& next) const {
+    out.resize(samples.size());
+    std::size_t count = 0;
+    std::uint64_t blocks = 0, blocks_behind = 0;
+    for (const Sample& s : samples) {
+      const bool open = !test_samples_ || m_.windows.open(s.place);
+      out[count] = &s;
+      count += open ? 1 : 0;
+      const std::uint64_t touched = open ? m_.windows.blocks(s.place) : 0;
+      blocks |= touched;
+      blocks_behind |= s.back > 0 ? touched : 0;
+    }
+    out.resize(count);
+    here.mark(blocks);
+    next.mark(blocks_behind);
   }
 
   // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
@@ -531,9 +534,11 @@ class Sweep {
     return out;
   }
 
-  const Owned* ownedOf(std::int32_t block, const PixelRect& area) {
+  const Owned* ownedOf(int block, const PixelRect& area) {
+    m_.owned.resize(64 * 64);
     Owned* const out = &m_.owned[static_cast<std::size_t>(block) * 64];
-    if (!std::exchange(m_.owned_known[static_cast<std::size_t>(block)], std::uint8_t{1})) {
+    if ((owned_known_ >> block & 1) == 0) {
+      owned_known_ |= std::uint64_t{1} << block;
       for (int y = area.y0; y < area.y1; ++y) {
         for (int x = area.x0; x < area.x1; ++x) out[(y - area.y0) * 8 + x - area.x0] = ownedAt(x, y);
       }
@@ -543,7 +548,8 @@ class Sweep {
 
   // Lays the sheet behind what is in the image. A pixel that reaches the threshold is divided by its alpha and closed.
   void composite(Sheet& sheet, int slab) {
-    for (const std::int32_t block : sheet.dirty()) {
+    for (std::uint64_t rest = sheet.dirty(); rest != 0; rest &= rest - 1) {
+      const int block = std::countr_zero(rest);
       const PixelRect area = sheet.blockRect(block);
       const Owned* const owned = ownedOf(block, area);
       for (int y = area.y0; y < area.y1; ++y) {
@@ -563,16 +569,18 @@ class Sweep {
           for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
           pixel[3] = 1.0f;
           visibility_.close(x, y);
+          m_.windows.close(x - tile_.rect.x0, y - tile_.rect.y0);
         }
       }
     }
     sheet.clear();
+    m_.windows.update();
     if (aovs_) m_.aov_sheets[slab & 1].clear();
   }
 
   // `open` is what the sheet's sums were multiplied by, `opacity` and `filled` are two of them.
   [[gnu::noinline]] void addToAovs(int x, int y, int slab, float before, float open, float opacity, float filled) {
-    const std::int32_t* const sum = m_.aov_sheets[slab & 1].at(x, y);
+    const std::int32_t* const sum = std::as_const(m_.aov_sheets[slab & 1]).at(x, y);
     SlabLayer layer;
     layer.before = before;
     layer.added = open * opacity;
@@ -600,6 +608,7 @@ class Sweep {
   const double offset_;
   const VoxelBox reach_;  // of the samples that are drawn. unit: voxels
   int begin_ = 0;
+  std::uint64_t owned_known_ = 0;  // blocks: a bit each, as a sheet's
 };
 
 }  // namespace

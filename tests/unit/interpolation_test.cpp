@@ -47,6 +47,7 @@ TEST(ReferenceField, CatmullRomStaysWithinItsVoxels) {
 
 struct Refined {
   std::vector<SlabSample> samples;
+  std::vector<std::int32_t> slabs;
   std::vector<SampleDetails> details;
 };
 
@@ -84,11 +85,14 @@ class Kernel {
     in.origin = {lo.x, lo.y, lo.z};
     for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = lattice_.axis[a].samples;
     in.part_x.fill(1), in.part_y.fill(1), in.part_z.fill(1);
-    in.tile_x0 = in.tile_y0 = -1e6f, in.tile_x1 = in.tile_y1 = 1e6f;
-    Refined out{std::vector<SlabSample>(16 * 16 * 16), std::vector<SampleDetails>(16 * 16 * 16)};
-    const int count = refineUnit(lattice_, in, out.samples.data(), out.details.data());
-    out.samples.resize(static_cast<std::size_t>(count));
-    out.details.resize(static_cast<std::size_t>(count));
+    in.tile = {-1000, -1000, 1000, 1000};
+    Refined out{std::vector<SlabSample>(16 * 16 * 16), std::vector<std::int32_t>(16 * 16 * 16),
+                std::vector<SampleDetails>(16 * 16 * 16)};
+    const auto count = static_cast<std::size_t>(
+        refineUnit(lattice_, in, {out.samples.data(), out.slabs.data(), out.details.data()}).samples);
+    out.samples.resize(count);
+    out.slabs.resize(count);
+    out.details.resize(count);
     return out;
   }
 
@@ -163,6 +167,7 @@ TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
           hwy::SetSupportedTargetsForTest(rest & -rest);
           const Refined other = kernel(volume, lo);
           EXPECT_TRUE(equalBits(best.samples, other.samples)) << instructionSet();
+          EXPECT_TRUE(equalBits(best.slabs, other.slabs)) << instructionSet();
           EXPECT_TRUE(equalBits(best.details, other.details)) << instructionSet();
         }
         hwy::SetSupportedTargetsForTest(0);
