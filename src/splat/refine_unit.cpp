@@ -98,14 +98,16 @@ class Refiner {
 
     const V place =
         hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
+    if (l_.integral == nullptr) {
+      alive = hn::And(
+          alive, hn::And(hn::Gt(place, hn::Set(d, l_.visible_after)), hn::Lt(place, hn::Set(d, l_.visible_before))));
+      if (hn::AllFalse(d, alive)) return;
+    }
     const VI entry = hn::ConvertTo(di, hn::IfThenElseZero(alive, place));
     const V between = hn::Sub(place, hn::ConvertTo(d, entry));
-    const VI at = hn::ShiftLeft<2>(entry);
-    const auto channel = [&](int c) {
-      const V a = hn::GatherIndex(d, l_.table + c, at), b = hn::GatherIndex(d, l_.table + 4 + c, at);
-      return hn::Add(a, hn::Mul(between, hn::Sub(b, a)));
-    };
-    V tau = channel(3);
+    const V tau_here = hn::GatherIndex(d, l_.extinctions, entry);
+    const V tau_next = hn::GatherIndex(d, l_.extinctions + 1, entry);
+    V tau = hn::Add(tau_here, hn::Mul(between, hn::Sub(tau_next, tau_here)));
     Vector slope{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     if (l_.integral != nullptr) {
       slope = field_.gradients(ui);
@@ -169,11 +171,10 @@ class Refiner {
     }
     if (hn::AllFalse(d, alive)) return;
 
-    V r = hn::Set(d, l_.table[0]), g = hn::Set(d, l_.table[1]), b = hn::Set(d, l_.table[2]);
-    if (!l_.one_color) r = channel(0), g = channel(1), b = channel(2);
+    V matte = one, gloss = hn::Zero(d);
     if (l_.phong || out_.details != nullptr) {
       if (l_.integral == nullptr) slope = field_.gradients(ui);
-      if (l_.phong) shade(slope, u, v, oblique, r, g, b);
+      if (l_.phong) shade(slope, u, v, oblique, matte, gloss);
       if (out_.details != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
@@ -186,23 +187,38 @@ class Refiner {
     const VI phases = hn::Add(hn::Add(phase_x, hn::ShiftLeft<8>(phase_y)),
                               hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
     const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
-    alignas(64) float halves[2][64];
-    alignas(64) std::int32_t slabs[16];
-    hn::StoreInterleaved4(r, g, b, opacity, d, halves[0]);
+    hn::Store(hn::ShiftLeft<2>(entry), di, kept_.entry);
+    hn::Store(between, d, kept_.between);
+    hn::Store(matte, d, kept_.matte);
+    hn::Store(gloss, d, kept_.gloss);
+    hn::Store(opacity, d, kept_.opacity);
+    hn::Store(slab, di, kept_.slab);
     hn::StoreInterleaved4(hn::Mul(weight, front), hn::Mul(weight, back), hn::BitCast(d, window), hn::BitCast(d, phases),
-                          d, halves[1]);
-    hn::Store(slab, di, slabs);
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, alive, bytes);
-    for (unsigned rest = bytes[0] | bytes[1] << 8; rest != 0; rest &= rest - 1) {
-      const int n = std::countr_zero(rest);
-      SlabSample& to = out_.samples[counts_.samples];
-      std::memcpy(&to, halves[0] + 4 * n, 16);
-      std::memcpy(&to.front, halves[1] + 4 * n, 16);
-      out_.slabs[counts_.samples] = slabs[n];
-      if (out_.details != nullptr) out_.details[counts_.samples] = noted_.at(static_cast<std::size_t>(n));
-      ++counts_.samples;
+                          d, kept_.parts);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, alive, bits);
+    for (unsigned rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1)
+      keep(static_cast<std::size_t>(std::countr_zero(rest)));
+  }
+
+  // The sample of this lane of the vector in turn. Its colour is looked up here, three channels at once: few are kept.
+  HWY_INLINE void keep(std::size_t lane) {
+    using D4 = hn::CappedTag<float, 4>;
+    const D4 d;
+    SlabSample& to = out_.samples[counts_.samples];
+    const float* const entry = l_.table + kept_.entry[lane];
+    const auto between = hn::Set(d, kept_.between[lane]);
+    const auto matte = hn::Set(d, kept_.matte[lane]), gloss = hn::Set(d, kept_.gloss[lane]);
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+      const auto here = hn::LoadU(d, entry + i);
+      const auto color = hn::Add(here, hn::Mul(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here)));
+      hn::StoreU(hn::Add(hn::Mul(color, matte), gloss), d, &to.r + i);
     }
+    to.opacity = kept_.opacity[lane];
+    std::memcpy(&to.front, kept_.parts + 4 * lane, 4 * sizeof(float));
+    out_.slabs[counts_.samples] = kept_.slab[lane];
+    if (out_.details != nullptr) out_.details[counts_.samples] = noted_.at(lane);
+    ++counts_.samples;
   }
 
   // The window of a footprint along one axis, counted from the first that touches the tile, and its phase.
@@ -259,7 +275,13 @@ class Refiner {
     return hn::Add(a, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a)));
   }
 
-  // Details of the vector in turn, for those of its samples that are kept.
+  // The vector in turn, for those of its samples that are kept.
+  struct Kept {
+    alignas(64) std::int32_t entry[16], slab[16];
+    alignas(64) float between[16], matte[16], gloss[16], opacity[16], parts[64];
+  };
+
+  // Its details, for those.
   struct Noted {
     alignas(64) float offset[3][16], gradient[3][16], view[3][16], tau[16], ray[16];
     SampleDetails at(std::size_t n) const {
@@ -283,7 +305,8 @@ class Refiner {
     hn::Store(ray, d, noted_.ray);
   }
 
-  void shade(const Vector& slope, V u, V v, V oblique, V& r, V& g, V& b) const {
+  // What a colour is multiplied by, and what is added to it, where the gradient says how it is lit.
+  void shade(const Vector& slope, V u, V v, V oblique, V& matte, V& gloss) const {
     const D d;
     const V gx = slope.x, gy = slope.y, gz = slope.z;
     const auto squared = [](V a, V c, V e) { return hn::Add(hn::Mul(a, a), hn::Add(hn::Mul(c, c), hn::Mul(e, e))); };
@@ -300,15 +323,12 @@ class Refiner {
     if (l_.perspective) along = hn::Div(hn::Add(nz, hn::Add(hn::Mul(u, nx), hn::Mul(v, ny))), oblique);
     const V length = hn::Sqrt(squared(nx, ny, nz));
     const V cosine = hn::Min(hn::Div(hn::Abs(along), length), hn::Set(d, 1.0f));
-    const V matte = hn::Add(hn::Set(d, l_.ambient), hn::Mul(hn::Set(d, l_.diffuse), cosine));
-    V gloss = hn::Zero(d);
+    matte = hn::IfThenElse(lit, hn::Add(hn::Set(d, l_.ambient), hn::Mul(hn::Set(d, l_.diffuse), cosine)), matte);
     if (l_.specular > 0) {
       const V log = hn::Mul(log2Of(d, hn::Max(cosine, hn::Set(d, 1e-30f))), hn::Set(d, l_.power));
-      gloss = hn::Mul(hn::Set(d, l_.specular), exp2Of(d, hn::Min(hn::Max(log, hn::Set(d, -120.0f)), hn::Zero(d))));
+      const V power = exp2Of(d, hn::Min(hn::Max(log, hn::Set(d, -120.0f)), hn::Zero(d)));
+      gloss = hn::IfThenElseZero(lit, hn::Mul(hn::Set(d, l_.specular), power));
     }
-    r = hn::IfThenElse(lit, hn::Add(hn::Mul(r, matte), gloss), r);
-    g = hn::IfThenElse(lit, hn::Add(hn::Mul(g, matte), gloss), g);
-    b = hn::IfThenElse(lit, hn::Add(hn::Mul(b, matte), gloss), b);
   }
 
   const UnitLattice& l_;
@@ -316,6 +336,7 @@ class Refiner {
   const RefinedSamples& out_;
   Field field_;
   RefinedCounts counts_;
+  Kept kept_;
   Noted noted_;
 };
 

@@ -36,10 +36,11 @@ struct UnitLattice {
   DepthSpread spread;
   int taps = 4;      // of a footprint, along an axis. unit: pixels
   float weight = 1;  // V_sample / (A_px D); in perspective times depth squared
-  // Classification: shape: entries of r, g, b, tau; see SampleTable.
-  const float* table = nullptr;
+  // Classification, see SampleTable.
+  const float* table = nullptr;        // shape: entries of r, g, b, tau
+  const float* extinctions = nullptr;  // shape: entries
   float table_scale = 1, table_last = 0;
-  bool one_color = false;
+  float visible_after = -1, visible_before = 3e38f;  // samples between these places of the table have extinction
   // Where a voxel stands for the interval of values that it is the mean of: the extinction is the mean over it. Null
   // where a sample is a point.
   const float* integral = nullptr;

@@ -26,9 +26,13 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     entries_.push_back({static_cast<float>(c.color.r), static_cast<float>(c.color.g), static_cast<float>(c.color.b),
                         c.opacity > 0 ? static_cast<float>(extinctionOf(c.opacity, unit)) : 0.0f});
   }
-  for (const Material& m : entries_) {
-    const Material& first = entries_.front();
-    one_color_ = one_color_ && m.r == first.r && m.g == first.g && m.b == first.b;
+  for (const Material& m : entries_) extinctions_.push_back(m.tau);
+  const auto visible = [](float tau) { return tau > 0; };
+  const auto first = std::find_if(extinctions_.begin(), extinctions_.end(), visible);
+  const auto last = std::find_if(extinctions_.rbegin(), extinctions_.rend(), visible);
+  if (first != extinctions_.end()) {
+    visible_after_ = static_cast<float>(first - extinctions_.begin() - 1);
+    visible_before_ = static_cast<float>(extinctions_.rend() - last);
   }
   double sum = 0;
   integral_.assign(1, 0.0f);

@@ -30,8 +30,11 @@ class SampleTable {
   const float* entries() const { return &entries_.front().r; }
   float scale() const { return scale_; }
   float last() const { return last_; }
-  /// Whether all that is not transparent has the same colour, and so have its neighbours in the table.
-  bool oneColor() const { return one_color_; }
+  /// Of each entry. shape: as entries.
+  const float* extinctions() const { return extinctions_.data(); }
+  /// `at` gives an extinction above zero only beyond the first of these places and before the second. unit: entries.
+  float visibleAfter() const { return visible_after_; }
+  float visibleBefore() const { return visible_before_; }
   /// Extinction integrated over the entries, from the first: what it grows by between two places, over their distance,
   /// is the mean extinction of the values between them. It tells places apart that are `leastInterval` from each other.
   /// shape: as entries. unit: extinction times entries.
@@ -46,9 +49,9 @@ class SampleTable {
   double lo_ = 0;
   float scale_ = 1, last_ = 0;
   float least_interval_ = 1;
-  bool one_color_ = true;
+  float visible_after_ = 0, visible_before_ = 0;
   std::vector<Material> entries_;
-  std::vector<float> integral_;
+  std::vector<float> extinctions_, integral_;
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
 };
 

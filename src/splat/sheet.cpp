@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/sheet.cpp"
@@ -33,12 +34,12 @@ struct Footprint {
         taps(kTaps > 0 ? kTaps : table.taps()),
         padded(kTaps > 0 ? kTaps : table.padded()) {}
 
-  // Four numbers a pixel, `sums` four times over. Four pixels are one row of 16 numbers.
-  HWY_INLINE void add(V sums, std::int32_t* to, std::ptrdiff_t stride) const {
+  // Four numbers a pixel. Four pixels are one row of 16 numbers.
+  HWY_INLINE void add(const float (&sums)[4], std::int32_t* to, std::ptrdiff_t stride) const {
     const D d;
     const hn::RebindToSigned<D> di;
     for (std::size_t i = 0; i < static_cast<std::size_t>(4 * padded); i += hn::Lanes(d)) {
-      const V c = hn::Mul(hn::LoadU(d, wide + i), sums);
+      const V c = hn::Mul(hn::LoadU(d, wide + i), fourOf(sums, i));
       std::int32_t* at = to + i;
       for (int j = 0; j < taps; ++j, at += stride)
         hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
@@ -52,13 +53,15 @@ struct Footprint {
     if constexpr (kTaps == 4) {
       // All 16 at once.
       const D wide_d;
-      const hn::RebindToSigned<D> wide_di;
-      const V c = hn::Mul(hn::LoadDup128(wide_d, row), hn::Set(wide_d, fill));
       alignas(64) std::int32_t parts[16];
-      for (std::size_t i = 0; i < 16; i += hn::Lanes(wide_d))
-        hn::Store(hn::NearestInt(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), wide_di, parts + i);
-      for (int j = 0; j < 4; ++j, to += stride)
-        hn::StoreU(hn::Add(hn::LoadU(di, to), hn::Load(di, parts + 4 * j)), di, to);
+      for (std::size_t i = 0; i < 16; i += hn::Lanes(wide_d)) {
+        const V c = hn::Mul(fourOf(row, i), hn::Set(wide_d, fill));
+        hn::Store(hn::NearestInt(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), hn::RebindToSigned<D>(), parts + i);
+      }
+      for (int j = 0; j < 4; ++j, to += stride) {
+        for (std::size_t i = 0; i < 4; i += hn::Lanes(d))
+          hn::StoreU(hn::Add(hn::LoadU(di, to + i), hn::Load(di, parts + 4 * j + i)), di, to + i);
+      }
       return;
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(padded); i += hn::Lanes(d)) {
@@ -68,20 +71,34 @@ struct Footprint {
         hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
     }
   }
+
+ private:
+  // Numbers i and on of four that repeat.
+  HWY_INLINE static V fourOf(const float* four, [[maybe_unused]] std::size_t i) {
+#if HWY_TARGET == HWY_SCALAR
+    return hn::Load(D(), four + i % 4);
+#else
+    return hn::LoadDup128(D(), four);
+#endif
+  }
 };
 
 template <int kTaps>
 void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
-  const D d;
-  alignas(64) static constexpr float kOpacity[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const auto at_opacity = hn::Ne(hn::Load(d, kOpacity), hn::Zero(d));
-  const auto one = hn::Set(d, 1.0f);
-  for (const SlabSample* s : samples) {
+  const D4 d;
+  alignas(16) static constexpr float kIsColor[4] = {1, 1, 1, 0};
+  for (const SlabSample* const s : samples) {
     const Footprint<kTaps> footprint(table, s->place);
-    const V color = hn::IfThenElse(at_opacity, one, hn::LoadDup128(d, &s->r));
     const auto add = [&](float amount, Sheet& sheet) {
       const float fill = amount * Sheet::kOne;
-      footprint.add(hn::Mul(color, hn::Set(d, fill * s->opacity)), sheet.at(s->place), sheet.stride());
+      const auto scale = hn::Set(d, fill * s->opacity);
+      alignas(16) float sums[4];
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        const auto is_color = hn::Gt(hn::Load(d, kIsColor + i), hn::Zero(d));
+        const auto color = hn::LoadU(d, &s->r + i);
+        hn::Store(hn::IfThenElse(is_color, hn::Mul(scale, color), scale), d, sums + i);
+      }
+      footprint.add(sums, sheet.at(s->place), sheet.stride());
       footprint.addFilled(fill, sheet.filledAt(s->place), sheet.stride() / 4);
     };
     if (s->front > 0) add(s->front, here);
@@ -91,13 +108,12 @@ void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTab
 
 template <int kTaps>
 void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
-  const D d;
-  for (const AovSample* s : samples) {
+  for (const AovSample* const s : samples) {
     const Footprint<kTaps> footprint(table, s->place);
     const auto add = [&](float amount, float depth, Sheet& sheet) {
       const float scale = amount * Sheet::kOne;
       alignas(16) const float sums[4] = {scale * s->normal.x, scale * s->normal.y, scale * s->normal.z, scale * depth};
-      footprint.add(hn::LoadDup128(d, sums), sheet.at(s->place), sheet.stride());
+      footprint.add(sums, sheet.at(s->place), sheet.stride());
     };
     if (s->front > 0) add(s->front, s->depth_front, here);
     if (s->back > 0) add(s->back, s->depth_back, next);
@@ -140,12 +156,13 @@ FootprintTable::FootprintTable(double sigma_px) {
     // The sample is this far from the centre of the first pixel.
     const double from_first = taps_ / 2 - 1 + (phase + 0.5) / kPhases;
     std::vector<double> w(static_cast<std::size_t>(taps_));
-    double sum = 0;
+    double sum = 0, below = normalBelow((-from_first - 0.5) / sigma_px);
     for (int i = 0; i < taps_; ++i) {
-      const double d = i - from_first;
+      const double d = i - from_first, up_to = normalBelow((d + 0.5) / sigma_px);
+      const double inside = up_to - std::exchange(below, up_to);
       if (std::abs(d) > reach) continue;
-      w[static_cast<std::size_t>(i)] = normalBelow((d + 0.5) / sigma_px) - normalBelow((d - 0.5) / sigma_px);
-      sum += w[static_cast<std::size_t>(i)];
+      w[static_cast<std::size_t>(i)] = inside;
+      sum += inside;
     }
     for (const double v : w) {
       weights_.push_back(static_cast<float>(v / sum));

@@ -89,6 +89,8 @@ std::vector<SlabZone> slabZones(const Manifest& volume, const View& view, std::o
       const double width = std::ldexp(1.0, exponent) / kZonesOfOctave;
       const double near = std::ldexp(1.0, exponent) + eighth * width;
       if (near + width <= near_depth || near > depths[1] * 1.1) continue;
+      // In front of the volume by more than slabs reach. (A level that is asked for may have voxels of any size.)
+      if (!level && (near + width) * 1.25 < depths[0]) continue;
       SlabZone zone = latticeAt(view.focal_px / near, volume, level);
       zone.near = near;
       zone.far = near + width;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "splat/slab_layer.h"
+#include "splat/unit_load.h"
 #include "splat/waiting_samples.h"
 
 namespace kiln {
@@ -78,7 +79,9 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.table = table.entries();
   out.table_scale = table.scale();
   out.table_last = table.last();
-  out.one_color = table.oneColor();
+  out.extinctions = table.extinctions();
+  out.visible_after = table.visibleAfter();
+  out.visible_before = table.visibleBefore();
   const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
   if (zone.level > 0 && !refined) out.integral = table.integral();
   out.least_interval = table.leastInterval();
@@ -263,7 +266,6 @@ namespace {
 using Owned = SweepMemory::Parts::Owned;
 using Unit = SweepMemory::Parts::Unit;
 
-template <class T>
 class Sweep {
  public:
   Sweep(const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile, Visibility& visibility,
@@ -352,7 +354,7 @@ class Sweep {
     if (hidden(unit.rect)) return;
     const UnitLattice& l = f_.lattice();
     UnitInput in;
-    const ValueRange range = load(unit.lo);
+    const ValueRange range = loadUnit(block_, l, offset_, unit.lo, m_.values);
     if (!f_.interesting(range)) return;
     in.values = m_.values;
     in.least = static_cast<float>(range.lo - offset_);
@@ -424,52 +426,6 @@ class Sweep {
         look.gradient_opacity.active() ? look.gradient_opacity(details.tau, details.gradient) : details.tau;
     s.opacity = -std::expm1(-tau * details.ray);
     return true;
-  }
-
-  // The unit's voxels and those around it; returns the range of what its samples interpolate. Voxels that the brick has
-  // not, which no sample of its needs, repeat the nearest.
-  ValueRange load(const VoxelCoord& lo) {
-    const std::array<int, 3>& voxels = f_.lattice().voxels;
-    const int width = voxels[0] + 2 * kUnitMargin, height = voxels[1] + 2 * kUnitMargin,
-              depth = voxels[2] + 2 * kUnitMargin;
-    // The outermost voxels are for linear interpolation's gradients only.
-    const int outermost = f_.lattice().interpolation == Interpolation::kLinear ? 1 : 0;
-    const VoxelBox& has = block_.extent;
-    const T* const data = block_.data<T>();
-    std::int64_t column[kUnitVoxels + 2 * kUnitMargin];
-    for (int x = 0; x < width; ++x) column[x] = std::clamp(lo.x - kUnitMargin + x, has.lo.x, has.hi.x - 1) - has.lo.x;
-    const bool whole = column[width - 1] - column[0] == width - 1;
-    float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
-    for (int z = 0; z < depth; ++z) {
-      const std::int64_t at_z =
-          (std::clamp(lo.z - kUnitMargin + z, has.lo.z, has.hi.z - 1) - has.lo.z) * block_.strideZ();
-      for (int y = 0; y < height; ++y) {
-        const T* const from =
-            data + at_z + (std::clamp(lo.y - kUnitMargin + y, has.lo.y, has.hi.y - 1) - has.lo.y) * block_.strideY();
-        float* const to = m_.values + (z * height + y) * kUnitSamples;
-        if (whole) {
-          const T* const row = from + column[0];
-          for (int x = 0; x < width; ++x) to[x] = valueOf(row[x]);
-        } else {
-          for (int x = 0; x < width; ++x) to[x] = valueOf(from[column[x]]);
-        }
-        if (z < outermost || z >= depth - outermost || y < outermost || y >= height - outermost) continue;
-        for (int x = outermost; x < width - outermost; ++x) {
-          least = to[x] < least ? to[x] : least;
-          most = to[x] > most ? to[x] : most;
-        }
-      }
-    }
-    if (least > most) return {};
-    return {static_cast<double>(least) + offset_, static_cast<double>(most) + offset_};
-  }
-
-  float valueOf(T v) const {
-    if constexpr (sizeof(T) <= 2) {
-      return static_cast<float>(static_cast<int>(v) - static_cast<int>(offset_));
-    } else {
-      return static_cast<float>(static_cast<double>(v) - offset_);
-    }
   }
 
   void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
@@ -617,9 +573,7 @@ void sweepSlabs(const SlabFrame& frame, const BrickBlock& block, std::span<const
                 const TilePixels& tile, Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
                 SplatCounts& counts) {
   if (cells.empty()) return;
-  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
-    Sweep<T>(frame, block, tile, visibility, test_samples, opaque_at, memory.parts(), counts).run(cells);
-  });
+  Sweep(frame, block, tile, visibility, test_samples, opaque_at, memory.parts(), counts).run(cells);
 }
 
 }  // namespace kiln

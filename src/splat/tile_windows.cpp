@@ -1,6 +1,7 @@
 #include "splat/tile_windows.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace kiln {
 namespace {
@@ -37,6 +38,7 @@ void spread(std::int32_t* words, int count, int more) {
 }  // namespace
 
 void TileWindows::reset(const TilePixels& tile, int taps) {
+  assert(tile.rect.width() <= kSweepEdge && tile.rect.height() <= kSweepEdge);
   width_ = tile.rect.width(), height_ = tile.rect.height(), taps_ = taps;
   columns_ = blocksAlong(width_, taps);
   for (std::uint64_t& blocks : columns_) blocks *= 0x0101010101010101u;

@@ -98,7 +98,7 @@ TEST_P(Skipping, ChangesNoBit) {
     Camera camera = cameraFrom(volume.geometry, {0.4, -1, 0.6}, projection);
     camera.height = 80 / px_per_voxel;
     camera.fov_deg *= camera.height / 70;
-    request.view = resolve(camera, {80, 60});
+    request.view = resolve(camera, {64, 60});
     for (const auto& [lo, hi] : {std::array{126.0, 128.0}, std::array{128.0, 130.0}}) {
       SCOPED_TRACE(testing::Message() << px_per_voxel << " px/voxel, values of " << lo << " to " << hi);
       request.transfer_function = beside(lo, hi);

@@ -55,7 +55,10 @@ struct Refined {
 class Kernel {
  public:
   Kernel(Interpolation interpolation, const std::array<int, 3>& refinement) {
-    for (std::size_t i = 0; i < kMostValue + 2; ++i) table_.push_back({1, 1, 1, std::min<float>(i, kMostValue)});
+    for (std::size_t i = 0; i < kMostValue + 2; ++i) {
+      extinctions_.push_back(std::min<float>(i, kMostValue));
+      table_.push_back({1, 1, 1, extinctions_.back()});
+    }
     lattice_.interpolation = interpolation;
     for (std::size_t a = 0; a < 3; ++a) {
       lattice_.voxels[a] = std::min(kUnitVoxels, std::max(1, kUnitSamples / refinement[a]));
@@ -64,6 +67,7 @@ class Kernel {
     lattice_.step_x = {1, 0, 0}, lattice_.step_y = {0, 1, 0}, lattice_.step_z = {0, 0, 1};
     lattice_.near = -100, lattice_.slabs = 1000;
     lattice_.table = table_.front().data();
+    lattice_.extinctions = extinctions_.data();
     lattice_.table_last = kMostValue;
   }
 
@@ -98,6 +102,7 @@ class Kernel {
 
  private:
   std::vector<std::array<float, 4>> table_;
+  std::vector<float> extinctions_;
   UnitLattice lattice_;
 };
 

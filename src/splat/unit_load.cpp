@@ -1,0 +1,164 @@
+#include "splat/unit_load.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/unit_load.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef KILN_SPLAT_UNIT_LOAD_ROWS
+#define KILN_SPLAT_UNIT_LOAD_ROWS
+namespace kiln {
+namespace {
+
+// Where rows of voxels begin: at data + y[j] + z[k] + x[0].
+struct UnitRows {
+  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
+  std::array<std::int64_t, kUnitSamples> x;
+  std::array<std::int64_t, kEdge> y, z;
+  int width, height, depth;
+  int rim;  // of voxels for gradients only
+  bool inner(int j, int k) const { return j >= rim && j < height - rim && k >= rim && k < depth - rim; }
+};
+
+}  // namespace
+}  // namespace kiln
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Whole vectors of a row, of voxels that an int holds: it knows their range, column by column. requires: kUnitSamples
+// voxels from a row's first one on may be read.
+template <class T>
+ValueRange loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
+  const hn::CappedTag<std::int32_t, kUnitSamples> di;
+  const hn::RebindToFloat<decltype(di)> d;
+  const hn::Rebind<T, decltype(di)> dt;
+  const auto shift = hn::Set(di, offset);
+  alignas(64) std::int32_t least[kUnitSamples], most[kUnitSamples];
+  for (std::size_t x = 0; x < static_cast<std::size_t>(rows.width); x += hn::Lanes(di)) {
+    auto lo = hn::Set(di, std::numeric_limits<std::int32_t>::max());
+    auto hi = hn::Set(di, std::numeric_limits<std::int32_t>::lowest());
+    float* to = values + x;
+    for (int k = 0; k < rows.depth; ++k) {
+      const T* const plane = data + rows.z[static_cast<std::size_t>(k)] + rows.x[0] + x;
+      for (int j = 0; j < rows.height; ++j, to += kUnitSamples) {
+        const auto v = hn::PromoteTo(di, hn::LoadU(dt, plane + rows.y[static_cast<std::size_t>(j)]));
+        hn::Store(hn::ConvertTo(d, hn::Sub(v, shift)), d, to);
+        if (!rows.inner(j, k)) continue;
+        lo = hn::Min(lo, v);
+        hi = hn::Max(hi, v);
+      }
+    }
+    hn::Store(lo, di, least + x);
+    hn::Store(hi, di, most + x);
+  }
+  ValueRange out;
+  const int end = rows.width - rows.rim;
+  out.include({static_cast<double>(*std::min_element(least + rows.rim, least + end)),
+               static_cast<double>(*std::max_element(most + rows.rim, most + end))});
+  return out;
+}
+
+ValueRange loadU8(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+ValueRange loadI8(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+ValueRange loadU16(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+ValueRange loadI16(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(loadU8);
+HWY_EXPORT(loadI8);
+HWY_EXPORT(loadU16);
+HWY_EXPORT(loadI16);
+
+namespace {
+
+ValueRange loadWhole(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadU8)(rows, data, offset, values);
+}
+ValueRange loadWhole(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadI8)(rows, data, offset, values);
+}
+ValueRange loadWhole(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadU16)(rows, data, offset, values);
+}
+ValueRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
+}
+
+// Voxel by voxel: any type, and at the brick's ends.
+template <class T>
+ValueRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
+  float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
+  for (int k = 0; k < rows.depth; ++k) {
+    for (int j = 0; j < rows.height; ++j, values += kUnitSamples) {
+      const T* const from = data + rows.z[static_cast<std::size_t>(k)] + rows.y[static_cast<std::size_t>(j)];
+      for (int i = 0; i < rows.width; ++i)
+        values[i] = static_cast<float>(static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset);
+      if (!rows.inner(j, k)) continue;
+      for (int i = rows.rim; i < rows.width - rows.rim; ++i) {
+        least = values[i] < least ? values[i] : least;
+        most = values[i] > most ? values[i] : most;
+      }
+    }
+  }
+  if (least > most) return {};
+  return {static_cast<double>(least) + offset, static_cast<double>(most) + offset};
+}
+
+}  // namespace
+
+ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+                    float* values) {
+  const VoxelBox& has = block.extent;
+  const auto place = [&](int axis, int i) {
+    return std::clamp(lo[axis] - kUnitMargin + i, has.lo[axis], has.hi[axis] - 1) - has.lo[axis];
+  };
+  UnitRows rows;
+  rows.width = lattice.voxels[0] + 2 * kUnitMargin;
+  rows.height = lattice.voxels[1] + 2 * kUnitMargin;
+  rows.depth = lattice.voxels[2] + 2 * kUnitMargin;
+  // The outermost voxels are for linear interpolation's gradients only.
+  rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
+  for (int i = 0; i < rows.width; ++i) rows.x[static_cast<std::size_t>(i)] = place(0, i);
+  for (int j = 0; j < rows.height; ++j) rows.y[static_cast<std::size_t>(j)] = place(1, j) * block.strideY();
+  for (int k = 0; k < rows.depth; ++k) rows.z[static_cast<std::size_t>(k)] = place(2, k) * block.strideZ();
+  const std::int64_t last_x = rows.x[static_cast<std::size_t>(rows.width) - 1];
+  const std::int64_t last_row = rows.x[0] + *std::max_element(rows.y.begin(), rows.y.begin() + rows.height) +
+                                *std::max_element(rows.z.begin(), rows.z.begin() + rows.depth);
+  const Extent3 size = has.extent();
+  return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    const T* const data = block.data<T>();
+    if constexpr (sizeof(T) <= 2) {
+      if (last_x - rows.x[0] == rows.width - 1 && last_row + kUnitSamples <= size.x * size.y * size.z)
+        return loadWhole(rows, data, static_cast<int>(offset), values);
+    }
+    return loadVoxels(rows, data, offset, values);
+  });
+}
+
+}  // namespace kiln
+#endif
