@@ -65,7 +65,8 @@ HWY_INLINE V before(D d, const DepthSpread& s, V t) {
   return hn::Add(hn::Set(d, 0.5f), hn::CopySign(half, t));
 }
 
-template <class Field>
+// kDetails: whether details are wanted.
+template <class Field, bool kDetails>
 class Refiner {
  public:
   Refiner(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out)
@@ -172,10 +173,10 @@ class Refiner {
     if (hn::AllFalse(d, alive)) return;
 
     V matte = one, gloss = hn::Zero(d);
-    if (l_.phong || out_.details != nullptr) {
+    if (l_.phong || kDetails) {
       if (l_.integral == nullptr) slope = field_.gradients(ui);
       if (l_.phong) shade(slope, u, v, oblique, matte, gloss);
-      if (out_.details != nullptr) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
+      if constexpr (kDetails) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
     }
 
     weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
@@ -217,7 +218,7 @@ class Refiner {
     to.opacity = kept_.opacity[lane];
     std::memcpy(&to.front, kept_.parts + 4 * lane, 4 * sizeof(float));
     out_.slabs[counts_.samples] = kept_.slab[lane];
-    if (out_.details != nullptr) out_.details[counts_.samples] = noted_.at(lane);
+    if constexpr (kDetails) out_.details[counts_.samples] = noted_.at(lane);
     ++counts_.samples;
   }
 
@@ -340,9 +341,15 @@ class Refiner {
   Noted noted_;
 };
 
+template <class Field>
+RefinedCounts refine(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out) {
+  return out.details != nullptr ? Refiner<Field, true>(lattice, unit, out).run()
+                                : Refiner<Field, false>(lattice, unit, out).run();
+}
+
 RefinedCounts refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out) {
-  return lattice.interpolation == Interpolation::kLinear ? Refiner<LinearField>(lattice, unit, out).run()
-                                                         : Refiner<CubicField>(lattice, unit, out).run();
+  return lattice.interpolation == Interpolation::kLinear ? refine<LinearField>(lattice, unit, out)
+                                                         : refine<CubicField>(lattice, unit, out);
 }
 
 const char* nameOfTarget() { return hwy::TargetName(HWY_TARGET); }

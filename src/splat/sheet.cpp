@@ -20,6 +20,18 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using D4 = hn::CappedTag<float, 4>;
 using V = hn::Vec<D>;
+using VI = hn::Vec<hn::RebindToSigned<D>>;
+
+// The nearest whole number of what an int holds; sums are far from what it does not, which Highway would look for.
+HWY_INLINE VI nearest(V v) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return VI{_mm512_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET == HWY_AVX2
+  return VI{_mm256_cvtps_epi32(v.raw)};
+#else
+  return hn::NearestInt(v);
+#endif
+}
 
 // A footprint's pixels, in the part of a sheet where it lies. kTaps is 0 where only the table knows how many.
 template <int kTaps>
@@ -42,7 +54,7 @@ struct Footprint {
       const V c = hn::Mul(hn::LoadU(d, wide + i), fourOf(sums, i));
       std::int32_t* at = to + i;
       for (int j = 0; j < taps; ++j, at += stride)
-        hn::StoreU(hn::Add(hn::LoadU(di, at), hn::NearestInt(hn::Mul(c, hn::Set(d, down[j])))), di, at);
+        hn::StoreU(hn::Add(hn::LoadU(di, at), nearest(hn::Mul(c, hn::Set(d, down[j])))), di, at);
     }
   }
 
@@ -56,7 +68,7 @@ struct Footprint {
       alignas(64) std::int32_t parts[16];
       for (std::size_t i = 0; i < 16; i += hn::Lanes(wide_d)) {
         const V c = hn::Mul(fourOf(row, i), hn::Set(wide_d, fill));
-        hn::Store(hn::NearestInt(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), hn::RebindToSigned<D>(), parts + i);
+        hn::Store(nearest(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), hn::RebindToSigned<D>(), parts + i);
       }
       for (int j = 0; j < 4; ++j, to += stride) {
         for (std::size_t i = 0; i < 4; i += hn::Lanes(d))
