@@ -1,5 +1,6 @@
 #include "splat/refine_unit.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -143,21 +144,8 @@ class Refiner {
     alive = hn::And(alive, hn::And(hn::Gt(hn::Add(depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(depth, reach), end)));
     if (hn::AllFalse(d, alive)) return;
 
-    // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.
-    const V s0 = hn::Floor(hn::Sub(depth, reach));
-    const V s1 = hn::Floor(hn::Add(depth, reach));
-    const V first = hn::Max(s0, hn::Zero(d));
-    const V split = before(d, l_.spread, hn::Sub(hn::Add(first, one), depth));
-    V front = hn::IfThenElse(hn::Gt(s1, first), split, one);
-    V back = hn::Sub(one, front);
-    const M crossing = hn::Or(hn::Lt(s0, hn::Zero(d)), hn::Ge(s1, end));
-    if (!hn::AllFalse(d, crossing)) {
-      front = hn::Max(hn::Sub(front, before(d, l_.spread, hn::Neg(depth))), hn::Zero(d));
-      back = hn::Max(hn::Sub(back, before(d, l_.spread, hn::Sub(depth, end))), hn::Zero(d));
-      back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
-    }
-    alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
-    // Counted is a sample of the brick's own, in the tile and the zone where its centre is.
+    // Counted is a sample of the brick's own, in the tile and the zone where its centre is. Of the zone it then fills
+    // a part.
     const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
     M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
                                           hn::Lt(lane, hn::Set(di, u_.core_end[0]))));
@@ -172,6 +160,20 @@ class Refiner {
     }
     if (hn::AllFalse(d, alive)) return;
 
+    // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.
+    const V s0 = hn::Floor(hn::Sub(depth, reach));
+    const V s1 = hn::Floor(hn::Add(depth, reach));
+    const V first = hn::Max(s0, hn::Zero(d));
+    const V split = before(d, l_.spread, hn::Sub(hn::Add(first, one), depth));
+    V front = hn::IfThenElse(hn::Gt(s1, first), split, one);
+    V back = hn::Sub(one, front);
+    const M crossing = hn::Or(hn::Lt(s0, hn::Zero(d)), hn::Ge(s1, end));
+    if (!hn::AllFalse(d, crossing)) {
+      front = hn::Max(hn::Sub(front, before(d, l_.spread, hn::Neg(depth))), hn::Zero(d));
+      back = hn::Max(hn::Sub(back, before(d, l_.spread, hn::Sub(depth, end))), hn::Zero(d));
+      back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
+    }
+    alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
     V matte = one, gloss = hn::Zero(d);
     if (l_.phong || kDetails) {
       if (l_.integral == nullptr) slope = field_.gradients(ui);
@@ -206,7 +208,7 @@ class Refiner {
   HWY_INLINE void keep(std::size_t lane) {
     using D4 = hn::CappedTag<float, 4>;
     const D4 d;
-    SlabSample& to = out_.samples[counts_.samples];
+    SlabSample& to = place(lane);
     const float* const entry = l_.table + kept_.entry[lane];
     const auto between = hn::Set(d, kept_.between[lane]);
     const auto matte = hn::Set(d, kept_.matte[lane]), gloss = hn::Set(d, kept_.gloss[lane]);
@@ -217,9 +219,16 @@ class Refiner {
     }
     to.opacity = kept_.opacity[lane];
     std::memcpy(&to.front, kept_.parts + 4 * lane, 4 * sizeof(float));
-    out_.slabs[counts_.samples] = kept_.slab[lane];
-    if constexpr (kDetails) out_.details[counts_.samples] = noted_.at(lane);
-    ++counts_.samples;
+  }
+
+  HWY_INLINE SlabSample& place(std::size_t lane) {
+    if constexpr (kDetails) {
+      out_.slabs[counts_.samples] = kept_.slab[lane];
+      out_.details[counts_.samples] = noted_.at(lane);
+      return out_.samples[counts_.samples++];
+    } else {
+      return out_.waiting->add(static_cast<std::size_t>(std::max(kept_.slab[lane] - out_.first_slab, 0)));
+    }
   }
 
   // The window of a footprint along one axis, counted from the first that touches the tile, and its phase.

@@ -12,6 +12,7 @@
 #include "grid/coords.h"
 #include "splat/tile_windows.h"
 #include "splat/unit_axis.h"
+#include "splat/waiting_samples.h"
 
 namespace kiln {
 
@@ -82,19 +83,22 @@ struct SampleDetails {
   float ray;           // through the slab. unit: world
 };
 
-/// Where samples go. shape: each has room for 16³.
+/// Where samples go: to their slabs, counted from `first_slab`, which also takes those before it; or, if `details` is
+/// not null, with their slabs and details to arrays, for a caller who finishes them. shape: arrays have room for 16³.
 struct RefinedSamples {
+  WaitingSamples<SlabSample>* waiting = nullptr;
+  int first_slab = 0;
   SlabSample* samples = nullptr;
-  std::int32_t* slabs = nullptr;     // of each
-  SampleDetails* details = nullptr;  // of each, if not null
+  std::int32_t* slabs = nullptr;
+  SampleDetails* details = nullptr;
 };
 
 struct RefinedCounts {
-  int samples = 0;  // that are kept
+  int samples = 0;  // that went to arrays
   int closed = 0;   // that count, and were left out because their footprints are closed
 };
 
-/// Appends the samples that are not transparent and whose footprints touch the tile.
+/// Refines the samples that are not transparent and whose footprints touch the tile.
 RefinedCounts refineUnit(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out);
 
 /// The instruction set in use: "AVX3" and the like.

@@ -234,7 +234,7 @@ struct SweepMemory::Parts {
   std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
   WaitingSamples<SlabSample> waiting;    // by their slab
   WaitingSamples<AovSample> waiting_aovs;
-  std::vector<SlabSample> refined;
+  std::vector<SlabSample> refined;  // with details
   std::vector<std::int32_t> slabs;  // of each of them
   std::vector<const SlabSample*> visible;
   std::vector<const AovSample*> visible_aovs;
@@ -245,10 +245,7 @@ struct SweepMemory::Parts {
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
 };
 
-SweepMemory::SweepMemory() : parts_(std::make_unique<Parts>()) {
-  parts_->refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
-  parts_->slabs.resize(parts_->refined.size());
-}
+SweepMemory::SweepMemory() : parts_(std::make_unique<Parts>()) {}
 SweepMemory::~SweepMemory() = default;
 
 std::size_t SweepMemory::bytes() const {
@@ -377,17 +374,25 @@ class Sweep {
     in.tile = tile_.rect;
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f_.detailed()) in.windows = &m_.windows;
-    const bool detailed = f_.detailed() || aovs_;
-    if (detailed) m_.details.resize(m_.refined.size());
+    if (f_.detailed() || aovs_)
+      refineWithDetails(in, unit.lo);
+    else
+      counts_.visited += static_cast<std::uint64_t>(refineUnit(l, in, {&m_.waiting, begin_}).closed);
+  }
+
+  void refineWithDetails(const UnitInput& in, const VoxelCoord& lo) {
+    m_.refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
+    m_.slabs.resize(m_.refined.size());
+    m_.details.resize(m_.refined.size());
     const RefinedCounts counts =
-        refineUnit(l, in, {m_.refined.data(), m_.slabs.data(), detailed ? m_.details.data() : nullptr});
+        refineUnit(f_.lattice(), in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
     counts_.visited += static_cast<std::uint64_t>(counts.closed);
     for (std::size_t i = 0; i < static_cast<std::size_t>(counts.samples); ++i) {
       SlabSample& s = m_.refined[i];
-      if (f_.detailed() && !finish(s, m_.details[i], unit.lo)) continue;
+      if (f_.detailed() && !finish(s, m_.details[i], lo)) continue;
       const int slab = std::max(m_.slabs[i], begin_);
-      m_.waiting.add(static_cast<std::size_t>(slab - begin_), s);
-      if (aovs_) addToWaitingAovs(s, slab, m_.details[i], unit.lo);
+      m_.waiting.add(static_cast<std::size_t>(slab - begin_)) = s;
+      if (aovs_) addToWaitingAovs(s, slab, m_.details[i], lo);
     }
   }
 
@@ -396,8 +401,8 @@ class Sweep {
                                           const VoxelCoord& lo) {
     const UnitLattice& l = f_.lattice();
     const float depth = (details.view.z - l.near) * l.slabs_per_depth;
-    m_.waiting_aovs.add(static_cast<std::size_t>(slab - begin_),
-                        aovSample(s, slab, depth, l.spread, normalOf(details, lo)));
+    m_.waiting_aovs.add(static_cast<std::size_t>(slab - begin_)) =
+        aovSample(s, slab, depth, l.spread, normalOf(details, lo));
   }
 
   glm::vec3 normalOf(const SampleDetails& details, const VoxelCoord& lo) const {

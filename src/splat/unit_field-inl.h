@@ -35,8 +35,12 @@ HWY_INLINE V mix(D d, V a, V b, V t) {
   return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
 }
 
+// The same where all lanes have one t.
+HWY_INLINE V mix(D d, V a, V b, float t) { return t == 0 ? a : hn::Add(a, hn::Mul(hn::Set(d, t), hn::Sub(b, a))); }
+
 // The central difference between a and b, at t of the way.
-HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, V t) {
+template <class T>
+HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, T t) {
   return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
 }
 
@@ -74,31 +78,28 @@ class LinearField : UnitVoxels {
  public:
   LinearField(const UnitLattice& lattice, const UnitInput& unit) : UnitVoxels(lattice, unit) {}
 
-  // The plane of sample k along z: its values, and half the difference along z.
+  // The plane of sample k along z: its values.
   void toPlane(int k) {
     const D d;
     const UnitAxis& axis = l_.axis[2];
-    const int z = axis.base[static_cast<std::size_t>(k)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(k)]);
+    k_ = static_cast<std::size_t>(k);
+    rows_along_z_ = 0;
+    const int z = axis.base[k_];
+    const float t = axis.fraction[k_];
     for (int y = 0; y < height_; ++y) {
-      for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
-        const V a = hn::Load(d, row(y, z) + x), b = hn::Load(d, row(y, z + 1) + x);
-        const V before_a = hn::Load(d, row(y, z - 1) + x);
-        const V after_b = hn::Load(d, row(y, z + 2) + x);
-        hn::Store(mix(d, a, b, t), d, &value_[y][x]);
-        hn::Store(slopeOf(d, before_a, a, b, after_b, t), d, &along_z_[y][x]);
-      }
+      for (std::size_t x = 0; x < width_; x += hn::Lanes(d))
+        hn::Store(mix(d, hn::Load(d, row(y, z) + x), hn::Load(d, row(y, z + 1) + x), t), d, &value_[y][x]);
     }
   }
 
   // The row of sample j along y, in that plane.
   void toRow(int j) {
     const D d;
-    j_ = j;
+    j_ = static_cast<std::size_t>(j);
     derived_ = false;
     const UnitAxis& axis = l_.axis[1];
-    const int y = axis.base[static_cast<std::size_t>(j)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j)]);
+    const int y = axis.base[j_];
+    const float t = axis.fraction[j_];
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d))
       hn::Store(mix(d, hn::Load(d, &value_[y][x]), hn::Load(d, &value_[y + 1][x]), t), d, &row_[x]);
   }
@@ -138,8 +139,10 @@ class LinearField : UnitVoxels {
     const D d;
     derived_ = true;
     const UnitAxis& axis = l_.axis[1];
-    const int y = axis.base[static_cast<std::size_t>(j_)];
-    const V t = hn::Set(d, axis.fraction[static_cast<std::size_t>(j_)]);
+    const int y = axis.base[j_];
+    const float t = axis.fraction[j_];
+    deriveAlongZ(y);
+    deriveAlongZ(y + 1);
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
       const V a = hn::Load(d, &value_[y][x]), b = hn::Load(d, &value_[y + 1][x]);
       const V before_a = hn::Load(d, &value_[y - 1][x]);
@@ -149,8 +152,22 @@ class LinearField : UnitVoxels {
     }
   }
 
-  int j_ = 0;
+  // The central differences along z of row y of the plane.
+  void deriveAlongZ(int y) {
+    if ((rows_along_z_ >> y & 1) != 0) return;
+    rows_along_z_ |= 1u << y;
+    const D d;
+    const UnitAxis& axis = l_.axis[2];
+    const int z = axis.base[k_];
+    for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
+      const auto at = [&](int plane) { return hn::Load(d, row(y, plane) + x); };
+      hn::Store(slopeOf(d, at(z - 1), at(z), at(z + 1), at(z + 2), axis.fraction[k_]), d, &along_z_[y][x]);
+    }
+  }
+
+  std::size_t j_ = 0, k_ = 0;
   bool derived_ = false;
+  unsigned rows_along_z_ = 0;  // those known
   alignas(64) Row value_[kEdge + 1], along_z_[kEdge + 1];
   alignas(64) Row row_, row_y_, row_z_;
 };

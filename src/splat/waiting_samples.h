@@ -20,10 +20,11 @@ class WaitingSamples {
     for (std::size_t slab = 0; slab < slabs_.size(); ++slab) take(slab, [](std::span<const Sample>) {});
     slabs_.resize(slabs);
   }
-  void add(std::size_t slab, const Sample& sample) {
+  /// One more sample of the slab, to be written at once.
+  Sample& add(std::size_t slab) {
     Chunk* last = slabs_[slab];
     if (last == nullptr || last->count == kOfChunk) last = extend(slab);
-    last->samples[static_cast<std::size_t>(last->count++)] = sample;
+    return last->samples[static_cast<std::size_t>(last->count++)];
   }
   /// Calls each(std::span<const Sample>) with all the samples of the slab, some at a time, and forgets them.
   template <class Each>

@@ -93,7 +93,7 @@ class Kernel {
     Refined out{std::vector<SlabSample>(16 * 16 * 16), std::vector<std::int32_t>(16 * 16 * 16),
                 std::vector<SampleDetails>(16 * 16 * 16)};
     const auto count = static_cast<std::size_t>(
-        refineUnit(lattice_, in, {out.samples.data(), out.slabs.data(), out.details.data()}).samples);
+        refineUnit(lattice_, in, {nullptr, 0, out.samples.data(), out.slabs.data(), out.details.data()}).samples);
     out.samples.resize(count);
     out.slabs.resize(count);
     out.details.resize(count);

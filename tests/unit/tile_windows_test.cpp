@@ -1,0 +1,79 @@
+// Against the definition, pixel by pixel: a window's blocks are those of its pixels in the tile, and it is open where
+// one of them is.
+#include "splat/tile_windows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "support/procedural.h"
+
+namespace kiln::test {
+namespace {
+
+class Definition {
+ public:
+  explicit Definition(const PixelRect& rect) : rect_(rect), rgba_(std::size_t{4} * kSweepEdge * kSweepEdge) {}
+  TilePixels tile() { return {rect_, rgba_.data(), std::ptrdiff_t{4} * kSweepEdge, {}}; }
+  bool open(int x, int y) const { return rgba_[indexOf(x, y)] != 1; }
+  void close(int x, int y) { rgba_[indexOf(x, y)] = 1; }
+
+  // How many windows `windows` knows otherwise.
+  int wrong(const TileWindows& windows, int taps) const {
+    int out = 0;
+    for (int y = 0; y < rect_.height() + taps - 1; ++y) {
+      for (int x = 0; x < rect_.width() + taps - 1; ++x) {
+        std::uint64_t blocks = 0;
+        bool is_open = false;
+        for (int py = std::max(y - taps + 1, 0); py <= std::min(y, rect_.height() - 1); ++py) {
+          for (int px = std::max(x - taps + 1, 0); px <= std::min(x, rect_.width() - 1); ++px) {
+            blocks |= std::uint64_t{1} << (py / 8 * 8 + px / 8);
+            is_open = is_open || open(px, py);
+          }
+        }
+        const FootprintPlace at{x + (y << 16), 0};
+        out += windows.blocks(at) != blocks || windows.open(at) != is_open ? 1 : 0;
+      }
+    }
+    return out;
+  }
+
+ private:
+  static std::size_t indexOf(int x, int y) { return static_cast<std::size_t>(4 * (y * kSweepEdge + x) + 3); }
+  PixelRect rect_;
+  std::vector<float> rgba_;
+};
+
+TEST(TileWindows, KnowBlocksAndWhatIsOpen) {
+  for (const PixelRect& rect : {PixelRect{64, 0, 128, 64}, PixelRect{3, 5, 40, 22}, PixelRect{7, 7, 8, 8}}) {
+    for (const int taps : {4, 6, 36, 70}) {
+      if (taps > 6 && rect.width() > 40) continue;  // a long sum
+      SCOPED_TRACE(testing::Message() << rect.width() << " x " << rect.height() << ", " << taps << " taps");
+      Definition truth(rect);
+      TileWindows windows;
+      std::uint64_t seed = 0;
+      const auto closeMany = [&](double share, const auto& close) {
+        for (int y = 0; y < rect.height(); ++y) {
+          for (int x = 0; x < rect.width(); ++x) {
+            if (truth.open(x, y) && hashUnit(7, seed++) < share) close(x, y);
+          }
+        }
+      };
+      closeMany(0.7, [&](int x, int y) { truth.close(x, y); });
+      windows.reset(truth.tile(), taps);
+      EXPECT_EQ(truth.wrong(windows, taps), 0);
+      for (const double share : {0.01, 0.8, 1.0}) {
+        closeMany(share, [&](int x, int y) {
+          truth.close(x, y);
+          windows.close(x, y);
+        });
+        windows.update();
+        EXPECT_EQ(truth.wrong(windows, taps), 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
