@@ -147,8 +147,8 @@ ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double 
   for (int j = 0; j < rows.height; ++j) rows.y[static_cast<std::size_t>(j)] = place(1, j) * block.strideY();
   for (int k = 0; k < rows.depth; ++k) rows.z[static_cast<std::size_t>(k)] = place(2, k) * block.strideZ();
   const std::int64_t last_x = rows.x[static_cast<std::size_t>(rows.width) - 1];
-  const std::int64_t last_row = rows.x[0] + *std::max_element(rows.y.begin(), rows.y.begin() + rows.height) +
-                                *std::max_element(rows.z.begin(), rows.z.begin() + rows.depth);
+  const std::int64_t last_row =
+      rows.x[0] + rows.y[static_cast<std::size_t>(rows.height) - 1] + rows.z[static_cast<std::size_t>(rows.depth) - 1];
   const Extent3 size = has.extent();
   return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const data = block.data<T>();
