@@ -7,88 +7,13 @@
 // is in the brick. To them it adds the samples of its apron, so that no pixel of a slab is the sum of two bricks.
 #pragma once
 
+#include <cstddef>
 #include <memory>
-#include <vector>
+#include <span>
 
-#include "scene/clip_region.h"
-#include "splat/gradient_opacity.h"
-#include "splat/sample_table.h"
-#include "splat/shade.h"
-#include "splat/sheet.h"
-#include "splat/slab_grid.h"
-#include "splat/splat_cell.h"
-#include "store/brick_block.h"
+#include "splat/slab_frame.h"
 
 namespace kiln {
-
-/// How far beyond its core a brick's samples are drawn, at most: the apron, but for a voxel that gradients (and the
-/// B-spline) need. unit: voxels.
-inline constexpr std::int64_t kMostGhosts = 5;
-
-/// How samples of a level look beside what the table says. requires: all outlive those who have it.
-struct SampleLook {
-  Shading shading;
-  Shader shader;  // of the level
-  GradientOpacity gradient_opacity;
-  const ClipRegion* clip = nullptr;
-  float gradient_noise = 0;  // unit: value per voxel
-  Interpolation interpolation = Interpolation::kLinear;
-};
-
-/// What all bricks and tiles of a zone share.
-class SlabFrame {
- public:
-  /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
-  SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-            const SampleTable& table, const SampleLook& look);
-
-  const SlabZone& zone() const { return zone_; }
-  const Projector& projector() const { return projector_; }
-  const Extent3& dims() const { return dims_; }
-  const EndVoxels& ends() const { return ends_; }
-  const SampleTable& table() const { return table_; }
-  /// Whether samples that interpolate values of `range` may show anything.
-  bool interesting(const ValueRange& range) const {
-    return lattice_.integral != nullptr ? table_.interestingAsIntervals(range) : table_.interesting(range);
-  }
-  const SampleLook& look() const { return look_; }
-  /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
-  bool detailed() const { return detailed_; }
-  const FootprintTable& footprint() const { return footprint_; }
-  const UnitLattice& lattice() const { return lattice_; }
-  /// How far beyond its core a brick's samples are drawn. unit: voxels.
-  std::int64_t ghosts() const { return ghosts_; }
-
-  /// Where the samples of `box` fall, and perhaps more: pixels, not cut off at the image, and slabs of the zone.
-  struct Bounds {
-    PixelRect rect;
-    int first = 0, last = -1;
-    bool empty() const { return first > last || rect.empty(); }
-  };
-  Bounds boundsOf(const VoxelBox& box) const;
-
- private:
-  const SlabZone& zone_;
-  const Projector& projector_;
-  const Extent3 dims_;
-  const EndVoxels ends_;
-  const SampleTable& table_;
-  SampleLook look_;
-  bool detailed_;
-  FootprintTable footprint_;
-  UnitLattice lattice_;
-  std::int64_t ghosts_;
-};
-
-/// A cell of a brick, or of its apron, that may hold something.
-struct SlabCell {
-  VoxelBox box;
-  SlabFrame::Bounds bounds;
-};
-
-/// The cells of the brick that the transfer function shows. cost: a look at each cell's range; for a cubic also at the
-/// voxels of cells beside one that is shown.
-std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block);
 
 /// What a sweep needs for a time; made once for each thread and kept.
 class SweepMemory {

@@ -1,0 +1,211 @@
+#include "splat/slab_frame.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace kiln {
+namespace {
+
+int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
+
+// A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
+// slabs (ARCHITECTURE.md has the figures).
+constexpr int kUnitRows = 4;
+
+int unitVoxels(int refinement, std::size_t axis) {
+  const int whole = std::max(1, (axis == 0 ? kUnitSamples : kUnitRows) / refinement);
+  return std::min(kUnitVoxels, static_cast<int>(std::bit_floor(static_cast<unsigned>(whole))));
+}
+
+DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
+  std::array<float, 3> edges{};
+  for (int a = 0; a < 3; ++a) {
+    const auto ua = static_cast<std::size_t>(a);
+    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / zone.refinement[ua] / zone.thickness);
+  }
+  std::sort(edges.begin(), edges.end());
+  return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
+}
+
+// The lights that refineUnit knows: one white headlight, or none.
+bool plainlyLit(const Shading& shading) {
+  if (!shading.phong) return true;
+  return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&
+         shading.lights[0].color == glm::dvec3(1);
+}
+
+UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
+                        const SampleTable& table, const SampleLook& look, bool detailed) {
+  const Shading& shading = look.shading;
+  UnitLattice out;
+  out.interpolation = look.interpolation;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.voxels[a] = unitVoxels(zone.refinement[a], a);
+    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a], look.interpolation);
+  }
+  out.perspective = projector.perspective();
+  out.focal = static_cast<float>(projector.focal());
+  out.centre_x = static_cast<float>(projector.centre().x);
+  out.centre_y = static_cast<float>(projector.centre().y);
+  out.near_depth = static_cast<float>(projector.nearDepth());
+  out.step_x = glm::vec3(projector.axis(0));
+  out.step_y = glm::vec3(projector.axis(1));
+  out.step_z = glm::vec3(projector.axis(2));
+  out.near = static_cast<float>(zone.near);
+  out.slabs_per_depth = static_cast<float>(1 / zone.thickness);
+  out.thickness = static_cast<float>(zone.thickness);
+  out.slabs = zone.slabs;
+  out.spread = depthSpread(zone, projector);
+  out.taps = footprint.taps();
+  const double samples = zone.refinement[0] * zone.refinement[1] * zone.refinement[2];
+  out.weight =
+      static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
+  out.table = table.entries();
+  out.table_scale = table.scale();
+  out.table_last = table.last();
+  out.extinctions = table.extinctions();
+  out.visible_after = table.visibleAfter();
+  out.visible_before = table.visibleBefore();
+  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
+  if (zone.level > 0 && !refined) out.integral = table.integral();
+  out.least_interval = table.leastInterval();
+  out.phong = shading.phong && !detailed;
+  out.ambient = static_cast<float>(shading.ambient);
+  const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
+  out.diffuse = static_cast<float>(intensity * shading.diffuse);
+  out.specular = static_cast<float>(intensity * shading.specular);
+  out.power = static_cast<float>(shading.power);
+  out.least_gradient_squared = look.gradient_noise * look.gradient_noise;
+  out.view_from_index_gradient = projector.viewFromIndexGradient();
+  return out;
+}
+
+// How far beyond its core a brick's samples reach the pixels of slabs that it owns: along the axis where it is the
+// most, a footprint across and half a slab and a sample's own depth along the view.
+std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
+                      const DepthSpread& spread) {
+  constexpr double kSlack = 0.02;  // a footprint's phases, and rounding
+  const double along = (spread.reach + 0.5 + kSlack) * zone.thickness;
+  const double farthest = projector.perspective() ? zone.far + along : 1;
+  const double across = (footprint.radius() + kSlack) * farthest / projector.focal();
+  // Along a ray of the picture's corner, depth is also a way across.
+  const glm::dvec2 slope = projector.perspective() ? projector.centre() / projector.focal() : glm::dvec2(0);
+  std::int64_t most = 0;
+  for (int a = 0; a < 3; ++a) {
+    const glm::dvec3 row = glm::abs(glm::dvec3(projector.indexRow(a)));
+    const double voxels = (row.x + row.y) * across + (row.x * slope.x + row.y * slope.y + row.z) * along;
+    // The first sample of a voxel is half a sample beyond its face.
+    const double first = 0.5 / zone.refinement[static_cast<std::size_t>(a)];
+    most = std::max(most, static_cast<std::int64_t>(std::ceil(std::min(voxels - first, 1e6))));
+  }
+  // Between voxels, one more is for interpolation.
+  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
+  return std::min(most, refined ? kMostGhosts - 1 : kMostGhosts);
+}
+
+// What the supports of a cell and of those around it range over.
+ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
+  ValueRange out;
+  const auto last = [&](int cell) { return std::min(cell + 1, supports.edge() - 1); };
+  for (int k = std::max(z - 1, 0); k <= last(z); ++k) {
+    for (int j = std::max(y - 1, 0); j <= last(y); ++j) {
+      for (int i = std::max(x - 1, 0); i <= last(x); ++i) out.include(supports.at(i, j, k));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+                     const SampleTable& table, const SampleLook& look)
+    : zone_(zone),
+      projector_(projector),
+      dims_(dims),
+      ends_(ends),
+      table_(table),
+      look_(look),
+      detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
+      footprint_(zone.sigma_px),
+      lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
+      ghosts_(ghostsOf(zone, projector, footprint_, lattice_.spread)) {}
+
+SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
+  double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
+  double z0 = std::numeric_limits<double>::infinity(), z1 = -z0;
+  bool behind = false;
+  const glm::dvec3 corner = projector_.viewOfIndex(
+      {static_cast<double>(box.lo.x) - 0.5, static_cast<double>(box.lo.y) - 0.5, static_cast<double>(box.lo.z) - 0.5});
+  const glm::dvec3 edge[3] = {static_cast<double>(box.hi.x - box.lo.x) * projector_.axis(0),
+                              static_cast<double>(box.hi.y - box.lo.y) * projector_.axis(1),
+                              static_cast<double>(box.hi.z - box.lo.z) * projector_.axis(2)};
+  if (!projector_.perspective()) {
+    const glm::dvec3 half = 0.5 * (glm::abs(edge[0]) + glm::abs(edge[1]) + glm::abs(edge[2]));
+    const glm::dvec3 middle = corner + 0.5 * (edge[0] + edge[1] + edge[2]);
+    const glm::dvec2 px = projector_.pixelOf(middle);
+    x0 = px.x - projector_.focal() * half.x, x1 = px.x + projector_.focal() * half.x;
+    y0 = px.y - projector_.focal() * half.y, y1 = px.y + projector_.focal() * half.y;
+    z0 = middle.z - half.z, z1 = middle.z + half.z;
+  } else {
+    for (int c = 0; c < 8; ++c) {
+      glm::dvec3 p = corner;
+      for (int a = 0; a < 3; ++a) {
+        if ((c >> a & 1) != 0) p += edge[a];
+      }
+      z0 = std::min(z0, p.z);
+      z1 = std::max(z1, p.z);
+      if (p.z < 0.5 * projector_.nearDepth()) {
+        behind = true;
+        continue;
+      }
+      const glm::dvec2 px = projector_.pixelOf(p);
+      x0 = std::min(x0, px.x), x1 = std::max(x1, px.x);
+      y0 = std::min(y0, px.y), y1 = std::max(y1, px.y);
+    }
+    if (behind) x0 = y0 = -kFar_px, x1 = y1 = kFar_px;
+  }
+  Bounds out;
+  // A sample has a depth of its own.
+  const double reach = lattice_.spread.reach * zone_.thickness;
+  if (z1 + reach < zone_.near || z0 - reach >= zone_.far) return out;
+  // Half a pixel to the nearest centre and rounding beside the footprint.
+  const double r = footprint_.radius() + 0.51;
+  out.rect = {floorOf(x0 - r), floorOf(y0 - r), floorOf(x1 + r) + 1, floorOf(y1 + r) + 1};
+  const auto slab = [&](double z) {
+    return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));
+  };
+  // One for rounding.
+  out.first = std::max(0, slab(z0 - reach) - 1);
+  out.last = slab(z1 + reach);
+  return out;
+}
+
+std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block) {
+  std::vector<SlabCell> out;
+  const VoxelBox reach = intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()));
+  const int n = block.supports.edge();
+  // A cubic reaches a voxel farther than the supports that come with a brick.
+  const bool cubic = frame.lattice().interpolation != Interpolation::kLinear;
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const bool near = frame.interesting(block.supports.at(x, y, z));
+        if (!near && !(cubic && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
+        const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
+                               block.core.lo.z + (z - 1) * kCellSize};
+        SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
+        if (cell.box.empty() || frame.look().clip->classify(cell.box) == ClipRegion::Overlap::kOutside) continue;
+        const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
+        if (!near && !frame.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
+        cell.bounds = frame.boundsOf(cell.box);
+        if (!cell.bounds.empty()) out.push_back(cell);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace kiln
