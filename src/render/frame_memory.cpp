@@ -22,7 +22,7 @@ constexpr std::uint64_t kWalkBytes = 16;
 
 // What a square being swept takes for each pixel of it and of a margin around it: samples that wait for their slabs,
 // two sheets and what the pixels own. A unit of 16 x 4 x 4 samples, half a pixel apart, is 8.5 slabs long at most and
-// half of their samples wait at a time: 8 a cubic pixel of 33 bytes make 1.1 KiB. Measured over the test scenes, in
+// half of their samples wait at a time: 8 a cubic pixel of 32 bytes make 1 KiB. Measured over the test scenes, in
 // perspective: 1.5 KiB.
 constexpr std::uint64_t kSweepBytesOfPixel = 1800;
 // As many samples and sheets again, of what is told beside colours.
