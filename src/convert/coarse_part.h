@@ -19,7 +19,8 @@ struct CoarsePart {
   std::vector<ValueRange> cells;
   ValueRange support;
 
-  /// What a part of so many coarse voxels takes. requires: its first voxel begins a cell, or it is within one.
+  /// What a part of so many coarse voxels takes, with what the allocator loses between parts. requires: its first voxel
+  /// begins a cell, or it is within one.
   static std::uint64_t bytesOf(const Extent3& voxels, std::uint64_t voxel_bytes);
   std::uint64_t bytes() const { return bytesOf(box.extent(), voxels.size() / static_cast<std::uint64_t>(box.count())); }
 };
