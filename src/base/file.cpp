@@ -161,7 +161,8 @@ void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
   const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
-  writeAll(file.get(), path, data.subspan(done), done);
+  // A pipe has no offsets.
+  writeAll(file.get(), path, data.subspan(done), done > 0 ? std::optional<std::uint64_t>(done) : std::nullopt);
   if (mode == WriteMode::kSynced && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }

@@ -3,6 +3,11 @@
 #include "base/file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <iterator>
+#include <thread>
 
 #include "support/test_store.h"
 
@@ -21,6 +26,18 @@ TEST(FileSystem, WritesTheSameBytesInEveryMode) {
       EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
     }
   }
+}
+
+// Known because a pipe gives what was put into it, in order; it holds less than this at a time.
+TEST(FileSystem, WritesToAPipe) {
+  const fs::path path = freshDirectory("pipe") / "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::string read;
+  std::thread reader([&] { read.assign(std::istreambuf_iterator(std::ifstream(path).rdbuf()), {}); });
+  const std::string text(300000, 'k');
+  EXPECT_NO_THROW(FileSystem::real().writeAtomic(path, text));
+  reader.join();
+  EXPECT_EQ(read, text);
 }
 
 }  // namespace
