@@ -41,7 +41,7 @@ struct Footprint {
   Footprint(const FootprintTable& table, const FootprintPlace& place)
       : wide(table.wide(place.phaseX())),
         row(table.row(place.phaseX())),
-        down(table.weights(place.phaseY())),
+        down(table.row(place.phaseY())),
         wide_down(table.wide(place.phaseY())),
         taps(kTaps > 0 ? kTaps : table.taps()),
         padded(kTaps > 0 ? kTaps : table.padded()) {}
@@ -177,10 +177,9 @@ FootprintTable::FootprintTable(double sigma_px) {
       sum += inside;
     }
     for (const double v : w) {
-      weights_.push_back(static_cast<float>(v / sum));
-      wide_.insert(wide_.end(), 4, weights_.back());
+      rows_.push_back(static_cast<float>(v / sum));
+      wide_.insert(wide_.end(), 4, rows_.back());
     }
-    rows_.insert(rows_.end(), weights_.end() - taps_, weights_.end());
     rows_.resize(static_cast<std::size_t>((phase + 1) * padded()), 0.0f);
     wide_.resize(static_cast<std::size_t>((phase + 1) * 4 * padded()), 0.0f);
   }

@@ -24,9 +24,7 @@ class FootprintTable {
   explicit FootprintTable(double sigma_px);
   /// Pixels along an axis; an even number, at least 4.
   int taps() const { return taps_; }
-  /// shape: taps().
-  const float* weights(int phase) const { return &weights_[static_cast<std::size_t>(phase * taps_)]; }
-  /// The same, and zeros after. shape: padded().
+  /// A weight a pixel, and zeros after. shape: padded().
   const float* row(int phase) const { return &rows_[static_cast<std::size_t>(phase * padded())]; }
   /// The same, each four times. shape: 4 padded().
   const float* wide(int phase) const { return &wide_[static_cast<std::size_t>(phase * 4 * padded())]; }
@@ -38,7 +36,7 @@ class FootprintTable {
  private:
   int taps_ = 4;
   double radius_ = 2;
-  std::vector<float> weights_, wide_, rows_;
+  std::vector<float> rows_, wide_;
 };
 
 class Sheet {

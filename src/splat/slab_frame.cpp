@@ -69,8 +69,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.extinctions = table.extinctions();
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
-  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
-  if (zone.level > 0 && !refined) out.integral = table.integral();
+  if (zone.level > 0 && !zone.refined()) out.integral = table.integral();
   out.least_interval = table.leastInterval();
   out.phong = shading.phong && !detailed;
   out.ambient = static_cast<float>(shading.ambient);
@@ -102,8 +101,7 @@ std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const Fo
     most = std::max(most, static_cast<std::int64_t>(std::ceil(std::min(voxels - first, 1e6))));
   }
   // Between voxels, one more is for interpolation.
-  const bool refined = zone.refinement != std::array<int, 3>{1, 1, 1};
-  return std::min(most, refined ? kMostGhosts - 1 : kMostGhosts);
+  return std::min(most, zone.refined() ? kMostGhosts - 1 : kMostGhosts);
 }
 
 // What the supports of a cell and of those around it range over.

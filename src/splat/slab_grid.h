@@ -25,6 +25,8 @@ struct SlabZone {
   int level = 0;  // of the pyramid
   std::array<int, 3> refinement{1, 1, 1};
   double sigma_px = 0.3;  // of a footprint
+  /// Whether there are samples between voxels.
+  bool refined() const { return refinement != std::array<int, 3>{1, 1, 1}; }
 
   /// The first slab of the zone with its centre at `depth` or beyond; 0 and `slabs` where there is none.
   int slabFrom(double depth) const {

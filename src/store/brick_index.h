@@ -27,7 +27,7 @@ struct BrickEntry {
   std::shared_ptr<const SubRanges> sub_ranges;
 };
 
-/// The bytes of an entry in index.bin.
+/// Adds the bytes of an entry in index.bin.
 void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry);
 /// Takes an entry from the front of `bytes`; nothing, and leaves them, where they end before it does.
 std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes);
