@@ -31,6 +31,30 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
 }
 
 template <class T>
+struct LeafRow {
+  using type [[gnu::vector_size(kLeaf * sizeof(T))]] = T;
+};
+
+// Rows of 8 values become columns; strides between rows, in values. Interleaving the first four rows with the last four
+// does it, three times over.
+template <class T>
+void transposeSquare(const T* from, std::int64_t from_stride, T* to, std::int64_t to_stride) {
+  static_assert(kLeaf == 8);
+  using Row = typename LeafRow<T>::type;
+  Row rows[kLeaf], turned[kLeaf];
+  for (std::int64_t i = 0; i < kLeaf; ++i) std::memcpy(&rows[i], from + i * from_stride, sizeof(Row));
+  for (int stage = 0; stage < 3; ++stage) {
+    for (int i = 0; i < kLeaf / 2; ++i) {
+      const Row first = rows[i], last = rows[i + kLeaf / 2];
+      turned[2 * i] = __builtin_shufflevector(first, last, 0, 8, 1, 9, 2, 10, 3, 11);
+      turned[2 * i + 1] = __builtin_shufflevector(first, last, 4, 12, 5, 13, 6, 14, 7, 15);
+    }
+    std::copy(std::begin(turned), std::end(turned), std::begin(rows));
+  }
+  for (std::int64_t i = 0; i < kLeaf; ++i) std::memcpy(to + i * to_stride, &rows[i], sizeof(Row));
+}
+
+template <class T>
 class Encoder {
  public:
   Encoder(const BrickFrame& frame, std::span<const std::byte> voxels)
@@ -129,36 +153,58 @@ class Encoder {
   template <class Tree, class F>
   void addLeaves(const Tree& tree, const VoxelBox& box, F storedOf, PackedLeaves& out) const {
     using Stored = std::invoke_result_t<F, T>;
-    const std::int64_t row = size_.x, slice = size_.x * size_.y;
     out.reserve(tree.leafCount(), sizeof(Stored));
+    const std::unique_ptr<const T[]> values = inOrderOf(tree, box);
+    const T* next = values.get();
     for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
-      const VoxelBox part = intersection(leafAt(voxelOf(leaf->origin())), box);
-      const Extent3 n = part.extent();
-      const T* const from =
-          voxels_ + (part.lo.z - box_.lo.z) * slice + (part.lo.y - box_.lo.y) * row + (part.lo.x - box_.lo.x);
-      Stored values[kLeaf * kLeaf * kLeaf];
-      if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
-        transposeLeaf({kLeaf, kLeaf, kLeaf}, from, values, storedOf);
-      } else {
-        transposeLeaf(n, from, values, storedOf);
-      }
-      out.add(leaf->valueMask(), values, sizeof(Stored), static_cast<std::size_t>(n.count()));
+      const auto count = static_cast<std::size_t>(leaf->onVoxelCount());
+      Stored stored[kLeaf * kLeaf * kLeaf];
+      std::transform(next, next + count, stored, storedOf);
+      out.add(leaf->valueMask(), stored, sizeof(Stored), count);
+      next += count;
     }
   }
 
-  // Voxels of the block, x fastest, to those of a leaf, z fastest. Rows are taken whole: a leaf's columns along z are a
-  // cache line a voxel. For a whole leaf, the caller's constants unroll it.
-  template <class F, class Stored>
-  [[gnu::always_inline]] void transposeLeaf(const Extent3& n, const T* from, Stored* to, F storedOf) const {
-    T leaf[kLeaf * kLeaf * kLeaf];
-    for (std::int64_t z = 0; z < n.z; ++z) {
-      for (std::int64_t y = 0; y < n.y; ++y)
-        std::copy_n(from + (z * size_.y + y) * size_.x, n.x, leaf + (z * kLeaf + y) * kLeaf);
+  // The values of the tree's leaves, one leaf after the other. Voxels are taken in the order in which they lie in the
+  // block: leaf by leaf, the tree would come back to each cache line of it four times, long after.
+  template <class Tree>
+  std::unique_ptr<const T[]> inOrderOf(const Tree& tree, const VoxelBox& box) const {
+    const auto leafIndex = [&](const VoxelCoord& voxel, int axis) {
+      return voxel[axis] / kLeaf - box.lo[axis] / kLeaf;
+    };
+    const Extent3 n = {leafIndex(box.hi, 0) + 1, leafIndex(box.hi, 1) + 1, leafIndex(box.hi, 2) + 1};
+    const auto indexOf = [&](const VoxelCoord& voxel) {
+      return static_cast<std::size_t>((leafIndex(voxel, 2) * n.y + leafIndex(voxel, 1)) * n.x + leafIndex(voxel, 0));
+    };
+    std::vector<std::int64_t> begin(static_cast<std::size_t>(n.count()), -1);
+    std::int64_t end = 0;
+    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+      begin[indexOf(voxelOf(leaf->origin()))] = end;
+      end += static_cast<std::int64_t>(leaf->onVoxelCount());
     }
-    for (std::int64_t x = 0; x < n.x; ++x) {
-      for (std::int64_t y = 0; y < n.y; ++y) {
-        for (std::int64_t z = 0; z < n.z; ++z) *to++ = storedOf(leaf[(z * kLeaf + y) * kLeaf + x]);
-      }
+    auto values = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(end));
+    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      const std::int64_t at = begin[indexOf(origin)];
+      if (at >= 0) transposeLeaf(part, values.get() + at);
+    });
+    return values;
+  }
+
+  // Voxels of the block, x fastest, to those of a leaf, z fastest: of what of the leaf lies in the box.
+  void transposeLeaf(const VoxelBox& part, T* to) const {
+    const Extent3 n = part.extent();
+    const std::int64_t row = size_.x, slice = size_.x * size_.y;
+    const T* const from =
+        voxels_ + (part.lo.z - box_.lo.z) * slice + (part.lo.y - box_.lo.y) * row + (part.lo.x - box_.lo.x);
+    if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
+      for (std::int64_t y = 0; y < kLeaf; ++y) transposeSquare(from + y * row, slice, to + y * kLeaf, kLeaf * kLeaf);
+      return;
+    }
+    T rows[kLeaf * kLeaf] = {}, columns[kLeaf * kLeaf];
+    for (std::int64_t y = 0; y < n.y; ++y) {
+      for (std::int64_t z = 0; z < n.z; ++z) std::copy_n(from + z * slice + y * row, n.x, rows + z * kLeaf);
+      transposeSquare(rows, kLeaf, columns, kLeaf);
+      for (std::int64_t x = 0; x < n.x; ++x) std::copy_n(columns + x * kLeaf, n.z, to + (x * n.y + y) * n.z);
     }
   }
 
