@@ -17,6 +17,7 @@
 #include "convert/plan.h"
 #include "convert/pyramid_builder.h"
 #include "convert/value_counter.h"
+#include "convert/write_behind.h"
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
@@ -70,7 +71,8 @@ class Conversion {
         progress_(progress),
         pyramid_(writer, directory / "parts", plan.parts_bytes, disk, half),
         counters_(plan.lanes, ValueCounter(source.info().type)),
-        totals_(counters_) {
+        totals_(counters_),
+        unwritten_bricks_(plan.unwritten_bricks) {
     if (plan.window_slices > 0) {
       const SourceInfo& info = source.info();
       window_.emplace(source,
@@ -85,12 +87,13 @@ class Conversion {
   }
 
   void run() {
-    takeUp();
+    WriteBehind disk(unwritten_bricks_, [this](const UnwrittenBrick& brick) { write(brick); });
+    takeUp(disk);
     const Extent3 lattice = writer_.manifest().levels.front().bricks;
     std::atomic<std::int64_t> next = 0;
     parallelFor(counters_.size(), [&](std::size_t lane) {
       const auto convertBrick = [&](std::int64_t i) {
-        if (!finished_[0][static_cast<std::size_t>(i)]) build(brick({0, brickAt(lattice, i)}, lane));
+        if (!finished_[0][static_cast<std::size_t>(i)]) build(brick({0, brickAt(lattice, i)}, lane, disk), disk);
       };
       if (window_) return window_->work(convertBrick);
       for (std::int64_t i = next++; i < lattice.count(); i = next++) {
@@ -98,6 +101,7 @@ class Conversion {
         convertBrick(i);
       }
     });
+    disk.finish();
     source_.finish();
     for (std::size_t lane = 1; lane < totals_.size(); ++lane) totals_[0].add(totals_[lane].take());
   }
@@ -134,7 +138,7 @@ class Conversion {
   }
 
   // The coarser levels go on from where the earlier conversion left them.
-  void takeUp() {
+  void takeUp(WriteBehind& disk) {
     if (finished_bricks_ == 0) return;
     const std::vector<BrickKey> ready =
         pyramid_.takeUp([&](const BrickKey& key) { return isFinished(key); },
@@ -148,7 +152,7 @@ class Conversion {
                           pyramid_.addFinished(key, block.voxels, block.extent,
                                                {{cells.begin(), cells.end()}, entry.core, entry.support, {}});
                         });
-    build(ready);
+    build(ready, disk);
   }
 
   bool isFinished(const BrickKey& key) const {
@@ -161,7 +165,7 @@ class Conversion {
   }
 
   // Makes a brick of level 0; returns the coarser ones that can be built now.
-  std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane) {
+  std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane, WriteBehind& disk) {
     const BrickFrame frame = writer_.frame(key);
     const VoxelBox box = frame.stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
@@ -171,30 +175,35 @@ class Conversion {
       source_.read(box, voxels);
     }
     counters_[lane].count(voxels, box, frame.core());
-    const ValueCounts counts = counters_[lane].take();
-    const BrickRanges ranges = rangesOf(frame, voxels);
-    journal_->append({key, writer_.put(key, voxels, ranges), counts});
+    ValueCounts counts = counters_[lane].take();
     totals_[lane].add(counts);
-    std::vector<BrickKey> ready = pyramid_.add(key, voxels, box, ranges);
-    const std::scoped_lock lock(mutex_);
-    ++finished_bricks_;
-    done_ += static_cast<std::uint64_t>(frame.core().count());
-    progress_.advance("converting", "voxels", done_, static_cast<std::uint64_t>(source_.info().geometry.dims.count()));
-    return ready;
+    const BrickRanges ranges = rangesOf(frame, voxels);
+    disk.add({writer_.encode(key, voxels, ranges), std::move(counts)});
+    return pyramid_.add(key, voxels, box, ranges);
   }
 
-  void build(std::vector<BrickKey> ready) {
+  // A brick is finished when its file is there and its journal says so.
+  void write(const UnwrittenBrick& unwritten) {
+    const auto& [brick, counts] = unwritten;
+    writer_.write(brick);
+    journal_->append({brick.key, brick.entry, counts});
+    const std::scoped_lock lock(mutex_);
+    ++finished_bricks_;
+    if (brick.key.level > 0) return;
+    done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
+    progress_.advance("converting", "voxels", done_, static_cast<std::uint64_t>(source_.info().geometry.dims.count()));
+  }
+
+  void build(std::vector<BrickKey> ready, WriteBehind& disk) {
     while (!ready.empty()) {
       progress_.throwIfCancelled("converting");
       const BrickKey key = ready.back();
       ready.pop_back();
       // Where only a brick below it was damaged, a coarser one is finished already.
       if (isFinished(key)) continue;
-      const PyramidBuilder::Built built = pyramid_.build(key);
-      journal_->append({key, built.entry, {}});
+      PyramidBuilder::Built built = pyramid_.build(key);
+      disk.add({std::move(built.brick), {}});
       ready.insert(ready.end(), built.ready.begin(), built.ready.end());
-      const std::scoped_lock lock(mutex_);
-      ++finished_bricks_;
     }
   }
 
@@ -206,6 +215,7 @@ class Conversion {
   std::optional<ForwardWindow> window_;
   std::vector<ValueCounter> counters_, totals_;  // of a brick, and of all; by lane
   std::vector<std::vector<char>> finished_;      // by level and brick: what an earlier conversion left
+  const std::size_t unwritten_bricks_;
   std::optional<Journal> journal_;
   std::mutex mutex_;
   std::uint64_t done_ = 0, finished_bricks_ = 0;

@@ -20,16 +20,23 @@ std::uint64_t usefulLanes(const VolumeSource& source) {
   return source.order() == ReadOrder::kForward ? std::min(threads, kLanesOfStream) : threads;
 }
 
-// A lane holds the box as read or put together from parts, a part, its grids (8 bytes a voxel at most), the file, and
-// the counts by value.
-std::uint64_t laneBytes(const VolumeSource& source, const ConvertOptions& options) {
-  const SourceInfo& info = source.info();
-  const Extent3& dims = info.geometry.dims;
+// Of a brick with its apron.
+std::uint64_t brickVoxels(const SourceInfo& info, const ConvertOptions& options) {
   const std::int64_t padded = options.brick_size + 2 * kApron;
-  const auto voxels =
-      static_cast<std::uint64_t>(std::min(padded, dims.x) * std::min(padded, dims.y) * std::min(padded, dims.z));
-  const std::uint64_t grid_bytes = sizeOf(info.type) < 4 ? 4 : 8;
-  return voxels * (3 * sizeOf(info.type) + 2 * grid_bytes) + (1u << 20);
+  std::uint64_t out = 1;
+  for (int axis = 0; axis < 3; ++axis) out *= static_cast<std::uint64_t>(std::min(padded, info.geometry.dims[axis]));
+  return out;
+}
+
+// Of a brick's file, at most, where nothing compresses.
+std::uint64_t fileBytes(const SourceInfo& info, const ConvertOptions& options) {
+  return brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
+}
+
+// A lane holds the box as read or put together from parts, a part, its grids (as large as the file), the file, and the
+// counts by value.
+std::uint64_t laneBytes(const SourceInfo& info, const ConvertOptions& options) {
+  return brickVoxels(info, options) * 3 * sizeOf(info.type) + 2 * fileBytes(info, options) + (1u << 20);
 }
 
 // As many slices as lanes can read ahead into: the layer of bricks in the making, and the one after it.
@@ -69,7 +76,7 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   const SourceInfo& info = source.info();
   const bool forward = source.order() == ReadOrder::kForward;
   ConversionPlan plan;
-  plan.lane_bytes = laneBytes(source, options) + (forward ? 0 : source.decodeBytes());
+  plan.lane_bytes = laneBytes(info, options) + (forward ? 0 : source.decodeBytes());
   if (forward) planWindow(plan, source, options);
   const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
   if (smallest > options.memory_bytes) {
@@ -80,6 +87,11 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   }
   const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
+  const std::uint64_t unwritten_bytes = plan.lanes * fileBytes(info, options);
+  if (plan.lanes > 1 && plan.total() + unwritten_bytes <= options.memory_bytes) {
+    plan.unwritten_bricks = plan.lanes;
+    plan.unwritten_bytes = unwritten_bytes;
+  }
   if (!forward && source.decodeBytes() > 0) {
     // Bricks come layer by layer, so what two layers are made of is enough to decode everything once.
     const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);

@@ -1,5 +1,6 @@
 // What a conversion will hold in memory and beside its store, decided before it begins: the slices of a stream, a lane
-// of buffers a thread, what the source keeps decoded, and the parts of which coarser bricks are made.
+// of buffers a thread, files that wait to be written, what the source keeps decoded, and the parts of which coarser
+// bricks are made.
 #pragma once
 
 #include "convert/convert.h"
@@ -17,16 +18,21 @@ struct ConversionPlan {
   std::uint64_t scratch_bytes = 0;
   std::uint64_t lane_bytes = 0;
   std::size_t lanes = 1;
+  /// Bricks that may wait to be written while lanes make the next ones; 0 where lanes write them. unit of
+  /// `unwritten_bytes`: bytes, of all of them.
+  std::size_t unwritten_bricks = 0;
+  std::uint64_t unwritten_bytes = 0;
   /// What the source may keep of what it decoded. unit: bytes.
   std::uint64_t kept_bytes = 0;
   /// Parts of bricks that wait for a parent (convert/part_store.h), in memory. unit: bytes.
   std::uint64_t parts_bytes = 0;
-  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + kept_bytes + parts_bytes; }
+  std::uint64_t total() const { return window_bytes + lanes * lane_bytes + unwritten_bytes + kept_bytes + parts_bytes; }
 };
 
 /// The best use of `options.memory_bytes`: a lane for each thread that can be kept busy, then slices of a stream, on
-/// disk where they do not fit, then decoded blocks, then parts, on disk where they do not fit. throws: Error kBudget,
-/// naming the smallest memory that works, which does not depend on the size of a slice.
+/// disk where they do not fit, then a file a lane that waits to be written, then decoded blocks, then parts, on disk
+/// where they do not fit. throws: Error kBudget, naming the smallest memory that works, which does not depend on the
+/// size of a slice.
 ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& options);
 
 }  // namespace kiln

@@ -168,7 +168,7 @@ PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   ranges.core.include(below.core);
   ranges.support.include(below.support);
   Built built;
-  built.entry = writer_.put(key, voxels, ranges);
+  built.brick = writer_.encode(key, voxels, ranges);
   release(key);
   built.ready = add(key, voxels, box, ranges);
   return built;

@@ -20,17 +20,17 @@ class PyramidBuilder {
   PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, std::uint64_t parts_bytes, FileSystem& disk,
                  bool half);
 
-  /// A brick has been put. Returns the bricks of the next level that can be built now, each once. shape: as
+  /// A brick has been encoded. Returns the bricks of the next level that can be built now, each once. shape: as
   /// coarsePartOf. thread: safe for different keys.
   std::vector<BrickKey> add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                             const BrickRanges& ranges);
   struct Built {
-    BrickEntry entry;
+    EncodedBrick brick;           // to be written
     std::vector<BrickKey> ready;  // as of `add`
   };
   /// The largest change of a mean by that rounding. unit: the volume's values.
   double largestError() const;
-  /// Builds and puts a brick that `add` or `takeUp` returned. thread: safe for different keys.
+  /// Builds and encodes a brick that `add` or `takeUp` returned. thread: safe for different keys.
   Built build(const BrickKey& key);
 
   /// Takes up what an earlier conversion left: `finished(key)` says of every brick of the pyramid whether it is in the

@@ -51,22 +51,26 @@ BrickFrame StoreWriter::frame(const BrickKey& key) const {
           manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
 }
 
-BrickEntry StoreWriter::put(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
+EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
   const BrickFrame brick = frame(key);
-  BrickEntry entry;
+  EncodedBrick out{key, {}, {}};
+  BrickEntry& entry = out.entry;
   entry.core = ranges.core;
   entry.support = ranges.support;
   // The mean of different values may be one value everywhere, and what lies below must still be found.
   entry.constant = !entry.core.empty() && entry.core.lo == entry.core.hi && allEqual(voxels, sizeOf(brick.type));
   if (!entry.constant) {
-    const std::vector<std::byte> file = encodeBrick(brick, voxels, ranges.cells);
-    entry.file_bytes = file.size();
-    entry.checksum = hashOf(file);
+    out.file = encodeBrick(brick, voxels, ranges.cells);
+    entry.file_bytes = out.file.size();
+    entry.checksum = hashOf(out.file);
     entry.sub_ranges = std::make_shared<const SubRanges>(ranges.sub_bricks, entry.support);
-    disk_.writeAtomic(directory_ / brickPath(key), file, brick_mode_);
   }
   keep(key, entry);
-  return entry;
+  return out;
+}
+
+void StoreWriter::write(const EncodedBrick& brick) {
+  if (!brick.entry.constant) disk_.writeAtomic(directory_ / brickPath(brick.key), brick.file, brick_mode_);
 }
 
 void StoreWriter::keep(const BrickKey& key, const BrickEntry& entry) {

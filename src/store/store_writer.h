@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <span>
+#include <vector>
 
 #include "base/file.h"
 #include "store/brick_codec.h"
@@ -14,6 +15,13 @@
 
 namespace kiln {
 
+/// A brick on its way to the disk. `file` is empty where `entry` says that it is constant.
+struct EncodedBrick {
+  BrickKey key;
+  BrickEntry entry;
+  std::vector<std::byte> file;
+};
+
 class StoreWriter {
  public:
   /// `draft` has all but what the bricks decide (range, histogram, stored counts, index checksum).
@@ -21,20 +29,22 @@ class StoreWriter {
   /// `directory` is a store, kNoSpace, kIo.
   StoreWriter(const std::filesystem::path& directory, Manifest draft, FileSystem& disk);
 
-  /// Encodes and writes one brick, or notes that it is constant; returns its entry in the index. shape: `voxels` covers
-  /// frame(key).stored(). thread: safe for different keys. throws: Error kNoSpace, kIo.
-  BrickEntry put(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges);
-  /// Takes a brick that an earlier writer put as it is. requires: its file is there and is what `entry` says.
+  /// Makes the file of one brick, or notes that it is constant, and enters it in the index; it is still to be written.
+  /// shape: `voxels` covers frame(key).stored(). thread: safe for different keys.
+  EncodedBrick encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges);
+  /// thread: safe for different keys. throws: Error kNoSpace, kIo.
+  void write(const EncodedBrick& brick);
+  /// Takes a brick that an earlier writer wrote as it is. requires: its file is there and is what `entry` says.
   void keep(const BrickKey& key, const BrickEntry& entry);
   BrickFrame frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
-  /// requires: the brick was put or kept. thread: safe beside puts of other bricks.
+  /// requires: the brick was encoded or kept. thread: safe beside encoding other bricks.
   const BrickEntry& entry(const BrickKey& key) const { return index_.at(key); }
 
-  /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was put.
+  /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was written.
   void finish(const ValueHistogram& histogram, std::uint64_t nan_count);
 
-  /// The range of all voxels put so far, NaN aside. thread: not while bricks are being put.
+  /// The range of all voxels so far, NaN aside. thread: not while bricks are being encoded.
   const ValueRange& range() const { return manifest_.range; }
   /// Brick files so far, of all levels, and their bytes. thread: as range.
   std::uint64_t storedBricks() const;

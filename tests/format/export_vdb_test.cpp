@@ -43,7 +43,7 @@ void makeStore(const fs::path& directory, const SourceInfo& info, const BoxReade
     const VoxelBox box = writer.frame(key).stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
     read(box, voxels);
-    writer.put(key, voxels, rangesOf(writer.frame(key), voxels));
+    writer.write(writer.encode(key, voxels, rangesOf(writer.frame(key), voxels)));
   }
   writer.finish({}, 0);
 }

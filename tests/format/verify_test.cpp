@@ -211,7 +211,7 @@ TEST_F(Verify, CellsThatTheVoxelsContradictAreFound) {
         const BrickBlock block = reader.read(key);
         BrickRanges ranges = rangesOf(block);
         if (key == BrickKey{level, {0, 0, 0}}) ranges.cells[3].hi += wider;
-        writer.put(key, storedVoxels(block, reader.frame(key)), ranges);
+        writer.write(writer.encode(key, storedVoxels(block, reader.frame(key)), ranges));
       }
     }
     writer.finish(draft.histogram, 0);
