@@ -13,6 +13,10 @@ std::uint64_t machineMemoryBytes();
 /// The largest resident memory of this process so far. unit: bytes.
 std::uint64_t peakResidentBytes();
 
+/// From here on freed memory stays with the process, up to some hundred MiB, instead of going back to the system, which
+/// clears each page before it gives it again: for work whose buffers of a few MiB come and go all the time.
+void keepFreedMemory();
+
 /// "2G", "512M", "64K", "1.5GiB" or a plain number of bytes; K, M, G and T are powers of 1024.
 /// throws: Error kUsage.
 std::uint64_t parseBytes(std::string_view text);

@@ -70,6 +70,7 @@ class Conversion {
         directory_(directory),
         progress_(progress),
         pyramid_(writer, directory / "parts", plan.parts_bytes, disk, half),
+        boxes_(plan.lanes),
         counters_(plan.lanes, ValueCounter(source.info().type)),
         totals_(counters_),
         unwritten_bricks_(plan.unwritten_bricks) {
@@ -168,7 +169,8 @@ class Conversion {
   std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane, WriteBehind& disk) {
     const BrickFrame frame = writer_.frame(key);
     const VoxelBox box = frame.stored();
-    std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
+    std::vector<std::byte>& voxels = boxes_[lane];
+    voxels.resize(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
     if (window_) {
       window_->copy(box, voxels);
     } else {
@@ -213,6 +215,7 @@ class Conversion {
   Progress& progress_;
   PyramidBuilder pyramid_;
   std::optional<ForwardWindow> window_;
+  std::vector<std::vector<std::byte>> boxes_;    // by lane, for its brick of level 0: one memory for all
   std::vector<ValueCounter> counters_, totals_;  // of a brick, and of all; by lane
   std::vector<std::vector<char>> finished_;      // by level and brick: what an earlier conversion left
   const std::size_t unwritten_bricks_;

@@ -57,6 +57,7 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
 
 void run(const ConvertArguments& a, Context& context) {
   if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
+  keepFreedMemory();
   const ThreadLimit threads(a.threads);
   std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
   const HalfSource* rounded = nullptr;
