@@ -168,9 +168,11 @@ class Refiner {
     V front = hn::IfThenElse(hn::Gt(s1, first), split, one);
     V back = hn::Sub(one, front);
     const M crossing = hn::Or(hn::Lt(s0, hn::Zero(d)), hn::Ge(s1, end));
+    // Where it is not cut, rounding must not ask what the vector's other samples are.
     if (!hn::AllFalse(d, crossing)) {
-      front = hn::Max(hn::Sub(front, before(d, l_.spread, hn::Neg(depth))), hn::Zero(d));
-      back = hn::Max(hn::Sub(back, before(d, l_.spread, hn::Sub(depth, end))), hn::Zero(d));
+      const V in_front = before(d, l_.spread, hn::Neg(depth)), beyond = before(d, l_.spread, hn::Sub(depth, end));
+      front = hn::IfThenElse(crossing, hn::Max(hn::Sub(front, in_front), hn::Zero(d)), front);
+      back = hn::IfThenElse(crossing, hn::Max(hn::Sub(back, beyond), hn::Zero(d)), back);
       back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
     }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
