@@ -187,15 +187,17 @@ FootprintTable::FootprintTable(double sigma_px) {
 
 void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint) {
   clear();
-  const int before = footprint.taps() - 1, beside = before + footprint.padded();
+  const int before = footprint.taps() - 1, edge = TileBlocks(rect).edge();
+  const int columns = before + (rect.width() + edge - 1) / edge * edge + footprint.padded();
   // What is cleared is zero but for what nobody reads.
-  const bool as_it_was = rect.width() == rect_.width() && rect.height() == rect_.height() && before == before_ &&
-                         rect.width() + beside == width_;
+  const bool as_it_was =
+      rect.width() == rect_.width() && rect.height() == rect_.height() && before == before_ && columns == width_;
   rect_ = rect;
   before_ = before;
-  width_ = rect.width() + beside;
+  width_ = columns;
   if (as_it_was) return;
-  sums_.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(rect.height() + beside), 0);
+  sums_.assign(
+      4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(before + rect.height() + footprint.padded()), 0);
   filled_.assign(sums_.size() / 4, 0);
 }
 

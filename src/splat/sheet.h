@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/pixel_rect.h"
@@ -44,25 +45,22 @@ class Sheet {
   /// A sum's unit.
   static constexpr float kOne = 1 << 24;
 
-  /// Empties it for the pixels of `rect`, and for what footprints on its border put beside it, which nobody reads.
+  /// Empties it for the pixels of `rect`, and for what footprints on its border put beside it, which nobody reads; rows
+  /// have room for whole blocks.
   void reset(const PixelRect& rect, const FootprintTable& footprint);
   /// unit: bytes.
   std::size_t bytes() const { return (sums_.capacity() + filled_.capacity()) * sizeof sums_[0]; }
   bool empty() const { return dirty_ == 0; }
-  /// The pixels that samples were added to: bit 8 y + x of the block of 8×8, counted from the rectangle's corner.
+  /// The pixels that samples were added to: a bit a block, see TileBlocks.
   std::uint64_t dirty() const { return dirty_; }
-  PixelRect blockRect(int block) const {
-    const int x = rect_.x0 + 8 * (block & 7), y = rect_.y0 + 8 * (block >> 3);
-    return intersection({x, y, x + 8, y + 8}, rect_);
-  }
+  PixelRect blockRect(int block) const { return TileBlocks(rect_).rectOf(block); }
   /// shape: RGBA a pixel, from (x, y) on to the right. requires: in the rectangle.
   const std::int32_t* at(int x, int y) const {
     return &sums_[4 * indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)];
   }
+  std::int32_t* at(int x, int y) { return const_cast<std::int32_t*>(std::as_const(*this).at(x, y)); }
   /// What of the pixel samples fill. shape: one a pixel, from (x, y) on to the right; as `at`.
-  const std::int32_t* filledAt(int x, int y) const {
-    return &filled_[indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)];
-  }
+  std::int32_t* filledAt(int x, int y) { return &filled_[indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)]; }
   /// The same, from the first pixel of a footprint on.
   std::int32_t* at(const FootprintPlace& place) { return &sums_[4 * indexOf(place.x(), place.y())]; }
   std::int32_t* filledAt(const FootprintPlace& place) { return &filled_[indexOf(place.x(), place.y())]; }
@@ -70,6 +68,8 @@ class Sheet {
   void mark(std::uint64_t blocks) { dirty_ |= blocks; }
   /// All sums are zero again.
   void clear();
+  /// The caller has set them to zero.
+  void setClear() { dirty_ = 0; }
   std::ptrdiff_t stride() const { return std::ptrdiff_t{4} * width_; }
 
  private:

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "splat/lay_sheet.h"
 #include "splat/slab_layer.h"
 #include "splat/unit_load.h"
 #include "splat/waiting_samples.h"
@@ -16,6 +17,11 @@ struct SweepMemory::Parts {
   // What one pixel of the tile owns: slabs [first, end).
   struct Owned {
     int first = 0, end = 0;
+  };
+  // Of a block, what each pixel, all of them and any of them own. shape: rows of kMostBlockEdge.
+  struct OwnedBlock {
+    Owned all, any;
+    std::array<Owned, kMostBlockEdge * kMostBlockEdge> pixels;
   };
   struct Unit {
     VoxelCoord lo;
@@ -32,7 +38,7 @@ struct SweepMemory::Parts {
   std::vector<SampleDetails> details;
   TileWindows windows;
   Sheet sheets[2], aov_sheets[2];
-  std::vector<Owned> owned;  // 64 pixels a block
+  std::vector<OwnedBlock> owned;  // of the tile's blocks
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
 };
 
@@ -52,15 +58,8 @@ std::size_t SweepMemory::bytes() const {
 namespace {
 
 using Owned = SweepMemory::Parts::Owned;
+using OwnedBlock = SweepMemory::Parts::OwnedBlock;
 using Unit = SweepMemory::Parts::Unit;
-
-// What of a pixel's area a slab covers whose samples fill `filled` of it. Samples fill a pixel at an edge a little in
-// every slab, which together would close it, half a pixel beyond the edge: a steep step leaves 0.3 of that. It turns
-// about one half, so that what is split over two slabs is as much as before.
-float covered(float filled) {
-  const float f = std::min(filled, 1.0f);
-  return f * f * f * (10 + f * (6 * f - 15));
-}
 
 class Sweep {
  public:
@@ -294,59 +293,103 @@ class Sweep {
     return out;
   }
 
-  const Owned* ownedOf(int block, const PixelRect& area) {
-    m_.owned.resize(64 * 64);
-    Owned* const out = &m_.owned[static_cast<std::size_t>(block) * 64];
-    if ((owned_known_ >> block & 1) == 0) {
-      owned_known_ |= std::uint64_t{1} << block;
-      for (int y = area.y0; y < area.y1; ++y) {
-        for (int x = area.x0; x < area.x1; ++x) out[(y - area.y0) * 8 + x - area.x0] = ownedAt(x, y);
+  const OwnedBlock& ownedOf(int block, const PixelRect& area) {
+    m_.owned.resize(64);
+    OwnedBlock& out = m_.owned[static_cast<std::size_t>(block)];
+    if ((owned_known_ >> block & 1) != 0) return out;
+    owned_known_ |= std::uint64_t{1} << block;
+    out.all = {0, zone_.slabs}, out.any = {zone_.slabs, 0};
+    for (int y = area.y0; y < area.y1; ++y) {
+      for (int x = area.x0; x < area.x1; ++x) {
+        const Owned o = ownedAt(x, y);
+        out.all = {std::max(out.all.first, o.first), std::min(out.all.end, o.end)};
+        out.any = {std::min(out.any.first, o.first), std::max(out.any.end, o.end)};
+        out.pixels[static_cast<std::size_t>((y - area.y0) * kMostBlockEdge + x - area.x0)] = o;
       }
     }
     return out;
   }
 
-  // Lays the sheet behind what is in the image. A pixel that reaches the threshold is divided by its alpha and closed.
+  // The open pixels of a block that are the brick's own in this slab.
+  BlockBits takesOf(int block, const PixelRect& area, int slab) {
+    const OwnedBlock& owned = ownedOf(block, area);
+    BlockBits out{};
+    if (slab < owned.any.first || slab >= owned.any.end) return out;
+    const bool all = slab >= owned.all.first && slab < owned.all.end;
+    const Owned* o = owned.pixels.data();
+    for (int y = 0; y < area.height(); ++y, o += kMostBlockEdge) {
+      unsigned bits = m_.windows.openPixels(area.x0 - tile_.rect.x0, area.y0 - tile_.rect.y0 + y);
+      if (!all) {
+        for (int x = 0; x < area.width(); ++x) bits &= ~(slab < o[x].first || slab >= o[x].end ? 1u << x : 0u);
+      }
+      out[static_cast<std::size_t>(y)] = static_cast<std::uint16_t>(bits);
+    }
+    return out;
+  }
+
+  // Lays the sheet behind what is in the image, and empties it. A pixel that reaches the threshold is divided by its
+  // alpha and closed.
   void composite(Sheet& sheet, int slab) {
     for (std::uint64_t rest = sheet.dirty(); rest != 0; rest &= rest - 1) {
       const int block = std::countr_zero(rest);
       const PixelRect area = sheet.blockRect(block);
-      const Owned* const owned = ownedOf(block, area);
-      for (int y = area.y0; y < area.y1; ++y) {
-        float* pixel = tile_.rgba + (y - tile_.rect.y0) * tile_.stride + std::ptrdiff_t{4} * (area.x0 - tile_.rect.x0);
-        const std::int32_t* sum = sheet.at(area.x0, y);
-        const std::int32_t* filled = sheet.filledAt(area.x0, y);
-        for (int x = area.x0; x < area.x1; ++x, pixel += 4, sum += 4, ++filled) {
-          const Owned& o = owned[(y - area.y0) * 8 + x - area.x0];
-          if (sum[3] == 0 || pixel[3] == 1.0f || slab < o.first || slab >= o.end) continue;
-          counts_.changed = true;
-          const auto full = static_cast<float>(*filled);
-          const float before = pixel[3];
-          const float open = (1.0f - before) * covered(full / Sheet::kOne) / full;
-          for (int c = 0; c < 4; ++c) pixel[c] += open * static_cast<float>(sum[c]);
-          if (aovs_) addToAovs(x, y, slab, before, open, static_cast<float>(sum[3]), full);
-          if (pixel[3] < opaque_at_) continue;
-          for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
-          pixel[3] = 1.0f;
-          visibility_.close(x, y);
-          m_.windows.close(x - tile_.rect.x0, y - tile_.rect.y0);
-        }
-      }
+      SheetBlock in;
+      in.pixels = tile_.rgba + 4 * tile_.placeOf(area.x0, area.y0);
+      in.sums = sheet.at(area.x0, area.y0);
+      in.filled = sheet.filledAt(area.x0, area.y0);
+      in.stride = tile_.stride;
+      in.columns = sheet.stride() / 4;
+      in.edge = TileBlocks(tile_.rect).edge();
+      in.width = area.width(), in.height = area.height();
+      in.takes = takesOf(block, area, slab);
+      in.opaque_at = opaque_at_;
+      if (aovs_)
+        layWithAovs(in, area, slab);
+      else
+        close(laySheet(in, nullptr), area);
     }
-    sheet.clear();
+    sheet.setClear();
     m_.windows.update();
     if (aovs_) m_.aov_sheets[slab & 1].clear();
   }
 
-  // `open` is what the sheet's sums were multiplied by, `opacity` and `filled` are two of them.
-  [[gnu::noinline]] void addToAovs(int x, int y, int slab, float before, float open, float opacity, float filled) {
+  void close(const LaidBlock& laid, const PixelRect& area) {
+    for (int y = area.y0; y < area.y1; ++y) {
+      const auto row = static_cast<std::size_t>(y - area.y0);
+      counts_.changed = counts_.changed || laid.changed[row] != 0;
+      for (unsigned rest = laid.opaque[row]; rest != 0; rest &= rest - 1) {
+        const int x = area.x0 + std::countr_zero(rest);
+        float* const pixel = tile_.rgba + 4 * tile_.placeOf(x, y);
+        for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
+        pixel[3] = 1.0f;
+        visibility_.close(x, y);
+        m_.windows.close(x - tile_.rect.x0, y - tile_.rect.y0);
+      }
+    }
+  }
+
+  [[gnu::noinline]] void layWithAovs(const SheetBlock& block, const PixelRect& area, int slab) {
+    LaidPixels pixels;
+    const LaidBlock laid = laySheet(block, &pixels);
+    for (int y = area.y0; y < area.y1; ++y) {
+      const auto row = static_cast<std::size_t>(y - area.y0);
+      for (unsigned rest = laid.changed[row]; rest != 0; rest &= rest - 1) {
+        const int x = std::countr_zero(rest);
+        addToAovs(area.x0 + x, y, slab, pixels[row * kMostBlockEdge + static_cast<std::size_t>(x)]);
+      }
+    }
+    close(laid, area);
+  }
+
+  void addToAovs(int x, int y, int slab, const LaidPixel& laid) {
     const std::int32_t* const sum = std::as_const(m_.aov_sheets[slab & 1]).at(x, y);
+    const float open = laid.share, opacity = laid.opacity;
     SlabLayer layer;
-    layer.before = before;
+    layer.before = laid.before;
     layer.added = open * opacity;
-    layer.closes = before + layer.added >= opaque_at_;
-    layer.opacity = opacity / filled;
-    layer.filled = std::min(filled / Sheet::kOne, 1.0f);
+    layer.closes = laid.before + layer.added >= opaque_at_;
+    layer.opacity = opacity / laid.filled;
+    layer.filled = std::min(laid.filled / Sheet::kOne, 1.0f);
     layer.place = std::clamp(static_cast<float>(sum[3]) / opacity, -0.5f, 0.5f);
     layer.middle = zone_.near + (slab + 0.5) * zone_.thickness;
     layer.thickness = zone_.thickness;

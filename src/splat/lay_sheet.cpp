@@ -1,0 +1,134 @@
+#include "splat/lay_sheet.h"
+
+#include <algorithm>
+
+#include "splat/sheet.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/lay_sheet.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Blocks of this edge.
+template <std::size_t kEdge>
+class BlockLayer {
+  using D = hn::CappedTag<float, kEdge>;
+  using DI = hn::RebindToSigned<D>;
+  using V = hn::Vec<D>;
+  using VI = hn::Vec<DI>;
+
+ public:
+  BlockLayer(const SheetBlock& block, LaidPixels* pixels) : b_(block), pixels_(pixels) {}
+
+  LaidBlock run() {
+    const auto lanes = static_cast<int>(hn::Lanes(D()));
+    for (int y = 0; y < b_.height; ++y) {
+      for (int x = 0; x < b_.width; x += lanes) {
+        float* const pixels = b_.pixels + y * b_.stride + 4 * x;
+        if (x + lanes <= b_.width) {
+          lay(x, y, pixels);
+          continue;
+        }
+        // Fewer than a vector.
+        alignas(64) float some[4 * kEdge] = {};
+        const auto count = static_cast<std::size_t>(4 * (b_.width - x));
+        std::copy_n(pixels, count, some);
+        lay(x, y, some);
+        std::copy_n(some, count, pixels);
+      }
+    }
+    return out_;
+  }
+
+ private:
+  // As many pixels of row y as a vector has lanes, from x on.
+  void lay(int x, int y, float* pixels) {
+    const DI di;
+    const auto row = static_cast<std::size_t>(y);
+    std::int32_t* const filled = b_.filled + y * b_.columns + x;
+    const VI fill = hn::LoadU(di, filled);
+    if (hn::AllFalse(di, hn::Ne(fill, hn::Zero(di)))) return;
+    hn::StoreU(hn::Zero(di), di, filled);
+    std::int32_t* const sums = b_.sums + 4 * (y * b_.columns + x);
+    const unsigned takes = static_cast<unsigned>(b_.takes[row]) >> x;
+    const VI bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
+    const auto taking = hn::Ne(hn::And(hn::Set(di, static_cast<std::int32_t>(takes)), bit), hn::Zero(di));
+    if (!hn::AllFalse(di, taking)) add(x, row, sums, fill, taking, pixels);
+    for (std::size_t i = 0; i < 4; ++i) hn::StoreU(hn::Zero(di), di, sums + i * hn::Lanes(di));
+  }
+
+  template <class Mask>
+  HWY_INLINE void add(int x, std::size_t row, const std::int32_t* sums, VI fill, Mask taking, float* pixels) {
+    const D d;
+    const DI di;
+    VI light[4];
+    hn::LoadInterleaved4(di, sums, light[0], light[1], light[2], light[3]);
+    const auto changed = hn::RebindMask(d, hn::And(taking, hn::Ne(light[3], hn::Zero(di))));
+    V r, g, b, a;
+    hn::LoadInterleaved4(d, pixels, r, g, b, a);
+    const V full = hn::ConvertTo(d, fill);
+    const V open = hn::Sub(hn::Set(d, 1.0f), a);
+    const V share = hn::Div(hn::Mul(open, covered(hn::Div(full, hn::Set(d, Sheet::kOne)))), full);
+    const auto sum = [&](V before, VI of) {
+      return hn::IfThenElse(changed, hn::Add(before, hn::Mul(share, hn::ConvertTo(d, of))), before);
+    };
+    const V alpha = sum(a, light[3]);
+    hn::StoreInterleaved4(sum(r, light[0]), sum(g, light[1]), sum(b, light[2]), alpha, d, pixels);
+    const auto opaque = hn::And(changed, hn::Ge(alpha, hn::Set(d, b_.opaque_at)));
+    out_.changed[row] |= static_cast<std::uint16_t>(bitsOf(changed) << x);
+    out_.opaque[row] |= static_cast<std::uint16_t>(bitsOf(opaque) << x);
+    if (pixels_ != nullptr)
+      hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d,
+                            &(*pixels_)[row * kMostBlockEdge + static_cast<std::size_t>(x)].before);
+  }
+
+  // What of a pixel's area a slab covers whose samples fill `filled` of it. Samples fill a pixel at an edge a little in
+  // every slab, which together would close it, half a pixel beyond the edge: a steep step leaves 0.3 of that. It turns
+  // about one half, so that what is split over two slabs is as much as before.
+  static HWY_INLINE V covered(V filled) {
+    const D d;
+    const V f = hn::Min(filled, hn::Set(d, 1.0f));
+    const V step = hn::Sub(hn::Mul(hn::Set(d, 6.0f), f), hn::Set(d, 15.0f));
+    return hn::Mul(hn::Mul(hn::Mul(f, f), f), hn::Add(hn::Set(d, 10.0f), hn::Mul(f, step)));
+  }
+
+  template <class Mask>
+  static HWY_INLINE unsigned bitsOf(Mask mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(D(), mask, bytes);
+    return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+  }
+
+  const SheetBlock& b_;
+  LaidPixels* const pixels_;
+  LaidBlock out_;
+};
+
+LaidBlock laySheetOn(const SheetBlock& block, LaidPixels* pixels) {
+  return block.edge == kMostBlockEdge ? BlockLayer<kMostBlockEdge>(block, pixels).run()
+                                      : BlockLayer<kMostBlockEdge / 2>(block, pixels).run();
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(laySheetOn);
+
+LaidBlock laySheet(const SheetBlock& block, LaidPixels* pixels) {
+  return HWY_DYNAMIC_DISPATCH(laySheetOn)(block, pixels);
+}
+
+}  // namespace kiln
+#endif

@@ -1,0 +1,45 @@
+// A block of a sheet laid behind what the image holds: the pixels of a slab composited, a vector of them at a time. One
+// implementation in Highway for every instruction set, as in splat/refine_unit.h.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace kiln {
+
+/// The edge of a block, at most. unit: pixels.
+inline constexpr int kMostBlockEdge = 16;
+
+/// One bit a pixel. shape: bit x of word y.
+using BlockBits = std::array<std::uint16_t, kMostBlockEdge>;
+
+struct SheetBlock {
+  float* pixels = nullptr;         // of the image: premultiplied RGBA. shape: rows `stride` floats apart
+  std::int32_t* sums = nullptr;    // of the sheet: RGBA. shape: rows `columns` pixels apart
+  std::int32_t* filled = nullptr;  // the same, one a pixel
+  std::ptrdiff_t stride = 0, columns = 0;
+  int edge = kMostBlockEdge;  // of a whole block: this or half of it
+  int width = 0, height = 0;  // of this one
+  BlockBits takes{};          // the pixels that take light from the slab
+  float opaque_at = 1;
+};
+
+/// What became of its pixels.
+struct LaidBlock {
+  BlockBits changed{};
+  BlockBits opaque{};  // those of them whose alpha has reached `opaque_at`
+};
+
+/// A pixel that changed: its alpha before, what the sums were multiplied by, and two of the sums.
+struct LaidPixel {
+  float before = 0, share = 0, opacity = 0, filled = 0;
+};
+/// shape: rows of kMostBlockEdge.
+using LaidPixels = std::array<LaidPixel, kMostBlockEdge * kMostBlockEdge>;
+
+/// Adds the light of the slab to the pixels, and empties the block of the sheet, `edge` pixels wide. `pixels` may be
+/// null; of those that do not change it holds anything.
+LaidBlock laySheet(const SheetBlock& block, LaidPixels* pixels);
+
+}  // namespace kiln
