@@ -66,12 +66,18 @@ HWY_INLINE V before(D d, const DepthSpread& s, V t) {
   return hn::Add(hn::Set(d, 0.5f), hn::CopySign(half, t));
 }
 
-// kDetails: whether details are wanted.
+// A unit is refined in two passes. The first goes through the rows of its samples and finds those that may be seen: not
+// transparent, in the tile, their footprints not closed. These are few, and are kept one after the other; the second
+// pass shades them by full vectors. kDetails: whether details are wanted.
 template <class Field, bool kDetails>
 class Refiner {
  public:
   Refiner(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out)
-      : l_(lattice), u_(unit), out_(out), field_(lattice, unit) {}
+      : l_(lattice),
+        u_(unit),
+        out_(out),
+        derives_(lattice.phong || kDetails || lattice.integral != nullptr),
+        field_(lattice, unit) {}
 
   RefinedCounts run() {
     const D d;
@@ -79,18 +85,54 @@ class Refiner {
       field_.toPlane(k);
       for (int j = u_.first[1]; j < u_.end[1]; ++j) {
         field_.toRow(j);
-        for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) samples(i, j, k);
+        for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) find(i, j, k);
+        if (found_count_ > kMostFound - kUnitSamples) finish();
       }
     }
+    finish();
     return counts_;
   }
 
  private:
+  static constexpr std::size_t kMostFound = 256;
+
+  // Samples found, waiting for the second pass. Room for one vector more, which stores go beyond.
+  struct Found {
+    alignas(64) std::int32_t code[kMostFound + kUnitSamples];  // i + 2^4 j + 2^8 k, and kCounted where it counts
+    alignas(64) float place[kMostFound + kUnitSamples];        // of its value, in the table
+    alignas(64) float tau[kMostFound + kUnitSamples];          // where the first pass knows it
+    alignas(64) float slope[3][kMostFound + kUnitSamples];
+  };
+
+  // Where samples are.
+  struct Seen {
+    Vector view;
+    V u, v;   // across, over depth in perspective
+    V r;      // 1 / depth in perspective
+    V x, y;   // unit: pixels
+    V depth;  // unit: slabs
+  };
+  HWY_INLINE Seen seen(const Vector& row, V ox) const {
+    const D d;
+    Seen out;
+    out.view = {hn::Add(row.x, hn::Mul(ox, hn::Set(d, l_.step_x.x))),
+                hn::Add(row.y, hn::Mul(ox, hn::Set(d, l_.step_x.y))),
+                hn::Add(row.z, hn::Mul(ox, hn::Set(d, l_.step_x.z)))};
+    out.u = out.view.x, out.v = out.view.y, out.r = hn::Set(d, 1.0f);
+    if (l_.perspective) {
+      out.r = hn::Div(out.r, out.view.z);
+      out.u = hn::Mul(out.u, out.r), out.v = hn::Mul(out.v, out.r);
+    }
+    out.x = hn::Add(hn::Mul(out.u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
+    out.y = hn::Add(hn::Mul(out.v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
+    out.depth = hn::Mul(hn::Sub(out.view.z, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
+    return out;
+  }
+
   // One vector of samples, from sample i of the row on.
-  void samples(int i, int j, int k) {
+  HWY_INLINE void find(int i, int j, int k) {
     const D d;
     const DI di;
-    const UnitAxis& axis = l_.axis[0];
     const auto ui = static_cast<std::size_t>(i), uj = static_cast<std::size_t>(j), uk = static_cast<std::size_t>(k);
     M alive;
     const V value = field_.values(ui, alive);
@@ -105,43 +147,29 @@ class Refiner {
           alive, hn::And(hn::Gt(place, hn::Set(d, l_.visible_after)), hn::Lt(place, hn::Set(d, l_.visible_before))));
       if (hn::AllFalse(d, alive)) return;
     }
-    const VI entry = hn::ConvertTo(di, hn::IfThenElseZero(alive, place));
-    const V between = hn::Sub(place, hn::ConvertTo(d, entry));
-    const V tau_here = hn::GatherIndex(d, l_.extinctions, entry);
-    const V tau_next = hn::GatherIndex(d, l_.extinctions + 1, entry);
-    V tau = hn::Add(tau_here, hn::Mul(between, hn::Sub(tau_next, tau_here)));
     Vector slope{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    if (l_.integral != nullptr) {
-      slope = field_.gradients(ui);
-      tau = meanExtinction(slope, place, alive, tau);
+    V tau = hn::Zero(d);
+    if (knowsTau()) {
+      tau = extinctionAt(hn::IfThenElseZero(alive, place));
+      if (l_.integral != nullptr) {
+        slope = field_.gradients(ui);
+        tau = meanExtinction(slope, place, alive, tau);
+      }
+      alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
+      if (hn::AllFalse(d, alive)) return;
     }
-    alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
-    if (hn::AllFalse(d, alive)) return;
 
     const float oy = l_.axis[1].offset[uj], oz = l_.axis[2].offset[uk];
     const glm::vec3 row = u_.origin + oz * l_.step_z + oy * l_.step_y;
-    const V ox = hn::LoadU(d, &axis.offset[ui]);
-    const V px = hn::Add(hn::Set(d, row.x), hn::Mul(ox, hn::Set(d, l_.step_x.x)));
-    const V py = hn::Add(hn::Set(d, row.y), hn::Mul(ox, hn::Set(d, l_.step_x.y)));
-    const V pz = hn::Add(hn::Set(d, row.z), hn::Mul(ox, hn::Set(d, l_.step_x.z)));
-    const V one = hn::Set(d, 1.0f);
-    V u = px, v = py, ray = hn::Set(d, l_.thickness), weight = hn::Set(d, l_.weight), oblique = one;
-    if (l_.perspective) {
-      alive = hn::And(alive, hn::Ge(pz, hn::Set(d, l_.near_depth)));
-      const V r = hn::Div(one, pz);
-      u = hn::Mul(px, r), v = hn::Mul(py, r);
-      oblique = hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(u, u), hn::Mul(v, v))));
-      ray = hn::Mul(ray, oblique);
-      weight = hn::Mul(weight, hn::Mul(r, r));
-    }
-    const V x = hn::Add(hn::Mul(u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
-    const V y = hn::Add(hn::Mul(v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
-    const V depth = hn::Mul(hn::Sub(pz, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
-    const Along across = windowsAlong(x, u_.tile.x0, u_.tile.x1, alive);
-    const Along down = windowsAlong(y, u_.tile.y0, u_.tile.y1, alive);
+    const Seen s =
+        seen({hn::Set(d, row.x), hn::Set(d, row.y), hn::Set(d, row.z)}, hn::LoadU(d, &l_.axis[0].offset[ui]));
+    if (l_.perspective) alive = hn::And(alive, hn::Ge(s.view.z, hn::Set(d, l_.near_depth)));
+    const Along across = along(s.x, u_.tile.x0), down = along(s.y, u_.tile.y0);
+    alive = hn::And(alive, touches(across.window, u_.tile.x0, u_.tile.x1));
+    alive = hn::And(alive, touches(down.window, u_.tile.y0, u_.tile.y1));
     const V reach = hn::Set(d, l_.spread.reach);
     const V end = hn::Set(d, static_cast<float>(l_.slabs));
-    alive = hn::And(alive, hn::And(hn::Gt(hn::Add(depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(depth, reach), end)));
+    alive = hn::And(alive, hn::And(hn::Gt(hn::Add(s.depth, reach), hn::Zero(d)), hn::Lt(hn::Sub(s.depth, reach), end)));
     if (hn::AllFalse(d, alive)) return;
 
     // Counted is a sample of the brick's own, in the tile and the zone where its centre is. Of the zone it then fills
@@ -149,55 +177,114 @@ class Refiner {
     const bool core_row = j >= u_.core_first[1] && j < u_.core_end[1] && k >= u_.core_first[2] && k < u_.core_end[2];
     M counted = hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, core_row ? u_.core_first[0] - 1 : kUnitSamples)),
                                           hn::Lt(lane, hn::Set(di, u_.core_end[0]))));
-    counted = hn::And(counted, hn::And(within(x, u_.tile.x0, u_.tile.x1), within(y, u_.tile.y0, u_.tile.y1)));
-    counted = hn::And(counted, hn::And(hn::Ge(depth, hn::Zero(d)), hn::Lt(depth, end)));
-    const VI window_x = hn::ConvertTo(di, hn::IfThenElseZero(alive, across.window));
-    const VI window_y = hn::ConvertTo(di, hn::IfThenElseZero(alive, down.window));
+    counted = hn::And(counted, hn::And(within(s.x, u_.tile.x0, u_.tile.x1), within(s.y, u_.tile.y0, u_.tile.y1)));
+    counted = hn::And(counted, hn::And(hn::Ge(s.depth, hn::Zero(d)), hn::Lt(s.depth, end)));
     if (u_.windows != nullptr) {
-      const M closed = hn::AndNot(open(window_x, window_y), alive);
+      const M is_open = open(hn::ConvertTo(di, hn::IfThenElseZero(alive, across.window)),
+                             hn::ConvertTo(di, hn::IfThenElseZero(alive, down.window)), alive);
+      const M closed = hn::AndNot(is_open, alive);
       counts_.closed += static_cast<int>(hn::CountTrue(d, hn::And(closed, counted)));
       alive = hn::AndNot(closed, alive);
+      if (hn::AllFalse(d, alive)) return;
     }
-    if (hn::AllFalse(d, alive)) return;
+    if (derives_ && l_.integral == nullptr) slope = field_.gradients(ui);
+
+    const VI code = hn::Add(hn::Add(lane, hn::Set(di, (j << 4) + (k << 8))),
+                            hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
+    const auto keep = [&](V v, float* to) { hn::StoreU(hn::Compress(v, alive), d, to + found_count_); };
+    hn::StoreU(hn::Compress(code, hn::RebindMask(di, alive)), di, found_.code + found_count_);
+    keep(place, found_.place);
+    if (knowsTau()) keep(tau, found_.tau);
+    if (derives_) {
+      keep(slope.x, found_.slope[0]);
+      keep(slope.y, found_.slope[1]);
+      keep(slope.z, found_.slope[2]);
+    }
+    found_count_ += hn::CountTrue(d, alive);
+  }
+
+  // Whether the first pass asks for extinctions: where places in the table do not say what is transparent.
+  bool knowsTau() const { return l_.integral != nullptr || l_.gaps; }
+
+  // The second pass, of what the first has found so far.
+  HWY_NOINLINE void finish() {
+    for (std::size_t n = 0; n < found_count_; n += hn::Lanes(D())) finishVector(n);
+    found_count_ = 0;
+  }
+
+  HWY_INLINE void finishVector(std::size_t n) {
+    const D d;
+    const DI di;
+    const auto lanes = static_cast<int>(std::min(found_count_ - n, hn::Lanes(d)));
+    M alive = hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, lanes)));
+    const VI code = hn::IfThenElseZero(hn::RebindMask(di, alive), hn::Load(di, found_.code + n));
+    const V place = hn::IfThenElseZero(alive, hn::Load(d, found_.place + n));
+    const VI entry = hn::ConvertTo(di, place);
+    hn::Store(hn::ShiftLeft<2>(entry), di, kept_.entry);
+    hn::Store(hn::Sub(place, hn::ConvertTo(d, entry)), d, kept_.between);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane) classify(lane);
+    V red, green, blue, tau;
+    hn::LoadInterleaved4(d, kept_.material, red, green, blue, tau);
+    if (knowsTau()) tau = hn::Load(d, found_.tau + n);
+    alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
+
+    const auto index = [&](auto shifted) { return hn::And(shifted, hn::Set(di, kUnitSamples - 1)); };
+    const VI i = index(code), j = index(hn::ShiftRight<4>(code)), k = index(hn::ShiftRight<8>(code));
+    const V ox = ofAxis(l_.axis[0].offset, i), oy = ofAxis(l_.axis[1].offset, j), oz = ofAxis(l_.axis[2].offset, k);
+    const auto row = [&](int c) {
+      return hn::Add(hn::Add(hn::Set(d, u_.origin[c]), hn::Mul(oz, hn::Set(d, l_.step_z[c]))),
+                     hn::Mul(oy, hn::Set(d, l_.step_y[c])));
+    };
+    const Seen s = seen({row(0), row(1), row(2)}, ox);
+    const V one = hn::Set(d, 1.0f);
+    V ray = hn::Set(d, l_.thickness), weight = hn::Set(d, l_.weight), oblique = one;
+    if (l_.perspective) {
+      oblique = hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(s.u, s.u), hn::Mul(s.v, s.v))));
+      ray = hn::Mul(ray, oblique);
+      weight = hn::Mul(weight, hn::Mul(s.r, s.r));
+    }
 
     // The parts of it in its first slab and beyond; none outside of the zone, whose neighbours draw theirs.
-    const V s0 = hn::Floor(hn::Sub(depth, reach));
-    const V s1 = hn::Floor(hn::Add(depth, reach));
+    const V reach = hn::Set(d, l_.spread.reach);
+    const V end = hn::Set(d, static_cast<float>(l_.slabs));
+    const V s0 = hn::Floor(hn::Sub(s.depth, reach));
+    const V s1 = hn::Floor(hn::Add(s.depth, reach));
     const V first = hn::Max(s0, hn::Zero(d));
-    const V split = before(d, l_.spread, hn::Sub(hn::Add(first, one), depth));
+    const V split = before(d, l_.spread, hn::Sub(hn::Add(first, one), s.depth));
     V front = hn::IfThenElse(hn::Gt(s1, first), split, one);
     V back = hn::Sub(one, front);
     const M crossing = hn::Or(hn::Lt(s0, hn::Zero(d)), hn::Ge(s1, end));
     // Where it is not cut, rounding must not ask what the vector's other samples are.
     if (!hn::AllFalse(d, crossing)) {
-      const V in_front = before(d, l_.spread, hn::Neg(depth)), beyond = before(d, l_.spread, hn::Sub(depth, end));
+      const V in_front = before(d, l_.spread, hn::Neg(s.depth)), beyond = before(d, l_.spread, hn::Sub(s.depth, end));
       front = hn::IfThenElse(crossing, hn::Max(hn::Sub(front, in_front), hn::Zero(d)), front);
       back = hn::IfThenElse(crossing, hn::Max(hn::Sub(back, beyond), hn::Zero(d)), back);
       back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
     }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
-    V matte = one, gloss = hn::Zero(d);
-    if (l_.phong || kDetails) {
-      if (l_.integral == nullptr) slope = field_.gradients(ui);
-      if (l_.phong) shade(slope, u, v, oblique, matte, gloss);
-      if constexpr (kDetails) note({ox, hn::Set(d, oy), hn::Set(d, oz)}, slope, {px, py, pz}, tau, ray);
+    if (derives_) {
+      const Vector slope{hn::Load(d, found_.slope[0] + n), hn::Load(d, found_.slope[1] + n),
+                         hn::Load(d, found_.slope[2] + n)};
+      if (l_.phong) {
+        V matte = one, gloss = hn::Zero(d);
+        shade(slope, s.u, s.v, oblique, matte, gloss);
+        const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+        red = lit(red), green = lit(green), blue = lit(blue);
+      }
+      if constexpr (kDetails) note({ox, oy, oz}, slope, s.view, tau, ray);
     }
 
-    weight = hn::Mul(weight, hn::Mul(hn::LoadU(d, &u_.part_x[ui]), hn::Set(d, u_.part_y[uj] * u_.part_z[uk])));
+    if (u_.parts) {
+      const V across = hn::Mul(ofAxis(u_.part_y, j), ofAxis(u_.part_z, k));
+      weight = hn::Mul(weight, hn::Mul(ofAxis(u_.part_x, i), across));
+    }
     const V opacity = opacityOf(d, hn::Mul(tau, ray));
-
-    const VI phase_x = hn::ConvertTo(di, hn::IfThenElseZero(alive, across.phase));
-    const VI phase_y = hn::ConvertTo(di, hn::IfThenElseZero(alive, down.phase));
-    const VI window = hn::Add(window_x, hn::ShiftLeft<16>(window_y));
-    const VI phases = hn::Add(hn::Add(phase_x, hn::ShiftLeft<8>(phase_y)),
-                              hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
-    const VI slab = hn::ConvertTo(di, hn::IfThenElseZero(alive, first));
-    hn::Store(hn::ShiftLeft<2>(entry), di, kept_.entry);
-    hn::Store(between, d, kept_.between);
-    hn::Store(matte, d, kept_.matte);
-    hn::Store(gloss, d, kept_.gloss);
-    hn::Store(opacity, d, kept_.opacity);
-    hn::Store(slab, di, kept_.slab);
+    const Along across = along(s.x, u_.tile.x0), down = along(s.y, u_.tile.y0);
+    const VI window = hn::Add(hn::ConvertTo(di, across.window), hn::ShiftLeft<16>(hn::ConvertTo(di, down.window)));
+    const VI phases = hn::Add(hn::Add(hn::ConvertTo(di, across.phase), hn::ShiftLeft<8>(hn::ConvertTo(di, down.phase))),
+                              hn::And(code, hn::Set(di, FootprintPlace::kCounted)));
+    hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(alive, first)), di, kept_.slab);
+    hn::StoreInterleaved4(red, green, blue, opacity, d, kept_.light);
     hn::StoreInterleaved4(hn::Mul(weight, front), hn::Mul(weight, back), hn::BitCast(d, window), hn::BitCast(d, phases),
                           d, kept_.parts);
     std::uint8_t bits[8] = {};
@@ -206,20 +293,23 @@ class Refiner {
       keep(static_cast<std::size_t>(std::countr_zero(rest)));
   }
 
-  // The sample of this lane of the vector in turn. Its colour is looked up here, three channels at once: few are kept.
-  HWY_INLINE void keep(std::size_t lane) {
+  // Four channels at once of one lane's sample, which costs less than gathering them for a vector.
+  HWY_INLINE void classify(std::size_t lane) {
     using D4 = hn::CappedTag<float, 4>;
     const D4 d;
-    SlabSample& to = place(lane);
     const float* const entry = l_.table + kept_.entry[lane];
     const auto between = hn::Set(d, kept_.between[lane]);
-    const auto matte = hn::Set(d, kept_.matte[lane]), gloss = hn::Set(d, kept_.gloss[lane]);
     for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
       const auto here = hn::LoadU(d, entry + i);
-      const auto color = hn::Add(here, hn::Mul(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here)));
-      hn::StoreU(hn::Add(hn::Mul(color, matte), gloss), d, &to.r + i);
+      const auto material = hn::Add(here, hn::Mul(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here)));
+      hn::Store(material, d, kept_.material + 4 * lane + i);
     }
-    to.opacity = kept_.opacity[lane];
+  }
+
+  // The sample of this lane of the vector in turn.
+  HWY_INLINE void keep(std::size_t lane) {
+    SlabSample& to = place(lane);
+    std::memcpy(&to.r, kept_.light + 4 * lane, 4 * sizeof(float));
     std::memcpy(&to.front, kept_.parts + 4 * lane, 4 * sizeof(float));
   }
 
@@ -237,18 +327,19 @@ class Refiner {
   struct Along {
     V window, phase;
   };
-  HWY_INLINE Along windowsAlong(V at, int tile_first, int tile_end, M& alive) const {
+  HWY_INLINE Along along(V at, int tile_first) const {
     const D d;
     const V edge = hn::Add(at, hn::Set(d, 0.5f));
     const V base = hn::Floor(edge);
-    const V window = hn::Sub(base, hn::Set(d, static_cast<float>(tile_first + 1 - l_.taps / 2)));
-    alive =
-        hn::And(alive, hn::And(hn::Ge(window, hn::Zero(d)),
-                               hn::Lt(window, hn::Set(d, static_cast<float>(tile_end - tile_first + l_.taps - 1)))));
     constexpr float kPhases = FootprintPlace::kPhases;
     // What rounds to a whole pixel is in the last phase before it.
     const V phase = hn::Min(hn::Mul(hn::Sub(edge, base), hn::Set(d, kPhases)), hn::Set(d, kPhases - 1));
-    return {window, phase};
+    return {hn::Sub(base, hn::Set(d, static_cast<float>(tile_first + 1 - l_.taps / 2))), phase};
+  }
+  HWY_INLINE M touches(V window, int tile_first, int tile_end) const {
+    const D d;
+    return hn::And(hn::Ge(window, hn::Zero(d)),
+                   hn::Lt(window, hn::Set(d, static_cast<float>(tile_end - tile_first + l_.taps - 1))));
   }
 
   HWY_INLINE static M within(V at, int first, int end) {
@@ -256,13 +347,42 @@ class Refiner {
     return hn::And(hn::Ge(at, hn::Set(d, static_cast<float>(first))), hn::Lt(at, hn::Set(d, static_cast<float>(end))));
   }
 
-  HWY_INLINE M open(VI x, VI y) const {
+  HWY_INLINE M open(VI x, VI y, [[maybe_unused]] M alive) const {
     const D d;
     const DI di;
     const VI word = hn::Add(hn::Mul(y, hn::Set(di, u_.windows->stride())), hn::ShiftRight<5>(x));
     const VI bit = hn::Shl(hn::Set(di, 1), hn::And(x, hn::Set(di, 31)));
-    const VI bits = hn::And(hn::GatherIndex(di, u_.windows->openWords(), word), bit);
-    return hn::RebindMask(d, hn::Ne(bits, hn::Zero(di)));
+    return hn::RebindMask(d, hn::Ne(hn::And(openWords(word, hn::RebindMask(di, alive)), bit), hn::Zero(di)));
+  }
+  // Words near the first lane's, as most are, are found without a gather.
+  HWY_INLINE VI openWords(VI word, [[maybe_unused]] hn::Mask<DI> alive) const {
+    const DI di;
+    const std::int32_t* const words = u_.windows->openWords();
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    const std::int32_t first = hn::GetLane(hn::Compress(word, alive)) - TileWindows::kWordsBeside;
+    const VI from_first = hn::Sub(word, hn::Set(di, first));
+    const auto near = hn::Eq(hn::AndNot(hn::Set(di, kUnitSamples - 1), from_first), hn::Zero(di));
+    if (hn::AllTrue(di, hn::Or(near, hn::Not(alive))))
+      return hn::TableLookupLanes(hn::LoadU(di, words + first),
+                                  hn::IndicesFromVec(di, hn::And(from_first, hn::Set(di, kUnitSamples - 1))));
+#endif
+    return hn::GatherIndex(di, words, word);
+  }
+
+  // Of each lane, the axis' number of its index.
+  HWY_INLINE static V ofAxis(const std::array<float, kUnitSamples>& numbers, VI index) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    return hn::TableLookupLanes(hn::LoadU(D(), numbers.data()), hn::IndicesFromVec(D(), index));
+#else
+    return hn::GatherIndex(D(), numbers.data(), index);
+#endif
+  }
+
+  HWY_INLINE V extinctionAt(V place) const {
+    const D d;
+    const VI entry = hn::ConvertTo(DI(), place);
+    const V here = hn::GatherIndex(d, l_.extinctions, entry), next = hn::GatherIndex(d, l_.extinctions + 1, entry);
+    return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
   }
 
   // The mean extinction of what a voxel of a coarser level stands for: values that vary across it as the gradient says,
@@ -290,7 +410,7 @@ class Refiner {
   // The vector in turn, for those of its samples that are kept.
   struct Kept {
     alignas(64) std::int32_t entry[16], slab[16];
-    alignas(64) float between[16], matte[16], gloss[16], opacity[16], parts[64];
+    alignas(64) float between[16], material[64], light[64], parts[64];
   };
 
   // Its details, for those.
@@ -346,8 +466,11 @@ class Refiner {
   const UnitLattice& l_;
   const UnitInput& u_;
   const RefinedSamples& out_;
+  const bool derives_;  // whether gradients are asked for
   Field field_;
   RefinedCounts counts_;
+  std::size_t found_count_ = 0;
+  Found found_;
   Kept kept_;
   Noted noted_;
 };

@@ -41,7 +41,8 @@ struct UnitLattice {
   const float* table = nullptr;        // shape: entries of r, g, b, tau
   const float* extinctions = nullptr;  // shape: entries
   float table_scale = 1, table_last = 0;
-  float visible_after = -1, visible_before = 3e38f;  // samples between these places of the table have extinction
+  float visible_after = -1, visible_before = 3e38f;  // samples have extinction between these places of the table only,
+  bool gaps = true;                                  // and not everywhere there
   // Where a voxel stands for the interval of values that it is the mean of: the extinction is the mean over it. Null
   // where a sample is a point.
   const float* integral = nullptr;
@@ -60,7 +61,8 @@ struct UnitInput {
   glm::vec3 origin;                             // of its first voxel's centre, in view space
   std::array<int, 3> first{}, end{};            // its samples that exist, along each axis
   std::array<int, 3> core_first{}, core_end{};  // those that are the brick's own
-  std::array<float, kUnitSamples> part_x{}, part_y{}, part_z{};  // of a voxel that exists, at the volume's end
+  bool parts = false;  // whether not all of a voxel exists everywhere, as at the volume's end; if so, of each sample
+  std::array<float, kUnitSamples> part_x{}, part_y{}, part_z{};
   PixelRect tile;
   // The tile's windows, if samples whose footprints are closed are to be left out.
   const TileWindows* windows = nullptr;

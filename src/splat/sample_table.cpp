@@ -33,6 +33,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   if (first != extinctions_.end()) {
     visible_after_ = static_cast<float>(first - extinctions_.begin() - 1);
     visible_before_ = static_cast<float>(extinctions_.rend() - last);
+    gaps_ = !std::all_of(first, last.base(), visible);
   }
   double sum = 0;
   integral_.assign(1, 0.0f);

@@ -69,6 +69,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.extinctions = table.extinctions();
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
+  out.gaps = table.hasGaps();
   if (zone.level > 0 && !zone.refined()) out.integral = table.integral();
   out.least_interval = table.leastInterval();
   out.phong = shading.phong && !detailed;

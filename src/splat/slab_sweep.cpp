@@ -156,6 +156,10 @@ class Sweep {
     in.most = static_cast<float>(range.hi - offset_);
     in.origin = glm::vec3(projector_.viewOf(unit.lo));
     std::array<float, kUnitSamples>* const parts[3] = {&in.part_x, &in.part_y, &in.part_z};
+    const auto endsIn = [&](std::int64_t voxel, int a) {
+      return f_.ends().part[a] != 1 && voxel >= 0 && voxel < l.voxels[static_cast<std::size_t>(a)];
+    };
+    VoxelCoord last;
     for (int a = 0; a < 3; ++a) {
       const auto ua = static_cast<std::size_t>(a);
       const int n = l.axis[ua].refinement;
@@ -164,10 +168,13 @@ class Sweep {
       };
       in.first[ua] = sample(reach_.lo[a]), in.end[ua] = sample(reach_.hi[a]);
       in.core_first[ua] = sample(block_.core.lo[a]), in.core_end[ua] = sample(block_.core.hi[a]);
+      last[a] = f_.ends().last[a] - unit.lo[a];
+      in.parts = in.parts || endsIn(last[a], a);
+    }
+    for (int a = 0; a < 3 && in.parts; ++a) {
       parts[a]->fill(1.0f);
-      const std::int64_t last = f_.ends().last[a] - unit.lo[a];
-      if (f_.ends().part[a] != 1 && last >= 0 && last < l.voxels[ua])
-        std::fill_n(parts[a]->begin() + last * n, n, static_cast<float>(f_.ends().part[a]));
+      const int n = l.axis[static_cast<std::size_t>(a)].refinement;
+      if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f_.ends().part[a]));
     }
     in.tile = tile_.rect;
     // A sample that is clipped does not count: this is known later.

@@ -53,7 +53,7 @@ void TileWindows::reset(const TilePixels& tile, int taps) {
     for (int x = 0; x < width_; ++x) open[x >> 6] |= std::uint64_t{alpha[4 * x] != 1.0f} << (x & 63);
   }
   stride_ = (columns() + 31) / 32;
-  open_.resize(static_cast<std::size_t>(rows() * stride_));
+  open_.resize(static_cast<std::size_t>(rows() * stride_ + 2 * kWordsBeside));
   first_closed_ = 0, last_closed_ = height_ - 1;
   update();
 }
@@ -70,7 +70,7 @@ void TileWindows::updateRow(int window) {
     open[0] |= pixels_[static_cast<std::size_t>(2 * y)];
     open[1] |= pixels_[static_cast<std::size_t>(2 * y + 1)];
   }
-  std::int32_t* const words = &open_[static_cast<std::size_t>(window * stride_)];
+  std::int32_t* const words = &open_[static_cast<std::size_t>(window * stride_ + kWordsBeside)];
   for (int i = 0; i < stride_; ++i)
     words[i] = i < 4 ? static_cast<std::int32_t>(static_cast<std::uint32_t>(open[i / 2] >> 32 * (i & 1))) : 0;
   spread(words, stride_, taps_ - 1);

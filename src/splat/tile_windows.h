@@ -63,10 +63,11 @@ class TileWindows {
   }
   /// Whether a pixel in it was open when `update` was last called.
   bool open(const FootprintPlace& at) const {
-    return (open_[static_cast<std::size_t>(at.y() * stride_ + (at.x() >> 5))] >> (at.x() & 31) & 1) != 0;
+    return (openWords()[at.y() * stride_ + (at.x() >> 5)] >> (at.x() & 31) & 1) != 0;
   }
-  /// The same: bit x & 31 of word y stride + x / 32.
-  const std::int32_t* openWords() const { return open_.data(); }
+  /// The same: bit x & 31 of word y stride + x / 32. So many words before and after them may be read, too.
+  static constexpr int kWordsBeside = 8;
+  const std::int32_t* openWords() const { return open_.data() + kWordsBeside; }
   int stride() const { return stride_; }
   /// Pixel (x, y), counted from the tile's corner, is closed: `update` then tells the windows.
   void close(int x, int y) {
