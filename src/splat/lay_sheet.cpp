@@ -16,10 +16,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Blocks of this edge.
-template <std::size_t kEdge>
 class BlockLayer {
-  using D = hn::CappedTag<float, kEdge>;
+  using D = hn::CappedTag<float, kBlockEdge>;
   using DI = hn::RebindToSigned<D>;
   using V = hn::Vec<D>;
   using VI = hn::Vec<DI>;
@@ -37,7 +35,7 @@ class BlockLayer {
           continue;
         }
         // Fewer than a vector.
-        alignas(64) float some[4 * kEdge] = {};
+        alignas(64) float some[4 * kBlockEdge] = {};
         const auto count = static_cast<std::size_t>(4 * (b_.width - x));
         std::copy_n(pixels, count, some);
         lay(x, y, some);
@@ -82,11 +80,11 @@ class BlockLayer {
     const V alpha = sum(a, light[3]);
     hn::StoreInterleaved4(sum(r, light[0]), sum(g, light[1]), sum(b, light[2]), alpha, d, pixels);
     const auto opaque = hn::And(changed, hn::Ge(alpha, hn::Set(d, b_.opaque_at)));
-    out_.changed[row] |= static_cast<std::uint16_t>(bitsOf(changed) << x);
-    out_.opaque[row] |= static_cast<std::uint16_t>(bitsOf(opaque) << x);
+    out_.changed[row] |= static_cast<std::uint8_t>(bitsOf(changed) << x);
+    out_.opaque[row] |= static_cast<std::uint8_t>(bitsOf(opaque) << x);
     if (pixels_ != nullptr)
       hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d,
-                            &(*pixels_)[row * kMostBlockEdge + static_cast<std::size_t>(x)].before);
+                            &(*pixels_)[row * kBlockEdge + static_cast<std::size_t>(x)].before);
   }
 
   // What of a pixel's area a slab covers whose samples fill `filled` of it. Samples fill a pixel at an edge a little in
@@ -103,7 +101,7 @@ class BlockLayer {
   static HWY_INLINE unsigned bitsOf(Mask mask) {
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(D(), mask, bytes);
-    return bytes[0] | static_cast<unsigned>(bytes[1]) << 8;
+    return bytes[0];
   }
 
   const SheetBlock& b_;
@@ -111,10 +109,7 @@ class BlockLayer {
   LaidBlock out_;
 };
 
-LaidBlock laySheetOn(const SheetBlock& block, LaidPixels* pixels) {
-  return block.edge == kMostBlockEdge ? BlockLayer<kMostBlockEdge>(block, pixels).run()
-                                      : BlockLayer<kMostBlockEdge / 2>(block, pixels).run();
-}
+LaidBlock laySheetOn(const SheetBlock& block, LaidPixels* pixels) { return BlockLayer(block, pixels).run(); }
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

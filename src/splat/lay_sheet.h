@@ -6,21 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/tile_windows.h"
+
 namespace kiln {
 
-/// The edge of a block, at most. unit: pixels.
-inline constexpr int kMostBlockEdge = 16;
-
 /// One bit a pixel. shape: bit x of word y.
-using BlockBits = std::array<std::uint16_t, kMostBlockEdge>;
+using BlockBits = std::array<std::uint8_t, kBlockEdge>;
 
 struct SheetBlock {
   float* pixels = nullptr;         // of the image: premultiplied RGBA. shape: rows `stride` floats apart
   std::int32_t* sums = nullptr;    // of the sheet: RGBA. shape: rows `columns` pixels apart
   std::int32_t* filled = nullptr;  // the same, one a pixel
   std::ptrdiff_t stride = 0, columns = 0;
-  int edge = kMostBlockEdge;  // of a whole block: this or half of it
-  int width = 0, height = 0;  // of this one
+  int width = 0, height = 0;  // at most kBlockEdge
   BlockBits takes{};          // the pixels that take light from the slab
   float opaque_at = 1;
 };
@@ -35,11 +33,11 @@ struct LaidBlock {
 struct LaidPixel {
   float before = 0, share = 0, opacity = 0, filled = 0;
 };
-/// shape: rows of kMostBlockEdge.
-using LaidPixels = std::array<LaidPixel, kMostBlockEdge * kMostBlockEdge>;
+/// shape: rows of kBlockEdge.
+using LaidPixels = std::array<LaidPixel, kBlockEdge * kBlockEdge>;
 
-/// Adds the light of the slab to the pixels, and empties the block of the sheet, `edge` pixels wide. `pixels` may be
-/// null; of those that do not change it holds anything.
+/// Adds the light of the slab to the pixels, and empties the block of the sheet, kBlockEdge pixels wide. `pixels` may
+/// be null; of those that do not change it holds anything.
 LaidBlock laySheet(const SheetBlock& block, LaidPixels* pixels);
 
 }  // namespace kiln

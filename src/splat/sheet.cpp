@@ -46,12 +46,13 @@ struct Footprint {
         taps(kTaps > 0 ? kTaps : table.taps()),
         padded(kTaps > 0 ? kTaps : table.padded()) {}
 
-  // Four numbers a pixel. Four pixels are one row of 16 numbers.
-  HWY_INLINE void add(const float (&sums)[4], std::int32_t* to, std::ptrdiff_t stride) const {
+  // Four numbers a pixel: those of `four(i)`, from the i-th of four that repeat. Four pixels are one row of 16 numbers.
+  template <class Four>
+  HWY_INLINE void add(const Four& four, std::int32_t* to, std::ptrdiff_t stride) const {
     const D d;
     const hn::RebindToSigned<D> di;
     for (std::size_t i = 0; i < static_cast<std::size_t>(4 * padded); i += hn::Lanes(d)) {
-      const V c = hn::Mul(hn::LoadU(d, wide + i), fourOf(sums, i));
+      const V c = hn::Mul(hn::LoadU(d, wide + i), four(i));
       std::int32_t* at = to + i;
       for (int j = 0; j < taps; ++j, at += stride)
         hn::StoreU(hn::Add(hn::LoadU(di, at), nearest(hn::Mul(c, hn::Set(d, down[j])))), di, at);
@@ -84,7 +85,6 @@ struct Footprint {
     }
   }
 
- private:
   // Numbers i and on of four that repeat.
   HWY_INLINE static V fourOf(const float* four, [[maybe_unused]] std::size_t i) {
 #if HWY_TARGET == HWY_SCALAR
@@ -97,20 +97,19 @@ struct Footprint {
 
 template <int kTaps>
 void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
-  const D4 d;
+  using Taps = Footprint<kTaps>;
+  const D d;
   alignas(16) static constexpr float kIsColor[4] = {1, 1, 1, 0};
   for (const SlabSample* const s : samples) {
-    const Footprint<kTaps> footprint(table, s->place);
+    const Taps footprint(table, s->place);
     const auto add = [&](float amount, Sheet& sheet) {
       const float fill = amount * Sheet::kOne;
-      const auto scale = hn::Set(d, fill * s->opacity);
-      alignas(16) float sums[4];
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
-        const auto is_color = hn::Gt(hn::Load(d, kIsColor + i), hn::Zero(d));
-        const auto color = hn::LoadU(d, &s->r + i);
-        hn::Store(hn::IfThenElse(is_color, hn::Mul(scale, color), scale), d, sums + i);
-      }
-      footprint.add(sums, sheet.at(s->place), sheet.stride());
+      const V scale = hn::Set(d, fill * s->opacity);
+      const auto light = [&](std::size_t i) {
+        const auto is_color = hn::Gt(Taps::fourOf(kIsColor, i), hn::Zero(d));
+        return hn::IfThenElse(is_color, hn::Mul(scale, Taps::fourOf(&s->r, i)), scale);
+      };
+      footprint.add(light, sheet.at(s->place), sheet.stride());
       footprint.addFilled(fill, sheet.filledAt(s->place), sheet.stride() / 4);
     };
     if (s->front > 0) add(s->front, here);
@@ -120,12 +119,13 @@ void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTab
 
 template <int kTaps>
 void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
+  using Taps = Footprint<kTaps>;
   for (const AovSample* const s : samples) {
-    const Footprint<kTaps> footprint(table, s->place);
+    const Taps footprint(table, s->place);
     const auto add = [&](float amount, float depth, Sheet& sheet) {
       const float scale = amount * Sheet::kOne;
       alignas(16) const float sums[4] = {scale * s->normal.x, scale * s->normal.y, scale * s->normal.z, scale * depth};
-      footprint.add(sums, sheet.at(s->place), sheet.stride());
+      footprint.add([&](std::size_t i) { return Taps::fourOf(sums, i); }, sheet.at(s->place), sheet.stride());
     };
     if (s->front > 0) add(s->front, s->depth_front, here);
     if (s->back > 0) add(s->back, s->depth_back, next);
@@ -187,8 +187,8 @@ FootprintTable::FootprintTable(double sigma_px) {
 
 void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint) {
   clear();
-  const int before = footprint.taps() - 1, edge = TileBlocks(rect).edge();
-  const int columns = before + (rect.width() + edge - 1) / edge * edge + footprint.padded();
+  const int before = footprint.taps() - 1;
+  const int columns = before + (rect.width() + kBlockEdge - 1) / kBlockEdge * kBlockEdge + footprint.padded();
   // What is cleared is zero but for what nobody reads.
   const bool as_it_was =
       rect.width() == rect_.width() && rect.height() == rect_.height() && before == before_ && columns == width_;

@@ -51,9 +51,12 @@ class Sheet {
   /// unit: bytes.
   std::size_t bytes() const { return (sums_.capacity() + filled_.capacity()) * sizeof sums_[0]; }
   bool empty() const { return dirty_ == 0; }
-  /// The pixels that samples were added to: a bit a block, see TileBlocks.
+  /// The pixels that samples were added to: bit 8 y + x of the block of 8×8, counted from the rectangle's corner.
   std::uint64_t dirty() const { return dirty_; }
-  PixelRect blockRect(int block) const { return TileBlocks(rect_).rectOf(block); }
+  PixelRect blockRect(int block) const {
+    const int x = rect_.x0 + 8 * (block & 7), y = rect_.y0 + 8 * (block >> 3);
+    return intersection({x, y, x + 8, y + 8}, rect_);
+  }
   /// shape: RGBA a pixel, from (x, y) on to the right. requires: in the rectangle.
   const std::int32_t* at(int x, int y) const {
     return &sums_[4 * indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)];

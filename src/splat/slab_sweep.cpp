@@ -18,10 +18,10 @@ struct SweepMemory::Parts {
   struct Owned {
     int first = 0, end = 0;
   };
-  // Of a block, what each pixel, all of them and any of them own. shape: rows of kMostBlockEdge.
+  // Of a block, what each pixel, all of them and any of them own. shape: rows of kBlockEdge.
   struct OwnedBlock {
     Owned all, any;
-    std::array<Owned, kMostBlockEdge * kMostBlockEdge> pixels;
+    std::array<Owned, kBlockEdge * kBlockEdge> pixels;
   };
   struct Unit {
     VoxelCoord lo;
@@ -311,7 +311,7 @@ class Sweep {
         const Owned o = ownedAt(x, y);
         out.all = {std::max(out.all.first, o.first), std::min(out.all.end, o.end)};
         out.any = {std::min(out.any.first, o.first), std::max(out.any.end, o.end)};
-        out.pixels[static_cast<std::size_t>((y - area.y0) * kMostBlockEdge + x - area.x0)] = o;
+        out.pixels[static_cast<std::size_t>((y - area.y0) * kBlockEdge + x - area.x0)] = o;
       }
     }
     return out;
@@ -324,12 +324,12 @@ class Sweep {
     if (slab < owned.any.first || slab >= owned.any.end) return out;
     const bool all = slab >= owned.all.first && slab < owned.all.end;
     const Owned* o = owned.pixels.data();
-    for (int y = 0; y < area.height(); ++y, o += kMostBlockEdge) {
+    for (int y = 0; y < area.height(); ++y, o += kBlockEdge) {
       unsigned bits = m_.windows.openPixels(area.x0 - tile_.rect.x0, area.y0 - tile_.rect.y0 + y);
       if (!all) {
         for (int x = 0; x < area.width(); ++x) bits &= ~(slab < o[x].first || slab >= o[x].end ? 1u << x : 0u);
       }
-      out[static_cast<std::size_t>(y)] = static_cast<std::uint16_t>(bits);
+      out[static_cast<std::size_t>(y)] = static_cast<std::uint8_t>(bits);
     }
     return out;
   }
@@ -346,7 +346,6 @@ class Sweep {
       in.filled = sheet.filledAt(area.x0, area.y0);
       in.stride = tile_.stride;
       in.columns = sheet.stride() / 4;
-      in.edge = TileBlocks(tile_.rect).edge();
       in.width = area.width(), in.height = area.height();
       in.takes = takesOf(block, area, slab);
       in.opaque_at = opaque_at_;
@@ -382,7 +381,7 @@ class Sweep {
       const auto row = static_cast<std::size_t>(y - area.y0);
       for (unsigned rest = laid.changed[row]; rest != 0; rest &= rest - 1) {
         const int x = std::countr_zero(rest);
-        addToAovs(area.x0 + x, y, slab, pixels[row * kMostBlockEdge + static_cast<std::size_t>(x)]);
+        addToAovs(area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
       }
     }
     close(laid, area);

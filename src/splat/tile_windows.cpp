@@ -6,12 +6,11 @@
 namespace kiln {
 namespace {
 
-// Of each window along one axis, the blocks of the tile that it touches: bit b of byte 0, for block b. Blocks have
-// 2^shift pixels.
-std::vector<std::uint64_t> blocksAlong(int edge, int taps, int shift) {
+// Of each window along one axis, the blocks of the tile that it touches: bit b of byte 0, for block b.
+std::vector<std::uint64_t> blocksAlong(int edge, int taps) {
   std::vector<std::uint64_t> out;
   for (int window = 0; window < edge + taps - 1; ++window) {
-    const int first = std::max(window - taps + 1, 0) >> shift, last = std::min(window, edge - 1) >> shift;
+    const int first = std::max(window - taps + 1, 0) >> 3, last = std::min(window, edge - 1) >> 3;
     out.push_back((std::uint64_t{2} << last) - (std::uint64_t{1} << first));
   }
   return out;
@@ -41,16 +40,16 @@ void spread(std::int32_t* words, int count, int more) {
 void TileWindows::reset(const TilePixels& tile, int taps) {
   assert(tile.rect.width() <= kSweepEdge && tile.rect.height() <= kSweepEdge);
   width_ = tile.rect.width(), height_ = tile.rect.height(), taps_ = taps;
-  const int shift = TileBlocks(tile.rect).shift();
-  columns_ = blocksAlong(width_, taps, shift);
+  columns_ = blocksAlong(width_, taps);
   for (std::uint64_t& blocks : columns_) blocks *= 0x0101010101010101u;
-  rows_ = blocksAlong(height_, taps, shift);
+  rows_ = blocksAlong(height_, taps);
   for (std::uint64_t& blocks : rows_) blocks = rowsOf(blocks);
-  pixels_.assign(static_cast<std::size_t>(2 * height_), 0);
+  pixels_.assign(static_cast<std::size_t>(height_), 0);
   for (int y = 0; y < height_; ++y) {
     const float* const alpha = tile.rgba + y * tile.stride + 3;
-    std::uint64_t* const open = &pixels_[static_cast<std::size_t>(2 * y)];
-    for (int x = 0; x < width_; ++x) open[x >> 6] |= std::uint64_t{alpha[4 * x] != 1.0f} << (x & 63);
+    std::uint64_t open = 0;
+    for (int x = 0; x < width_; ++x) open |= std::uint64_t{alpha[4 * x] != 1.0f} << x;
+    pixels_[static_cast<std::size_t>(y)] = open;
   }
   stride_ = (columns() + 31) / 32;
   open_.resize(static_cast<std::size_t>(rows() * stride_ + 2 * kWordsBeside));
@@ -65,14 +64,13 @@ void TileWindows::update() {
 }
 
 void TileWindows::updateRow(int window) {
-  std::uint64_t open[2] = {};
-  for (int y = std::max(window - taps_ + 1, 0); y <= std::min(window, height_ - 1); ++y) {
-    open[0] |= pixels_[static_cast<std::size_t>(2 * y)];
-    open[1] |= pixels_[static_cast<std::size_t>(2 * y + 1)];
-  }
+  std::uint64_t open = 0;
+  for (int y = std::max(window - taps_ + 1, 0); y <= std::min(window, height_ - 1); ++y)
+    open |= pixels_[static_cast<std::size_t>(y)];
   std::int32_t* const words = &open_[static_cast<std::size_t>(window * stride_ + kWordsBeside)];
-  for (int i = 0; i < stride_; ++i)
-    words[i] = i < 4 ? static_cast<std::int32_t>(static_cast<std::uint32_t>(open[i / 2] >> 32 * (i & 1))) : 0;
+  std::fill_n(words, stride_, 0);
+  words[0] = static_cast<std::int32_t>(static_cast<std::uint32_t>(open));
+  if (stride_ > 1) words[1] = static_cast<std::int32_t>(static_cast<std::uint32_t>(open >> 32));
   spread(words, stride_, taps_ - 1);
 }
 

@@ -4,35 +4,19 @@
 // answer of the mask (occlusion/mask.cpp), for the one rectangle that each sample asks about.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "base/pixel_rect.h"
 #include "splat/splat_cell.h"
 
 namespace kiln {
 
-/// The edge of what is swept at a time, at most. unit: pixels.
-inline constexpr int kSweepEdge = 128;
+/// The edge of what is swept at a time, at most: a row is a word. unit: pixels.
+inline constexpr int kSweepEdge = 64;
 
-/// The blocks of a tile, at most 8×8: block 8 y + x, counted from the tile's corner, is one bit of a word.
-class TileBlocks {
- public:
-  explicit TileBlocks(const PixelRect& tile)
-      : tile_(tile), shift_(std::max(tile.width(), tile.height()) > kSweepEdge / 2 ? 4 : 3) {}
-  int edge() const { return 1 << shift_; }
-  int shift() const { return shift_; }
-  PixelRect rectOf(int block) const {
-    const int x = tile_.x0 + ((block & 7) << shift_), y = tile_.y0 + (block >> 3 << shift_);
-    return intersection({x, y, x + edge(), y + edge()}, tile_);
-  }
-
- private:
-  PixelRect tile_;
-  int shift_;
-};
+/// The edge of a block of the tile; there are at most 8×8. unit: pixels.
+inline constexpr int kBlockEdge = 8;
 
 /// Where a sample's footprint lies, packed: a sample waits with it. unit: pixels; phases of a pixel.
 struct FootprintPlace {
@@ -57,7 +41,7 @@ class TileWindows {
   /// Along each axis.
   int columns() const { return width_ + taps_ - 1; }
   int rows() const { return height_ + taps_ - 1; }
-  /// The blocks that the window touches: a bit each, see TileBlocks.
+  /// The blocks of 8×8 pixels that the window touches: bit 8 y + x.
   std::uint64_t blocks(const FootprintPlace& at) const {
     return columns_[static_cast<std::size_t>(at.x())] & rows_[static_cast<std::size_t>(at.y())];
   }
@@ -71,14 +55,14 @@ class TileWindows {
   int stride() const { return stride_; }
   /// Pixel (x, y), counted from the tile's corner, is closed: `update` then tells the windows.
   void close(int x, int y) {
-    pixels_[static_cast<std::size_t>(2 * y + (x >> 6))] &= ~(std::uint64_t{1} << (x & 63));
+    pixels_[static_cast<std::size_t>(y)] &= ~(std::uint64_t{1} << x);
     first_closed_ = y < first_closed_ ? y : first_closed_;
     last_closed_ = y > last_closed_ ? y : last_closed_;
   }
   void update();
-  /// Of pixels (x, y) to (x + 15, y), those that are open: a bit each. requires: x a multiple of 8.
+  /// Of pixels (x, y) to (x + 7, y), those that are open: a bit each. requires: x a multiple of 8.
   unsigned openPixels(int x, int y) const {
-    return static_cast<unsigned>(pixels_[static_cast<std::size_t>(2 * y + (x >> 6))] >> (x & 63) & 0xffff);
+    return static_cast<unsigned>(pixels_[static_cast<std::size_t>(y)] >> x & 0xff);
   }
   /// unit: bytes.
   std::size_t bytes() const;
@@ -89,7 +73,7 @@ class TileWindows {
   int width_ = 0, height_ = 0, taps_ = 1, stride_ = 0;
   int first_closed_ = kSweepEdge, last_closed_ = -1;  // since the last update
   std::vector<std::uint64_t> columns_, rows_;
-  std::vector<std::uint64_t> pixels_;  // open ones: bit x & 63 of word 2 y + x / 64
+  std::vector<std::uint64_t> pixels_;  // open ones: bit x of word y
   std::vector<std::int32_t> open_;
 };
 
