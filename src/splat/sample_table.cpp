@@ -52,8 +52,10 @@ bool SampleTable::interesting(const ValueRange& range) const {
   const auto place = [&](double value) {
     return std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
   };
-  const auto from = static_cast<std::size_t>(std::floor(place(range.lo)));
-  const auto to = static_cast<std::size_t>(std::ceil(place(range.hi)));
+  const auto from = static_cast<std::size_t>(place(range.lo));
+  const float last = place(range.hi);
+  const auto whole = static_cast<std::size_t>(last);
+  const std::size_t to = static_cast<float>(whole) < last ? whole + 1 : whole;
   return before_[to + 1] > before_[from];
 }
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 namespace kiln {
 namespace {
@@ -134,8 +133,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
-  double z0 = std::numeric_limits<double>::infinity(), z1 = -z0;
-  bool behind = false;
+  double z0, z1;
   const glm::dvec3 corner = projector_.viewOfIndex(
       {static_cast<double>(box.lo.x) - 0.5, static_cast<double>(box.lo.y) - 0.5, static_cast<double>(box.lo.z) - 0.5});
   const glm::dvec3 edge[3] = {static_cast<double>(box.hi.x - box.lo.x) * projector_.axis(0),
@@ -149,22 +147,21 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
     y0 = px.y - projector_.focal() * half.y, y1 = px.y + projector_.focal() * half.y;
     z0 = middle.z - half.z, z1 = middle.z + half.z;
   } else {
-    for (int c = 0; c < 8; ++c) {
-      glm::dvec3 p = corner;
-      for (int a = 0; a < 3; ++a) {
-        if ((c >> a & 1) != 0) p += edge[a];
-      }
-      z0 = std::min(z0, p.z);
-      z1 = std::max(z1, p.z);
-      if (p.z < 0.5 * projector_.nearDepth()) {
-        behind = true;
-        continue;
-      }
-      const glm::dvec2 px = projector_.pixelOf(p);
-      x0 = std::min(x0, px.x), x1 = std::max(x1, px.x);
-      y0 = std::min(y0, px.y), y1 = std::max(y1, px.y);
+    z0 = corner.z + std::min(edge[0].z, 0.0) + std::min(edge[1].z, 0.0) + std::min(edge[2].z, 0.0);
+    z1 = corner.z + std::max(edge[0].z, 0.0) + std::max(edge[1].z, 0.0) + std::max(edge[2].z, 0.0);
+    if (z0 < 0.5 * projector_.nearDepth()) {
+      x0 = y0 = -kFar_px, x1 = y1 = kFar_px;
+    } else {
+      const auto include = [&](const glm::dvec3& p) {
+        const double scale = projector_.focal() / p.z, x = scale * p.x, y = scale * p.y;
+        x0 = std::min(x0, x), x1 = std::max(x1, x);
+        y0 = std::min(y0, y), y1 = std::max(y1, y);
+      };
+      for (const glm::dvec3& p : {corner, corner + edge[1], corner + edge[2], corner + (edge[1] + edge[2])})
+        include(p), include(p + edge[0]);
+      const glm::dvec2& centre = projector_.centre();
+      x0 += centre.x, x1 += centre.x, y0 += centre.y, y1 += centre.y;
     }
-    if (behind) x0 = y0 = -kFar_px, x1 = y1 = kFar_px;
   }
   Bounds out;
   // A sample has a depth of its own.

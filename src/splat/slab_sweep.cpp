@@ -239,9 +239,8 @@ class Sweep {
   }
 
   void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
-    for (const SlabSample& s : samples) counts_.visited += s.place.counted() ? 1 : 0;
-    takeVisible(samples, m_.visible, here, next);
-    for (const SlabSample* s : m_.visible) counts_.splats += s->place.counted() ? 1 : 0;
+    const PlaceCounts counted = takeVisible(samples, m_.visible, here, next);
+    counts_.visited += counted.all, counts_.splats += counted.open;
     addSamples(m_.visible, f_.footprint(), here, next);
   }
 
@@ -251,9 +250,16 @@ class Sweep {
     addAovs(m_.visible_aovs, f_.footprint(), here, next);
   }
 
+  // Samples that count.
+  struct PlaceCounts {
+    std::uint64_t all = 0, open = 0;
+  };
+
   // Those whose footprints are not closed; their blocks are marked in their sheets.
   template <class Sample>
-  void takeVisible(std::span<const Sample> samples, std::vector<const Sample*>& out, Sheet& here, Sheet& next) const {
+  PlaceCounts takeVisible(std::span<const Sample> samples, std::vector<const Sample*>& out, Sheet& here,
+                          Sheet& next) const {
+    PlaceCounts counts;
     out.resize(samples.size());
     std::size_t count = 0;
     std::uint64_t blocks = 0, blocks_behind = 0;
@@ -261,6 +267,8 @@ class Sweep {
       const bool open = !test_samples_ || m_.windows.open(s.place);
       out[count] = &s;
       count += open ? 1 : 0;
+      const int counted = s.place.counted() ? 1 : 0;
+      counts.all += counted, counts.open += open ? counted : 0;
       const std::uint64_t touched = open ? m_.windows.blocks(s.place) : 0;
       blocks |= touched;
       blocks_behind |= s.back > 0 ? touched : 0;
@@ -268,6 +276,7 @@ class Sweep {
     out.resize(count);
     here.mark(blocks);
     next.mark(blocks_behind);
+    return counts;
   }
 
   // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.

@@ -109,6 +109,15 @@ ValueRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offset,
   return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
 }
 
+// Where `count` voxels of an axis begin, from the first on; `extent` are there.
+void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t stride, std::int64_t* out) {
+  if (first >= 0 && first + count <= extent) {
+    for (int i = 0; i < count; ++i) out[i] = (first + i) * stride;
+  } else {
+    for (int i = 0; i < count; ++i) out[i] = std::clamp<std::int64_t>(first + i, 0, extent - 1) * stride;
+  }
+}
+
 // Voxel by voxel: any type, and at the brick's ends.
 template <class T>
 ValueRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
@@ -134,22 +143,20 @@ ValueRange loadVoxels(const UnitRows& rows, const T* data, double offset, float*
 ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
                     float* values) {
   const VoxelBox& has = block.extent;
-  const auto place = [&](int axis, int i) {
-    return std::clamp(lo[axis] - kUnitMargin + i, has.lo[axis], has.hi[axis] - 1) - has.lo[axis];
-  };
   UnitRows rows;
   rows.width = lattice.voxels[0] + 2 * kUnitMargin;
   rows.height = lattice.voxels[1] + 2 * kUnitMargin;
   rows.depth = lattice.voxels[2] + 2 * kUnitMargin;
   // The outermost voxels are for linear interpolation's gradients only.
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
-  for (int i = 0; i < rows.width; ++i) rows.x[static_cast<std::size_t>(i)] = place(0, i);
-  for (int j = 0; j < rows.height; ++j) rows.y[static_cast<std::size_t>(j)] = place(1, j) * block.strideY();
-  for (int k = 0; k < rows.depth; ++k) rows.z[static_cast<std::size_t>(k)] = place(2, k) * block.strideZ();
+  const Extent3 size = has.extent();
+  const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };
+  placesFrom(from(0), rows.width, size.x, 1, rows.x.data());
+  placesFrom(from(1), rows.height, size.y, block.strideY(), rows.y.data());
+  placesFrom(from(2), rows.depth, size.z, block.strideZ(), rows.z.data());
   const std::int64_t last_x = rows.x[static_cast<std::size_t>(rows.width) - 1];
   const std::int64_t last_row =
       rows.x[0] + rows.y[static_cast<std::size_t>(rows.height) - 1] + rows.z[static_cast<std::size_t>(rows.depth) - 1];
-  const Extent3 size = has.extent();
   return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const data = block.data<T>();
     if constexpr (sizeof(T) <= 2) {
