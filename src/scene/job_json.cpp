@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "scene/json_place.h"
 
 namespace kiln {
 namespace {
@@ -25,16 +26,10 @@ class Checker : public nlohmann::json_sax<json> {
   bool number_float(number_float_t, const string_t&) override { return true; }
   bool string(string_t&) override { return true; }
   bool binary(binary_t&) override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
-  bool start_object(std::size_t) override {
-    keys_.emplace_back();
-    return true;
-  }
-  bool end_object() override {
-    keys_.pop_back();
-    return true;
-  }
+  bool start_array(std::size_t) override { return start(); }
+  bool end_array() override { return end(); }
+  bool start_object(std::size_t) override { return start(); }
+  bool end_object() override { return end(); }
   bool key(string_t& name) override {
     if (keys_.back().insert(name).second) return true;
     problem = "key '" + name + "' is given twice in one object";
@@ -51,7 +46,20 @@ class Checker : public nlohmann::json_sax<json> {
   }
 
  private:
-  std::vector<std::set<std::string>> keys_;
+  // No document of ours is a tenth as deep, and what shows a value to the user calls itself for each level.
+  static constexpr std::size_t kDeepest = 100;
+
+  bool start() {
+    keys_.emplace_back();
+    if (keys_.size() <= kDeepest) return true;
+    problem = "lists and objects are nested more than " + std::to_string(kDeepest) + " deep";
+    return false;
+  }
+  bool end() {
+    keys_.pop_back();
+    return true;
+  }
+  std::vector<std::set<std::string>> keys_;  // of each list and object that is open
 };
 
 std::string lineAndColumn(std::string_view text, std::size_t bytes_read) {
@@ -109,28 +117,28 @@ std::string_view nearestWord(std::string_view word, std::span<const std::string_
   });
 }
 
-JobObject::JobObject(Json value, std::filesystem::path path, std::string place)
-    : value_(std::move(value)), path_(std::move(path)), place_(std::move(place)) {
-  if (value_->is_object()) return;
-  throw Error(ErrorCode::kUsage, path_, place_, "expected an object {…}, found " + shownValue(*value_));
+JobObject::JobObject(Json value, Text text, std::filesystem::path path, std::string place)
+    : value_(std::move(value)), text_(std::move(text)), path_(std::move(path)), place_(std::move(place)) {
+  if (!value_->is_object()) complainAt(place_, "expected an object {…}, found " + shownValue(*value_));
 }
 
 JobObject JobObject::parse(const std::string& text, const std::filesystem::path& path) {
-  return JobObject(checkedDocument(text, path), path, "");
+  return JobObject(checkedDocument(text, path), std::make_shared<const std::string>(text), path, "");
 }
 
 std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const std::filesystem::path& path) {
   const Json root = checkedDocument(text, path);
-  if (!root->is_array()) return {JobObject(root, path, "")};
+  const auto shared_text = std::make_shared<const std::string>(text);
+  if (!root->is_array()) return {JobObject(root, shared_text, path, "")};
   std::vector<JobObject> out;
   for (std::size_t i = 0; i < root->size(); ++i)
-    out.push_back(JobObject(Json(root, &(*root)[i]), path, "[" + std::to_string(i) + "]"));
+    out.push_back(JobObject(Json(root, &(*root)[i]), shared_text, path, "[" + std::to_string(i) + "]"));
   return out;
 }
 
 JobObject JobObject::inside(const json& value, std::string place) const {
   // Shares the document's lifetime, points at the part.
-  return JobObject(Json(value_, &value), path_, std::move(place));
+  return JobObject(Json(value_, &value), text_, path_, std::move(place));
 }
 
 const json* JobObject::find(std::string_view key) const {
@@ -143,7 +151,12 @@ std::string JobObject::placeOf(std::string_view key) const {
 }
 
 void JobObject::complain(std::string_view key, const std::string& sentence) const {
-  throw Error(ErrorCode::kUsage, path_, placeOf(key), sentence);
+  complainAt(placeOf(key), sentence);
+}
+
+void JobObject::complainAt(const std::string& place, const std::string& sentence) const {
+  const std::string line = "line " + std::to_string(lineOfPlace(*text_, place));
+  throw Error(ErrorCode::kUsage, path_, place.empty() ? line : line + ", " + place, sentence);
 }
 
 void JobObject::refuse(std::string_view key, std::string_view expected) const {
@@ -151,10 +164,22 @@ void JobObject::refuse(std::string_view key, std::string_view expected) const {
   complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
 }
 
+void JobObject::requireKnown(JobKeys known, JobKeys more) const {
+  std::vector<std::string_view> names;
+  for (const JobKeys keys : {known, more}) {
+    for (const JobKey& key : keys) names.push_back(key.name);
+  }
+  requireOneOf(names);
+}
+
 void JobObject::requireKnown(std::initializer_list<std::string_view> known) const {
+  requireOneOf(std::span(known.begin(), known.size()));
+}
+
+void JobObject::requireOneOf(std::span<const std::string_view> known) const {
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const std::string_view nearest = nearestWord(key, std::span(known.begin(), known.size()));
+    const std::string_view nearest = nearestWord(key, known);
     complain(key.substr(0, 60), "unknown key; did you mean '" + std::string(nearest) + "'?");
   }
 }

@@ -14,13 +14,15 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/job_keys.h"
+
 namespace kiln {
 
 /// The word of `known` with the least edit distance to `word`. requires: known is not empty.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
 
 /// An object inside a parsed document; it keeps the document alive.
-/// throws: every member, Error kUsage "FILE: KEY: expected …, found …" where the value is not what it asks for.
+/// throws: every member, Error kUsage "FILE: line N, KEY: expected …, found …" where the value is not what it asks for.
 class JobObject {
  public:
   /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
@@ -29,7 +31,8 @@ class JobObject {
   /// The same for a document that is one object or a list of objects.
   static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
-  /// throws: where a key is none of `known`, naming the nearest.
+  /// throws: where a key is none of `known` and `more`, naming the nearest.
+  void requireKnown(JobKeys known, JobKeys more = {}) const;
   void requireKnown(std::initializer_list<std::string_view> known) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
   bool isText(std::string_view key) const;
@@ -68,12 +71,16 @@ class JobObject {
 
  private:
   using Json = std::shared_ptr<const nlohmann::json>;
-  JobObject(Json value, std::filesystem::path path, std::string place);
+  using Text = std::shared_ptr<const std::string>;
+  JobObject(Json value, Text text, std::filesystem::path path, std::string place);
+  [[noreturn]] void complainAt(const std::string& place, const std::string& sentence) const;
+  void requireOneOf(std::span<const std::string_view> known) const;
   const nlohmann::json* find(std::string_view key) const;
   bool fill(std::string_view key, std::string_view expected, bool (*legal)(double), std::span<double> out) const;
   JobObject inside(const nlohmann::json& value, std::string place) const;
 
   Json value_;
+  Text text_;  // of the document
   std::filesystem::path path_;
   std::string place_;  // of this object; empty for the root
 };

@@ -29,13 +29,13 @@ Light lightFrom(const JobObject& object) {
   if (!kind) object.complain("type", "is missing; a light is a headlight, directional or point");
   light.kind = static_cast<LightKind>(*kind);
   if (light.kind == LightKind::kDirectional) {
-    object.requireKnown({"type", "direction", "color", "intensity"});
+    object.requireKnown(job_keys::kDirectionalLight);
     light.place = requiredDirection(object, "direction", "directional light");
   } else if (light.kind == LightKind::kPoint) {
-    object.requireKnown({"type", "position", "color", "intensity"});
+    object.requireKnown(job_keys::kPointLight);
     light.place = requiredVector(object, "position", "point light");
   } else {
-    object.requireKnown({"type", "color", "intensity"});
+    object.requireKnown(job_keys::kHeadlight);
   }
   if (const auto c = object.numbers<3>("color", "[red, green, blue] in linear light, from 0 to 1000000", brightness))
     light.color = {(*c)[0], (*c)[1], (*c)[2]};
@@ -44,7 +44,7 @@ Light lightFrom(const JobObject& object) {
 }
 
 ClipPlane planeFrom(const JobObject& object) {
-  object.requireKnown({"normal", "offset"});
+  object.requireKnown(job_keys::kClipPlane);
   ClipPlane plane;
   plane.normal = requiredDirection(object, "normal", "clip plane");
   const auto offset = object.number("offset", "a number", legal::length);
@@ -77,7 +77,7 @@ std::optional<glm::dvec3> worldVectorFrom(const JobObject& owner, std::string_vi
 }
 
 Shading shadingFrom(const JobObject& object) {
-  object.requireKnown({"model", "light", "ambient", "diffuse", "specular", "power"});
+  object.requireKnown(job_keys::kShading);
   // An older way to say what "lights" says now.
   static constexpr std::array<std::string_view, 1> kLights = {"headlight"};
   Shading shading;
@@ -123,7 +123,7 @@ Background backgroundFrom(const JobObject& owner) {
     return {all, all};
   }
   const JobObject ends = *owner.object("background");
-  ends.requireKnown({"top", "bottom"});
+  ends.requireKnown(job_keys::kGradient);
   for (const char* end : {"top", "bottom"}) {
     if (!ends.has(end)) ends.complain(end, "is missing; a gradient has top and bottom");
   }

@@ -25,7 +25,7 @@ bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
 void readImage(const JobObject& object, PictureOptions& picture) {
-  object.requireKnown({"width", "height", "background", "crop", "aov"});
+  object.requireKnown(job_keys::kImage);
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
   picture.size.height = static_cast<int>(object.integer("height", 1, 65536).value_or(picture.size.height));
   picture.background = backgroundFrom(object);
@@ -39,7 +39,7 @@ void readImage(const JobObject& object, PictureOptions& picture) {
 }
 
 void readVisibility(const JobObject& object, RenderJob& job) {
-  object.requireKnown({"method", "threshold", "area", "epsilon", "samples"});
+  object.requireKnown(job_keys::kVisibility);
   VisibilityOptions& visibility = job.speed.visibility;
   if (const auto place = object.choice("method", kVisibilityNames))
     visibility.method = static_cast<VisibilityMethod>(*place);
@@ -82,12 +82,12 @@ void readSpeed(const JobObject& root, SpeedOptions& speed) {
 void readOutput(const JobObject& root, OutputOptions& output) {
   if (const auto path = root.text("output", "a file name")) output.path = besideJob(*path, root.path());
   if (const auto exr = root.object("exr")) {
-    exr->requireKnown({"type"});
+    exr->requireKnown(job_keys::kExr);
     static constexpr std::array<std::string_view, 2> kTypes = {"half", "float"};
     output.exr_float = exr->choice("type", kTypes).value_or(0) == 1;
   }
   if (const auto png = root.object("png")) {
-    png->requireKnown({"bits"});
+    png->requireKnown(job_keys::kPng);
     const std::int64_t bits = png->integer("bits", 8, 16).value_or(8);
     if (bits != 8 && bits != 16) png->refuse("bits", "8 or 16");
     output.png_bits = static_cast<int>(bits);
@@ -110,7 +110,7 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation) {
 }
 
 CameraSpec cameraFrom(const JobObject& object) {
-  object.requireKnown({"projection", "fov", "height", "eye", "target", "up", "view", "azimuth", "elevation", "zoom"});
+  object.requireKnown(job_keys::kCamera);
   CameraSpec spec;
   if (const auto place = object.choice("projection", kProjectionNames))
     spec.projection = static_cast<Projection>(*place);
@@ -143,10 +143,7 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
-  root.requireKnown({"kiln",       "volume",  "output", "image",   "camera",       "transferFunction",
-                     "window",     "shading", "lights", "region",  "worldRegion",  "clip",
-                     "visibility", "lattice", "level",  "samples", "skipDamaged",  "memory",
-                     "threads",    "tile",    "exr",    "png",     "interpolation"});
+  root.requireKnown(job_keys::kRoot);
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
   const auto volume = root.text("volume", "the name of a store or volume file");

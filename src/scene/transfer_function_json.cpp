@@ -8,7 +8,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kColorSpaceNames = {"linear", "srgb"};
 
 TransferPoint pointFrom(const JobObject& object, bool srgb) {
-  object.requireKnown({"value", "color", "opacity"});
+  object.requireKnown(job_keys::kPoint);
   for (const char* key : {"value", "color", "opacity"}) {
     if (!object.has(key)) object.complain(key, "is missing; a point has value, color and opacity");
   }
@@ -28,7 +28,7 @@ std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
   std::vector<GradientPoint> out;
   if (!points) return out;
   for (const JobObject& point : *points) {
-    point.requireKnown({"gradient", "factor"});
+    point.requireKnown(job_keys::kGradientPoint);
     for (const char* key : {"gradient", "factor"}) {
       if (!point.has(key)) point.complain(key, "is missing; a point has gradient and factor");
     }
@@ -44,7 +44,7 @@ std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
 }  // namespace
 
 TransferFunction transferFunctionFrom(const JobObject& object) {
-  object.requireKnown({"unit", "colorSpace", "points", "gradientOpacity"});
+  object.requireKnown(job_keys::kTransferFunction);
   TransferFunction out;
   const auto legal_unit = [](double v) { return v == 0 || legal::positiveLength(v); };
   out.unit = object.number("unit", "a length above 0, or 0 for the mean voxel spacing", legal_unit).value_or(0);

@@ -118,9 +118,9 @@ struct Wrong {
 };
 
 const Wrong kWrong[] = {
-    {R"("camera": {"fvo": 60})", ErrorCode::kUsage, "job.json: camera.fvo: unknown key; did you mean 'fov'?"},
+    {R"("camera": {"fvo": 60})", ErrorCode::kUsage, "job.json: line 1, camera.fvo: unknown key; did you mean 'fov'?"},
     {R"("camera": {"fov": "wide"})", ErrorCode::kUsage,
-     "job.json: camera.fov: expected a number of degrees in (0, 180), found \"wide\""},
+     "job.json: line 1, camera.fov: expected a number of degrees in (0, 180), found \"wide\""},
     {R"("camera": {"fov": 180})", ErrorCode::kUsage, "camera.fov: expected a number of degrees in (0, 180), found 180"},
     {R"("camera": {"eye": [1, 2]})", ErrorCode::kUsage, "camera.eye: expected [x, y, z]"},
     {R"("camera": {"eye": [1, 2, 1e31]})", ErrorCode::kUsage, "camera.eye"},
@@ -129,7 +129,7 @@ const Wrong kWrong[] = {
     {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
     {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
     {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
-    {R"("skipDamaged": "yes")", ErrorCode::kUsage, "job.json: skipDamaged: expected"},
+    {R"("skipDamaged": "yes")", ErrorCode::kUsage, "job.json: line 1, skipDamaged: expected"},
     {R"("camera": {"azimuth": true})", ErrorCode::kUsage, "camera.azimuth"},
     {R"("camera": {"elevation": 91})", ErrorCode::kUsage, "camera.elevation"},
     {R"("camera": {"zoom": 0})", ErrorCode::kUsage, "camera.zoom"},
@@ -401,7 +401,7 @@ TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
     readTransferFunction(folder / "bad.json", Manifest{});
     ADD_FAILURE();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("bad.json: points[0].opacity"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("bad.json: line 1, points[0].opacity"), std::string::npos) << error.what();
   }
   try {
     readJob(folder / "none.json");

@@ -23,6 +23,7 @@ void addSlice(CLI::App& app, Context& context);
 void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
+void addSchema(CLI::App& app, Context& context);
 void addBench(CLI::App& app, Context& context);
 
 }  // namespace kiln::tool

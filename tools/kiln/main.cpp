@@ -23,6 +23,7 @@ int run(int argc, char** argv) {
   addTf(app, context);
   addRender(app, context);
   addCompare(app, context);
+  addSchema(app, context);
   addBench(app, context);
   try {
     app.parse(argc, argv);

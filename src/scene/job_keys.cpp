@@ -1,0 +1,130 @@
+#include "scene/job_keys.h"
+
+#include <array>
+
+namespace kiln::job_keys {
+namespace {
+
+constexpr JobKey kRootKeys[] = {
+    {"kiln", R"({"const": 1, "description": "the job format"})"},
+    {"volume",
+     R"({"$ref": "text", "description": "a store, or a volume file that is converted to a store beside it first"})"},
+    {"output", R"({"$ref": "text", "description": "the picture, .exr or .png"})"},
+    {"image", R"({"$ref": "image"})"},
+    {"camera", R"({"$ref": "camera"})"},
+    {"transferFunction",
+     R"({"description": "a preset, a file, or the function itself", "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}]})"},
+    {"window",
+     R"({"$ref": "pair", "description": "[centre, width] of values: the function's first and last points lie at its ends"})"},
+    {"shading", R"({"$ref": "shading"})"},
+    {"lights", R"({"type": "array", "items": {"$ref": "light"}})"},
+    {"region", R"({"description": "voxels [x0, y0, z0, x1, y1, z1], half-open", "type": "array",
+                   "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
+    {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
+                        "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
+    {"clip", R"({"type": "array", "items": {"$ref": "clipPlane"}})"},
+    {"visibility", R"({"$ref": "visibility"})"},
+    {"lattice", R"({"enum": "lattice"})"},
+    {"interpolation", R"({"enum": "interpolation"})"},
+    {"level",
+     R"({"description": "0 is finest", "anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 0, "maximum": 64}]})"},
+    {"samples", R"({"enum": [1, 4, 16], "description": "sub-pixels whose mean a pixel is"})"},
+    {"skipDamaged", R"({"type": "boolean", "description": "draw bricks that cannot be read as nothing"})"},
+    {"memory", R"({"description": "bytes, or an amount such as \"2G\"",
+                   "anyOf": [{"type": "string", "pattern": "^[0-9.]+([KMGT](iB|B)?|B)?$"},
+                             {"type": "integer", "minimum": 1, "maximum": 4503599627370496}]})"},
+    {"threads", R"({"type": "integer", "minimum": 0, "maximum": 4096, "description": "0 takes all"})"},
+    {"tile",
+     R"({"type": "integer", "minimum": 0, "maximum": 65536, "description": "a power of two from 64 on, or 0"})"},
+    {"exr", R"({"$ref": "exr"})"},
+    {"png", R"({"$ref": "png"})"},
+};
+
+constexpr JobKey kImageKeys[] = {
+    {"width", R"({"type": "integer", "minimum": 1, "maximum": 65536})"},
+    {"height", R"({"type": "integer", "minimum": 1, "maximum": 65536})"},
+    {"background", R"({"description": "[red, green, blue, alpha], linear and premultiplied, or a gradient",
+                       "anyOf": [{"$ref": "rgba"}, {"$ref": "gradient"}]})"},
+    {"crop", R"({"description": "[x, y, width, height] in pixels", "type": "array",
+                 "items": {"type": "integer", "minimum": 0, "maximum": 65536}, "minItems": 4, "maxItems": 4})"},
+    {"aov", R"({"type": "array", "items": {"enum": "aov"}, "uniqueItems": true})"},
+};
+
+constexpr JobKey kCameraKeys[] = {
+    {"projection", R"({"enum": "projection"})"},
+    {"fov",
+     R"({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 180, "description": "degrees, vertical"})"},
+    {"height", R"({"$ref": "positiveLength", "description": "world units the image spans, orthographic"})"},
+    {"eye", R"({"$ref": "vector"})"},
+    {"target", R"({"$ref": "vector"})"},
+    {"up", R"({"$ref": "vector"})"},
+    {"view", R"({"enum": "side"})"},
+    {"azimuth", R"({"type": "number", "minimum": -3600, "maximum": 3600, "description": "degrees"})"},
+    {"elevation", R"({"type": "number", "minimum": -90, "maximum": 90, "description": "degrees"})"},
+    {"zoom", R"({"type": "number", "minimum": 0.001, "maximum": 1000000})"},
+};
+
+constexpr JobKey kTransferFunctionKeys[] = {
+    {"unit",
+     R"({"type": "number", "minimum": 0, "description": "the length that opacity is per; 0 is the mean spacing"})"},
+    {"colorSpace", R"({"enum": "colorSpace"})"},
+    {"points", R"({"type": "array", "items": {"$ref": "point"}, "minItems": 1})"},
+    {"gradientOpacity", R"({"type": "array", "items": {"$ref": "gradientPoint"}})"},
+};
+
+constexpr JobKey kPointKeys[] = {
+    {"value", R"({"type": "number"})"},
+    {"color", R"({"type": "array", "items": {"$ref": "fraction"}, "minItems": 3, "maxItems": 3})"},
+    {"opacity", R"({"$ref": "fraction"})"},
+};
+
+constexpr JobKey kGradientPointKeys[] = {
+    {"gradient", R"({"type": "number", "minimum": 0, "description": "values per world unit"})"},
+    {"factor", R"({"$ref": "fraction"})"},
+};
+
+constexpr JobKey kShadingKeys[] = {
+    {"model", R"({"enum": "shading"})"},
+    {"light", R"({"const": "headlight", "description": "what lights says now"})"},
+    {"ambient", R"({"$ref": "weight"})"},
+    {"diffuse", R"({"$ref": "weight"})"},
+    {"specular", R"({"$ref": "weight"})"},
+    {"power", R"({"type": "number", "minimum": 0, "maximum": 10000})"},
+};
+
+// What every light has comes last, so that the kinds are ends and a beginning of one table.
+constexpr std::array<JobKey, 5> kLightKeys = {{
+    {"direction", R"({"$ref": "vector", "description": "towards the light, directional"})"},
+    {"type", R"({"enum": "light"})"},
+    {"color", R"({"type": "array", "items": {"$ref": "brightness"}, "minItems": 3, "maxItems": 3})"},
+    {"intensity", R"({"$ref": "brightness"})"},
+    {"position", R"({"$ref": "vector", "description": "of a point light"})"},
+}};
+
+constexpr JobKey kClipPlaneKeys[] = {
+    {"normal", R"({"$ref": "vector"})"},
+    {"offset", R"({"$ref": "length", "description": "shown is where normal·x + offset >= 0"})"},
+};
+
+constexpr JobKey kGradientKeys[] = {{"top", R"({"$ref": "rgba"})"}, {"bottom", R"({"$ref": "rgba"})"}};
+
+constexpr JobKey kVisibilityKeys[] = {
+    {"method", R"({"enum": "visibility"})"},
+    {"threshold", R"({"type": "number", "exclusiveMinimum": 0, "maximum": 1})"},
+    {"area", R"({"enum": "area"})"},
+    {"epsilon", R"({"type": "integer", "minimum": 0, "maximum": 65536, "description": "pixels, of the quadtree"})"},
+    {"samples", R"({"enum": ["untested", "tested"]})"},
+};
+
+constexpr JobKey kExrKeys[] = {{"type", R"({"enum": ["half", "float"]})"}};
+constexpr JobKey kPngKeys[] = {{"bits", R"({"enum": [8, 16]})"}};
+
+}  // namespace
+
+constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
+                  kTransferFunction = kTransferFunctionKeys, kPoint = kPointKeys, kGradientPoint = kGradientPointKeys,
+                  kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),
+                  kDirectionalLight = kLight.first(4), kPointLight = kLight.subspan(1), kClipPlane = kClipPlaneKeys,
+                  kGradient = kGradientKeys, kVisibility = kVisibilityKeys, kExr = kExrKeys, kPng = kPngKeys;
+
+}  // namespace kiln::job_keys

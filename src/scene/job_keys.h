@@ -1,0 +1,26 @@
+// Every key of a job, once: the parser knows the keys of each object from these tables, and the published schema is
+// made of them, so that neither has a key that the other has not.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace kiln {
+
+/// A key, and what its value may be, as a fragment of JSON Schema. In a fragment {"enum": "lattice"} stands for the
+/// words of `kLatticeNames`, and so on, and {"$ref": "camera"} for the object of that name.
+struct JobKey {
+  std::string_view name, schema;
+};
+using JobKeys = std::span<const JobKey>;
+
+namespace job_keys {
+extern const JobKeys kRoot, kImage, kCamera, kTransferFunction, kPoint, kGradientPoint, kShading, kLight, kHeadlight,
+    kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng;
+}  // namespace job_keys
+
+/// JSON Schema (draft 2020-12) of a job. Comments, which a job may have, are no matter of a schema.
+std::string jobSchemaText();
+
+}  // namespace kiln

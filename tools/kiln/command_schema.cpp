@@ -1,0 +1,13 @@
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "scene/job_keys.h"
+
+namespace kiln::tool {
+
+void addSchema(CLI::App& app, Context& context) {
+  CLI::App* command = app.add_subcommand("schema", "print the JSON Schema of jobs, for editors and checks");
+  command->callback([&context] { context.action = [] { fmt::print("{}", jobSchemaText()); }; });
+}
+
+}  // namespace kiln::tool
