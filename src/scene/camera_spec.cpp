@@ -1,10 +1,11 @@
 // From what a user said of the camera to a camera: an eye as it stands, or a framing with the rest filled in.
+#include "scene/camera_spec.h"
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
 
 #include "base/error.h"
-#include "scene/render_job.h"
 
 namespace kiln {
 namespace {

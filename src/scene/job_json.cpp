@@ -293,6 +293,30 @@ std::optional<std::vector<std::array<double, 2>>> JobObject::pairs(std::string_v
   return out;
 }
 
+std::optional<std::vector<std::array<double, 16>>> JobObject::matrices(std::string_view key, std::string_view expected,
+                                                                       bool (*legal)(double)) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  const auto require = [&](bool right) {
+    if (!right) refuse(key, expected);
+  };
+  require(value->is_array());
+  std::vector<std::array<double, 16>> out;
+  for (const json& matrix : *value) {
+    require(matrix.is_array() && matrix.size() == 4);
+    std::size_t place = 0;
+    out.emplace_back();
+    for (const json& row : matrix) {
+      require(row.is_array() && row.size() == 4);
+      for (const json& number : row) {
+        require(number.is_number() && legal(number.get<double>()));
+        out.back()[place++] = number.get<double>();
+      }
+    }
+  }
+  return out;
+}
+
 std::optional<JobObject> JobObject::object(std::string_view key) const {
   const json* value = find(key);
   if (!value) return std::nullopt;

@@ -53,6 +53,9 @@ class JobObject {
                                                 bool (*legal)(double)) const;
   std::optional<std::vector<std::array<double, 2>>> pairs(std::string_view key, std::string_view expected,
                                                           bool (*legal)(double)) const;
+  /// A list of 4 rows of 4 numbers. shape: row by row.
+  std::optional<std::vector<std::array<double, 16>>> matrices(std::string_view key, std::string_view expected,
+                                                              bool (*legal)(double)) const;
   std::optional<JobObject> object(std::string_view key) const;
   std::optional<std::vector<JobObject>> objects(std::string_view key, std::string_view expected) const;
   template <std::size_t N>

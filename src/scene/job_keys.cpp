@@ -9,20 +9,26 @@ constexpr JobKey kRootKeys[] = {
     {"kiln", R"({"const": 1, "description": "the job format"})"},
     {"volume",
      R"({"$ref": "text", "description": "a store, or a volume file that is converted to a store beside it first"})"},
-    {"output", R"({"$ref": "text", "description": "the picture, .exr or .png"})"},
+    {"output",
+     R"({"$ref": "text", "description": "the picture, .exr or .png, or a video, .mp4, .mov, .mkv or .webm; a run of # is the frame's number"})"},
+    {"outputs", R"({"type": "array", "items": {"$ref": "output"}, "description": "more files of each frame"})"},
+    {"video", R"({"$ref": "video"})"},
+    {"frames", R"({"description": "such as \"1-100\", \"1-100x2\" or \"1-10,20\"", "type": "string",
+                   "pattern": "^ *[0-9]+(-[0-9]+)?(x[0-9]+)?(, *[0-9]+(-[0-9]+)?(x[0-9]+)?)*$"})"},
     {"image", R"({"$ref": "image"})"},
     {"camera", R"({"$ref": "camera"})"},
     {"transferFunction",
-     R"({"description": "a preset, a file, or the function itself", "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}]})"},
+     R"({"description": "a preset, a file, the function itself, or keyframes of these",
+         "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}, {"$ref": "functionKeyframes"}]})"},
     {"window",
      R"({"$ref": "pair", "description": "[centre, width] of values: the function's first and last points lie at its ends"})"},
     {"shading", R"({"$ref": "shading"})"},
-    {"lights", R"({"type": "array", "items": {"$ref": "light"}})"},
+    {"lights", R"({"anyOf": [{"type": "array", "items": {"$ref": "light"}}, {"$ref": "lightsKeyframes"}]})"},
     {"region", R"({"description": "voxels [x0, y0, z0, x1, y1, z1], half-open", "type": "array",
                    "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
     {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
                         "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
-    {"clip", R"({"type": "array", "items": {"$ref": "clipPlane"}})"},
+    {"clip", R"({"anyOf": [{"type": "array", "items": {"$ref": "clipPlane"}}, {"$ref": "clipKeyframes"}]})"},
     {"visibility", R"({"$ref": "visibility"})"},
     {"lattice", R"({"enum": "lattice"})"},
     {"interpolation", R"({"enum": "interpolation"})"},
@@ -63,6 +69,43 @@ constexpr JobKey kCameraKeys[] = {
     {"elevation", R"({"type": "number", "minimum": -90, "maximum": 90, "description": "degrees"})"},
     {"zoom", R"({"type": "number", "minimum": 0.001, "maximum": 1000000})"},
 };
+
+constexpr JobKey kCameraPathKeys[] = {
+    {"turntable", R"({"$ref": "turntable"})"},
+    {"keyframes", R"({"type": "array", "items": {"$ref": "cameraKeyframe"}, "minItems": 1})"},
+    {"pivot", R"({"enum": "pivot", "description": "between keyframes, what the orientation turns about"})"},
+    {"matrices",
+     R"({"description": "camera to world, 4 rows of 4 numbers, for frame 1 and those after it", "minItems": 1,
+                     "type": "array", "items": {"type": "array", "minItems": 4, "maxItems": 4, "items":
+                       {"type": "array", "minItems": 4, "maxItems": 4, "items": {"$ref": "length"}}}})"},
+};
+
+constexpr JobKey kTurntableKeys[] = {
+    {"frames", R"({"type": "integer", "minimum": 1, "maximum": 1000000, "description": "of the whole turn"})"},
+    {"degrees", R"({"type": "number", "minimum": -36000, "maximum": 36000})"},
+    {"axis", R"({"$ref": "vector", "description": "through the target; the camera's up where it is not given"})"},
+};
+
+// What each key of a sequence has beside its value.
+constexpr JobKey kFrameKey = {"frame", R"({"type": "number", "minimum": 0, "maximum": 9999999})"};
+constexpr JobKey kEaseKey = {"ease", R"({"enum": "ease", "description": "how the key is passed"})"};
+
+constexpr JobKey kCameraKeyKeys[] = {kFrameKey, kEaseKey};
+constexpr JobKey kFunctionKeyKeys[] = {
+    kFrameKey,
+    kEaseKey,
+    {"function", R"({"anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}]})"},
+};
+constexpr JobKey kLightsKeyKeys[] = {
+    kFrameKey, kEaseKey, {"lights", R"({"type": "array", "items": {"$ref": "light"}})"}};
+constexpr JobKey kClipKeyKeys[] = {
+    kFrameKey, kEaseKey, {"planes", R"({"type": "array", "items": {"$ref": "clipPlane"}})"}};
+constexpr JobKey kFunctionKeysKeys[] = {
+    {"keyframes", R"({"type": "array", "items": {"$ref": "functionKeyframe"}, "minItems": 1})"}};
+constexpr JobKey kLightsKeysKeys[] = {
+    {"keyframes", R"({"type": "array", "items": {"$ref": "lightsKeyframe"}, "minItems": 1})"}};
+constexpr JobKey kClipKeysKeys[] = {
+    {"keyframes", R"({"type": "array", "items": {"$ref": "clipKeyframe"}, "minItems": 1})"}};
 
 constexpr JobKey kTransferFunctionKeys[] = {
     {"unit",
@@ -119,12 +162,25 @@ constexpr JobKey kVisibilityKeys[] = {
 constexpr JobKey kExrKeys[] = {{"type", R"({"enum": ["half", "float"]})"}};
 constexpr JobKey kPngKeys[] = {{"bits", R"({"enum": [8, 16]})"}};
 
+constexpr JobKey kOutputKeys[] = {
+    {"path", R"({"$ref": "text", "description": "a run of # is the frame's number"})"},
+    {"content", R"({"enum": "content", "description": "what of the frame the file holds"})"},
+};
+
+constexpr JobKey kVideoKeys[] = {
+    {"rate", R"({"type": "number", "minimum": 0.1, "maximum": 1000, "description": "frames a second"})"},
+};
+
 }  // namespace
 
+constexpr JobKeys kCameraPath = kCameraPathKeys, kTurntable = kTurntableKeys, kCameraKey = kCameraKeyKeys,
+                  kFunctionKeys = kFunctionKeysKeys, kFunctionKey = kFunctionKeyKeys, kLightsKeys = kLightsKeysKeys,
+                  kLightsKey = kLightsKeyKeys, kClipKeys = kClipKeysKeys, kClipKey = kClipKeyKeys;
 constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
                   kTransferFunction = kTransferFunctionKeys, kPoint = kPointKeys, kGradientPoint = kGradientPointKeys,
                   kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),
                   kDirectionalLight = kLight.first(4), kPointLight = kLight.subspan(1), kClipPlane = kClipPlaneKeys,
-                  kGradient = kGradientKeys, kVisibility = kVisibilityKeys, kExr = kExrKeys, kPng = kPngKeys;
+                  kGradient = kGradientKeys, kVisibility = kVisibilityKeys, kExr = kExrKeys, kPng = kPngKeys,
+                  kOutput = kOutputKeys, kVideo = kVideoKeys;
 
 }  // namespace kiln::job_keys

@@ -16,8 +16,10 @@ struct JobKey {
 using JobKeys = std::span<const JobKey>;
 
 namespace job_keys {
+extern const JobKeys kCameraPath, kTurntable, kCameraKey, kFunctionKeys, kFunctionKey, kLightsKeys, kLightsKey,
+    kClipKeys, kClipKey;
 extern const JobKeys kRoot, kImage, kCamera, kTransferFunction, kPoint, kGradientPoint, kShading, kLight, kHeadlight,
-    kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng;
+    kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng, kOutput, kVideo;
 }  // namespace job_keys
 
 /// JSON Schema (draft 2020-12) of a job. Comments, which a job may have, are no matter of a schema.

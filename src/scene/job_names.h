@@ -15,7 +15,10 @@ inline constexpr std::array<std::string_view, 2> kLatticeNames = {"pixel", "voxe
 inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
+inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
+inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 2> kAovNames = {"depth", "normal"};
+inline constexpr std::array<std::string_view, 4> kContentNames = {"picture", "color", "depth", "normal"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 /// The word of `names` for an enumerator.

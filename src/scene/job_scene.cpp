@@ -100,7 +100,14 @@ std::vector<Light> lightsFrom(const JobObject& owner) {
   return out;
 }
 
-Clipping clippingFrom(const JobObject& owner) {
+std::vector<ClipPlane> planesFrom(const JobObject& owner, std::string_view key) {
+  const auto planes = owner.objects(key, "a list of planes [{normal, offset}, …]");
+  std::vector<ClipPlane> out;
+  for (const JobObject& plane : *planes) out.push_back(planeFrom(plane));
+  return out;
+}
+
+Clipping regionsFrom(const JobObject& owner) {
   Clipping out;
   out.region = regionFrom(owner);
   constexpr std::string_view kBox = "[x0, y0, z0, x1, y1, z1] in world units, each x0 below its x1";
@@ -108,9 +115,6 @@ Clipping clippingFrom(const JobObject& owner) {
     const glm::dvec3 lo((*n)[0], (*n)[1], (*n)[2]), hi((*n)[3], (*n)[4], (*n)[5]);
     if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) owner.refuse("worldRegion", kBox);
     out.planes = facesOf(lo, hi);
-  }
-  if (const auto planes = owner.objects("clip", "a list of planes [{normal, offset}, …]")) {
-    for (const JobObject& plane : *planes) out.planes.push_back(planeFrom(plane));
   }
   return out;
 }

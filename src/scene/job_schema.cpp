@@ -22,7 +22,15 @@ std::vector<Object> objects() {
   using namespace job_keys;
   return {{"job", kRoot, {"volume"}},
           {"image", kImage},
-          {"camera", kCamera},
+          {"camera", kCamera, {}, kCameraPath},
+          {"turntable", kTurntable, {"frames"}},
+          {"cameraKeyframe", kCameraKey, {"frame"}, kCamera},
+          {"functionKeyframes", kFunctionKeys, {"keyframes"}},
+          {"functionKeyframe", kFunctionKey, {"frame", "function"}},
+          {"lightsKeyframes", kLightsKeys, {"keyframes"}},
+          {"lightsKeyframe", kLightsKey, {"frame", "lights"}},
+          {"clipKeyframes", kClipKeys, {"keyframes"}},
+          {"clipKeyframe", kClipKey, {"frame", "planes"}},
           {"transferFunction", kTransferFunction, {"points"}},
           {"point", kPoint, {"value", "color", "opacity"}},
           {"gradientPoint", kGradientPoint, {"gradient", "factor"}},
@@ -31,6 +39,8 @@ std::vector<Object> objects() {
           {"clipPlane", kClipPlane, {"normal", "offset"}},
           {"gradient", kGradient, {"top", "bottom"}},
           {"visibility", kVisibility},
+          {"output", kOutput, {"path"}},
+          {"video", kVideo},
           {"exr", kExr},
           {"png", kPng}};
 }
@@ -57,6 +67,9 @@ std::span<const std::string_view> wordsOf(const std::string& name) {
   if (name == "shading") return kShadingNames;
   if (name == "light") return kLightNames;
   if (name == "aov") return kAovNames;
+  if (name == "content") return kContentNames;
+  if (name == "ease") return kEaseNames;
+  if (name == "pivot") return kPivotNames;
   if (name == "area") return kProjectedAreaNames;
   return kColorSpaces;
 }

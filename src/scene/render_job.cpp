@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "scene/job_animation.h"
 #include "scene/job_names.h"
 #include "scene/job_parts.h"
 #include "scene/presets.h"
@@ -80,7 +81,22 @@ void readSpeed(const JobObject& root, SpeedOptions& speed) {
 }
 
 void readOutput(const JobObject& root, OutputOptions& output) {
-  if (const auto path = root.text("output", "a file name")) output.path = besideJob(*path, root.path());
+  if (const auto path = root.text("output", "a file name")) putOutput(besideJob(*path, root.path()), output);
+  const auto files = root.objects("outputs", "a list of files [{path, content}, …]");
+  for (const JobObject& file : files.value_or(std::vector<JobObject>())) {
+    file.requireKnown(job_keys::kOutput);
+    const auto path = file.text("path", "a file name");
+    if (!path) file.complain("path", "is missing; an output has the name of its file");
+    const auto content = static_cast<Content>(file.choice("content", kContentNames).value_or(0));
+    if (isVideo(*path)) file.complain("path", "a video is what \"output\" names");
+    output.files.push_back({besideJob(*path, root.path()), content});
+  }
+  if (const auto video = root.object("video")) {
+    video->requireKnown(job_keys::kVideo);
+    const auto legal_rate = [](double v) { return v >= 0.1 && v <= 1000; };
+    output.video.rate =
+        video->number("rate", "a number of frames a second from 0.1 to 1000", legal_rate).value_or(output.video.rate);
+  }
   if (const auto exr = root.object("exr")) {
     exr->requireKnown(job_keys::kExr);
     static constexpr std::array<std::string_view, 2> kTypes = {"half", "float"};
@@ -96,6 +112,15 @@ void readOutput(const JobObject& root, OutputOptions& output) {
 
 }  // namespace
 
+bool isVideo(const fs::path& path) {
+  const fs::path ending = path.extension();
+  return ending == ".mp4" || ending == ".mov" || ending == ".mkv" || ending == ".webm";
+}
+
+void putOutput(const fs::path& path, OutputOptions& output) {
+  (isVideo(path) ? output.video.path : output.path) = path;
+}
+
 int subPixelsAlongEdge(int samples) {
   if (!samplesKnown(samples))
     throw Error(ErrorCode::kUsage, fmt::format("--samples: expected 1, 4 or 16 a pixel, found {}", samples));
@@ -109,8 +134,8 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation) {
                                              nameIn(kInterpolationNames, interpolation)));
 }
 
-CameraSpec cameraFrom(const JobObject& object) {
-  object.requireKnown(job_keys::kCamera);
+CameraSpec cameraFrom(const JobObject& object, JobKeys more) {
+  object.requireKnown(job_keys::kCamera, more);
   CameraSpec spec;
   if (const auto place = object.choice("projection", kProjectionNames))
     spec.projection = static_cast<Projection>(*place);
@@ -129,17 +154,18 @@ CameraSpec cameraFrom(const JobObject& object) {
 }
 
 // A name without a dot or a slash that is no preset is a misspelt preset, not a file.
-std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner) {
-  if (!owner.has("transferFunction")) return std::nullopt;
-  if (!owner.isText("transferFunction")) return transferFunctionFrom(*owner.object("transferFunction"));
-  const std::string name = *owner.text("transferFunction", "a preset, a file or an object");
+std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner, std::string_view key) {
+  if (!owner.has(key)) return std::nullopt;
+  if (!owner.isText(key)) return transferFunctionFrom(*owner.object(key));
+  const std::string name = *owner.text(key, "a preset, a file or an object");
   if (isPreset(name)) return name;
   if (name.find_first_of("./") != std::string::npos) return besideJob(name, owner.path());
   const std::vector<std::string_view> words(presetNames().begin(), presetNames().end());
-  owner.complain("transferFunction", "'" + name +
-                                         "' is neither a preset nor a file name with an ending; did you mean '" +
-                                         std::string(nearestWord(name, words)) + "'?");
+  owner.complain(key, "'" + name + "' is neither a preset nor a file name with an ending; did you mean '" +
+                          std::string(nearestWord(name, words)) + "'?");
 }
+
+std::vector<int> framesOf(const RenderJob& job) { return job.frames.empty() ? job.animation.frames() : job.frames; }
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
@@ -150,12 +176,13 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (!volume) root.complain("volume", "is missing; a job names the store or volume file to draw");
   job.volume = besideJob(*volume, path);
   if (const auto image = root.object("image")) readImage(*image, job.picture);
-  if (const auto camera = root.object("camera")) job.picture.camera = cameraFrom(*camera);
-  if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
+  readCamera(root, job);
+  readTransferFunction(root, job);
   job.picture.window = windowFrom(root);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
-  if (root.has("lights")) job.picture.shading.lights = lightsFrom(root);
-  job.picture.clipping = clippingFrom(root);
+  readLights(root, job);
+  readClipping(root, job);
+  readFrames(root, job);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   readLatticeAndLevel(root, job.picture);
   job.picture.samples = static_cast<int>(root.integer("samples", 1, 16).value_or(1));

@@ -8,8 +8,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "scene/animation.h"
 #include "scene/camera.h"
+#include "scene/camera_spec.h"
 #include "scene/clip_region.h"
 #include "scene/framing.h"
 #include "scene/interpolation.h"
@@ -36,22 +39,6 @@ struct VisibilityOptions {
   bool operator==(const VisibilityOptions&) const = default;
 };
 enum class Lattice { kPixel, kVoxel };
-
-/// A camera said in part: either where the eye is, or a framing, each key optional. With an eye, the target is the
-/// volume's centre, up is superior, fov 60 and an orthographic height the fitting one where nothing is said. Without,
-/// it is `defaultFraming`, or a side seen straight; a target then moves eye and target together. Where the projection
-/// is named, the other projection's fov or height is passed over.
-struct CameraSpec {
-  std::optional<Projection> projection;
-  std::optional<glm::dvec3> eye, target, up;
-  std::optional<double> fov_deg, height;
-  std::optional<Side> side;
-  std::optional<double> azimuth_deg, elevation_deg, zoom;
-
-  /// throws: Error kUsage where the parts contradict each other (an eye and a side; a height and no projection) or the
-  /// camera cannot be used.
-  Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
-};
 
 /// What is behind the volume: linear light, premultiplied, from the middle of the top row of pixels to that of the
 /// bottom row in equal steps.
@@ -112,19 +99,48 @@ struct SpeedOptions {
   int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile, drawn by one thread
 };
 
-/// How the picture is written.
-struct OutputOptions {
+/// What of a picture a file holds: colours, with the planes that are asked for where it is an EXR; colours alone; or
+/// the planes of depth or normals alone, of an EXR.
+enum class Content { kPicture, kColor, kDepth, kNormal };
+
+struct OutputFile {
   std::filesystem::path path;
-  bool exr_float = false;  // else half
-  int png_bits = 8;        // 8 or 16
+  Content content = Content::kPicture;
 };
 
+/// Frames one after the other in a file that another program makes, which must be there.
+struct VideoOptions {
+  std::filesystem::path path;     // .mp4, .mov, .mkv or .webm; empty for none
+  double rate = 24;               // frames a second
+  std::filesystem::path encoder;  // the program: ffmpeg, or what takes its arguments
+};
+
+/// How the picture is written. Each kind of file is written the same way, whichever it is.
+struct OutputOptions {
+  std::filesystem::path path;
+  bool exr_float = false;         // else half
+  int png_bits = 8;               // 8 or 16
+  std::vector<OutputFile> files;  // more of the same frame
+  VideoOptions video;
+};
+
+/// Whether the name ends as a video's does.
+bool isVideo(const std::filesystem::path& path);
+/// Makes the path the video or the picture, whichever its name ends as.
+void putOutput(const std::filesystem::path& path, OutputOptions& output);
+
+/// `volume` and `output.path` may have a place for the frame's number (scene/frame_list.h).
 struct RenderJob {
   std::filesystem::path volume;
   PictureOptions picture;
+  Animation animation;
+  std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
   SpeedOptions speed;
   OutputOptions output;
 };
+
+/// The frames that the job draws: those it names, else the animation's.
+std::vector<int> framesOf(const RenderJob& job);
 
 /// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
 /// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.

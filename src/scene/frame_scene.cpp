@@ -1,0 +1,33 @@
+#include "scene/frame_scene.h"
+
+#include "scene/transfer_function_fade.h"
+
+namespace kiln {
+
+SceneOfJob::SceneOfJob(const RenderJob& job, const Manifest& manifest) : job_(job), manifest_(manifest) {
+  const PictureOptions& still = job.picture;
+  for (const auto& key : job.animation.functions) functions_.push_back(resolve(key.value, still.window, manifest));
+  if (functions_.empty()) functions_.push_back(resolve(still.transfer_function, still.window, manifest));
+}
+
+FrameScene SceneOfJob::at(int frame) const {
+  const Animation& animation = job_.animation;
+  FrameScene out{job_.picture, {}, functions_.front()};
+  out.camera = cameraAt(animation.camera, out.picture.camera, frame, manifest_.geometry(), out.picture.size);
+  if (functions_.size() > 1) {
+    const auto [i, t] = mixAt(KeyTimes(animation.functions), frame);
+    out.transfer_function = faded(functions_[i], functions_[i + 1], t);
+  }
+  const auto between = [&](const auto& keys) {
+    const auto [i, t] = mixAt(KeyTimes(keys), frame);
+    return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
+  };
+  if (!animation.lights.empty()) out.picture.shading.lights = between(animation.lights);
+  if (!animation.clip.empty()) {
+    const std::vector<ClipPlane> planes = between(animation.clip);
+    out.picture.clipping.planes.insert(out.picture.clipping.planes.end(), planes.begin(), planes.end());
+  }
+  return out;
+}
+
+}  // namespace kiln

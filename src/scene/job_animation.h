@@ -1,0 +1,17 @@
+// The keys of a job that stand still or change from frame to frame.
+#pragma once
+
+#include "scene/job_json.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+/// Each reads one key of a job's root, where it is there, into the still picture or into the animation.
+/// throws: Error kUsage naming the key.
+void readCamera(const JobObject& root, RenderJob& job);
+void readTransferFunction(const JobObject& root, RenderJob& job);
+void readLights(const JobObject& root, RenderJob& job);
+void readClipping(const JobObject& root, RenderJob& job);
+void readFrames(const JobObject& root, RenderJob& job);
+
+}  // namespace kiln
