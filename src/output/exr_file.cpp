@@ -78,7 +78,9 @@ Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::Pi
   Imf::Header header(whole.width, whole.height);
   header.dataWindow() = {{whole.x, whole.y}, {whole.x + image.width - 1, whole.y + image.height - 1}};
   header.compression() = Imf::ZIP_COMPRESSION;
-  for (const char* name : kChannelNames) header.channels().insert(name, Imf::Channel(type));
+  for (const char* name : kChannelNames) {
+    if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
+  }
   for (const Plane& plane : image.planes) header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
   if (metadata.world_to_camera) Imf::addWorldToCamera(header, imathOf(*metadata.world_to_camera));
   if (metadata.world_to_ndc) Imf::addWorldToNDC(header, imathOf(*metadata.world_to_ndc));
@@ -110,11 +112,12 @@ template <class T, class Convert>
 void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, Convert convert) {
   std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
   const Imath::V2i& first = file.header().dataWindow().min;
+  // A slice of no channel of the file is passed over.
   Imf::FrameBuffer buffer = oneRow(row, type, first.x);
   for (const Plane& plane : image.planes) buffer.insert(plane.name, wholePlane(plane, image.width, first));
   file.setFrameBuffer(buffer);
   for (int y = 0; y < image.height; ++y) {
-    std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
+    if (!image.rgba.empty()) std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
     file.writePixels(1);
   }
 }
@@ -203,6 +206,24 @@ Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& pa
     MemoryReader stream(data);
     Imf::InputFile file(stream, 0);
     return readRows(file, data.size(), path);
+  });
+}
+
+void checkExr(std::span<const std::byte> data, const std::filesystem::path& path) {
+  reading(path, [&] {
+    MemoryReader stream(data);
+    Imf::InputFile file(stream, 0);
+    const Imath::Box2i window = file.header().dataWindow();
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+    if (width < 1 || width > kLargestSide_px) throw std::runtime_error("its data window is no picture's");
+    std::vector<float> row(static_cast<std::size_t>(width));
+    char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
+    Imf::FrameBuffer buffer;
+    for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
+      buffer.insert(channel.name(),
+                    Imf::Slice(Imf::FLOAT, base, 4, 0, channel.channel().xSampling, channel.channel().ySampling));
+    file.setFrameBuffer(buffer);
+    for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
   });
 }
 

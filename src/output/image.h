@@ -13,7 +13,8 @@ struct Plane {
   std::vector<float> values;
 };
 
-/// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top. unit: linear, premultiplied.
+/// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top; empty where only planes are told. unit:
+/// linear, premultiplied.
 struct Image {
   int width = 0, height = 0;
   std::vector<float> rgba;

@@ -20,6 +20,8 @@ std::string extensionOf(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
+
 void requireImagePath(const std::filesystem::path& path, bool with_planes) {
   const std::string extension = extensionOf(path);
   if (extension == ".png" && with_planes)
@@ -32,11 +34,11 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes) {
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk) {
   assert(image.width > 0 && image.height > 0);
-  assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4);
+  assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
-  disk.writeAtomic(path, extensionOf(path) == ".exr" ? encodeExr(image, metadata, options.exr_float, path)
-                                                     : encodePng(image, options.png_bits, path));
+  disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options.exr_float, path)
+                                         : encodePng(image, options.png_bits, path, metadata.text));
 }
 
 Image readImage(const std::filesystem::path& path) {
@@ -46,11 +48,18 @@ Image readImage(const std::filesystem::path& path) {
   throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
 }
 
+void checkImage(const std::filesystem::path& path) {
+  const std::vector<std::byte> data = readFile(path);
+  if (looksLikeExr(data)) return checkExr(data, path);
+  if (!looksLikePng(data)) throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+  decodePng(data, path);
+}
+
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path) {
   const std::vector<std::byte> data = readFile(path);
   if (looksLikeExr(data)) return decodeExrText(data, path);
-  if (looksLikePng(data)) throw Error(ErrorCode::kUnsupported, path, "", "only OpenEXR files hold Kiln's text");
-  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is not OpenEXR");
+  if (looksLikePng(data)) return decodePngText(data, path);
+  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
 }
 
 }  // namespace kiln

@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-/// What an EXR's header says beside the pixels; a PNG leaves it out. shape: matrices for column vectors
+/// What a file says beside the pixels; a PNG has the texts only. shape: matrices for column vectors
 /// (`scene/camera.h`); the file holds their transposes, as OpenEXR multiplies row vectors.
 struct ImageMetadata {
   /// Where the picture's first pixel is in a larger one, and that one's size: an EXR's data window and display window.
@@ -22,7 +22,7 @@ struct ImageMetadata {
   };
   std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
-  /// String attributes by name: "kiln:job", "comments", …
+  /// String attributes (of a PNG, texts) by name: "kiln:job", "comments", …
   std::map<std::string, std::string> text;
 };
 
@@ -36,6 +36,9 @@ struct ImageFileOptions {
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
+/// Whether `writeImage` makes the path an EXR.
+bool isExrPath(const std::filesystem::path& path);
+
 /// throws: Error kUsage where `path` has an extension that `writeImage` refuses for a picture with or without planes.
 /// For a check before long work.
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
@@ -44,7 +47,9 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes = fals
 /// bytes say.
 /// throws: Error kFormat, kNotFound, kUnsupported.
 Image readImage(const std::filesystem::path& path);
-/// The string attributes of an EXR. throws: as readImage.
+/// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
+void checkImage(const std::filesystem::path& path);
+/// The string attributes of an EXR, the texts of a PNG. throws: as readImage.
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path);
 
 }  // namespace kiln

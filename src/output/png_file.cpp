@@ -87,11 +87,13 @@ void encodePixel(const float* rgba, int bits, png_byte* out) noexcept {
 }
 
 // requires: `row` holds a row of the file. Returns false where libpng refused; the message is in the writer.
-bool writeAll(png_structp png, png_infop info, const Image& image, int bits, png_byte* row) noexcept {
+bool writeAll(png_structp png, png_infop info, std::span<png_text> texts, const Image& image, int bits,
+              png_byte* row) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
                PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(png, info);
   const int pixel_bytes = bits / 2;
   for (int y = 0; y < image.height; ++y) {
@@ -137,6 +139,22 @@ bool readAll(png_structp png, const Layout& layout, png_byte* pixels) noexcept {
   return true;
 }
 
+// libpng reads these; it does not write to them.
+std::vector<png_text> pngTexts(const std::map<std::string, std::string>& text) {
+  static char nothing[] = "";
+  std::vector<png_text> out;
+  for (const auto& [key, value] : text) {
+    png_text entry{};
+    entry.compression = value.size() < 200 ? PNG_ITXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_zTXt;
+    entry.key = const_cast<char*>(key.c_str());
+    entry.text = const_cast<char*>(value.c_str());
+    entry.itxt_length = value.size();
+    entry.lang = entry.lang_key = nothing;
+    out.push_back(entry);
+  }
+  return out;
+}
+
 Image imageFrom(const Layout& layout, const std::vector<png_byte>& samples) {
   const std::size_t largest = layout.bits == 16 ? 65535 : 255;
   std::vector<float> linear(largest + 1);
@@ -155,37 +173,57 @@ Image imageFrom(const Layout& layout, const std::vector<png_byte>& samples) {
   return image;
 }
 
+Error notPng(const std::filesystem::path& path, const std::string& why) {
+  return Error(ErrorCode::kFormat, path, "", "cannot be read as PNG: " + why);
+}
+
+// Reads all in front of the pixels. throws: Error kFormat.
+Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path) {
+  reader.data = data;
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.messages, onError, onWarning);
+  if (reader.png) reader.info = png_create_info_struct(reader.png);
+  if (!reader.info) throw notPng(path, "libpng could not be started");
+  png_set_read_fn(reader.png, &reader, onRead);
+  Layout layout;
+  if (!readLayout(reader.png, reader.info, &layout)) throw notPng(path, reader.messages.text);
+  return layout;
+}
+
 }  // namespace
 
 bool looksLikePng(std::span<const std::byte> data) {
   return data.size() >= 8 && png_sig_cmp(reinterpret_cast<png_const_bytep>(data.data()), 0, 8) == 0;
 }
 
-std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path) {
+std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
+                                 const std::map<std::string, std::string>& text) {
   Writer writer;
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.messages, onError, onWarning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) throw Error(ErrorCode::kIo, path, "", "libpng could not be started");
   png_set_write_fn(writer.png, &writer, onWrite, onFlush);
   std::vector<png_byte> row(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(bits / 2));
-  if (!writeAll(writer.png, writer.info, image, bits, row.data())) {
+  std::vector<png_text> texts = pngTexts(text);
+  if (!writeAll(writer.png, writer.info, texts, image, bits, row.data())) {
     throw Error(ErrorCode::kIo, path, "", std::string("libpng cannot write this picture: ") + writer.messages.text);
   }
   return std::move(writer.out);
 }
 
+std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path) {
+  Reader reader;
+  begin(reader, data, path);
+  png_textp texts = nullptr;
+  const int count = png_get_text(reader.png, reader.info, &texts, nullptr);
+  std::map<std::string, std::string> out;
+  for (int i = 0; i < count; ++i) out[texts[i].key] = texts[i].text;
+  return out;
+}
+
 Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path) {
   Reader reader;
-  reader.data = data;
-  const auto refuse = [&](const std::string& why) {
-    return Error(ErrorCode::kFormat, path, "", "cannot be read as PNG: " + why);
-  };
-  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.messages, onError, onWarning);
-  if (reader.png) reader.info = png_create_info_struct(reader.png);
-  if (!reader.info) throw refuse("libpng could not be started");
-  png_set_read_fn(reader.png, &reader, onRead);
-  Layout layout;
-  if (!readLayout(reader.png, reader.info, &layout)) throw refuse(reader.messages.text);
+  const Layout layout = begin(reader, data, path);
+  const auto refuse = [&](const std::string& why) { return notPng(path, why); };
   if (std::uint64_t{layout.stored_row_bytes} * layout.height > kLargestRatio * data.size()) {
     throw refuse("its header promises " + std::to_string(layout.width) + "x" + std::to_string(layout.height) +
                  " pixels, more than a file of " + std::to_string(data.size()) + " bytes can hold");

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "output/image.h"
@@ -12,9 +14,14 @@ namespace kiln {
 
 bool looksLikePng(std::span<const std::byte> data);
 
-/// RGBA of `bits` a channel (8 or 16), straight alpha, sRGB; equal input gives equal bytes. Values are clamped to what
-/// PNG can hold. `path` is for errors. cost: the compressed file in memory beside the image. throws: Error kIo.
-std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path);
+/// RGBA and texts (UTF-8, by keys of 1 to 79 Latin letters and signs); `bits` a channel (8 or 16), straight alpha,
+/// sRGB; equal input gives equal bytes. Values are clamped to what PNG can hold. `path` is for errors. cost: the
+/// compressed file in memory beside the image. throws: Error kIo.
+std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
+                                 const std::map<std::string, std::string>& text = {});
+
+/// The texts in front of the pixels. throws: Error kFormat naming `path`.
+std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path);
 
 /// Any PNG, its values taken as sRGB. throws: Error kFormat naming `path`.
 Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path);
