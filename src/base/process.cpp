@@ -1,0 +1,101 @@
+// The input is a socket and not a pipe, because only there can a write to a program that has ended be asked not to
+// raise a signal.
+#include "base/process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <utility>
+
+#include "base/error.h"
+
+extern char** environ;
+
+namespace kiln {
+
+FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+    : program_(program) {
+  int ends[2] = {-1, -1};
+  complaints_ = ::memfd_create("complaints", MFD_CLOEXEC);
+  if (complaints_ < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    const int error = errno;
+    if (complaints_ >= 0) ::close(complaints_);
+    throw systemError(error, program, "starting the program");
+  }
+  std::string name = program.string();
+  std::vector<std::string> copies = arguments;
+  std::vector<char*> raw = {name.data()};
+  for (std::string& argument : copies) raw.push_back(argument.data());
+  raw.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  ::posix_spawn_file_actions_adddup2(&actions, complaints_, STDERR_FILENO);
+  pid_t process = -1;
+  const int error = ::posix_spawn(&process, name.c_str(), &actions, nullptr, raw.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  if (error != 0) {
+    ::close(ends[0]);
+    ::close(complaints_);
+    throw systemError(error, program, "starting the program");
+  }
+  input_ = ends[0];
+  process_ = process;
+}
+
+FedProcess::~FedProcess() {
+  closeInput();
+  if (process_ >= 0) {
+    ::kill(process_, SIGKILL);
+    while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  ::close(complaints_);
+}
+
+void FedProcess::closeInput() {
+  if (input_ >= 0) ::close(std::exchange(input_, -1));
+}
+
+void FedProcess::write(std::span<const std::byte> data) {
+  while (!data.empty()) {
+    const ssize_t put = ::send(input_, data.data(), data.size(), MSG_NOSIGNAL);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) fail("takes no more input");
+    data = data.subspan(static_cast<std::size_t>(put));
+  }
+}
+
+void FedProcess::finish() {
+  closeInput();
+  int status = 0;
+  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  fail(WIFEXITED(status) ? "failed with exit code " + std::to_string(WEXITSTATUS(status))
+                         : "was ended by signal " + std::to_string(WTERMSIG(status)));
+}
+
+void FedProcess::fail(const std::string& what) const {
+  // The last line that it wrote.
+  std::array<char, 2000> buffer;
+  const off_t size = ::lseek(complaints_, 0, SEEK_END);
+  const off_t from = size > static_cast<off_t>(buffer.size()) ? size - static_cast<off_t>(buffer.size()) : 0;
+  const ssize_t got = ::pread(complaints_, buffer.data(), buffer.size(), from);
+  std::string said(buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  while (!said.empty() && (said.back() == '\n' || said.back() == '\r')) said.pop_back();
+  said.erase(0, said.find_last_of('\n') + 1);
+  throw Error(ErrorCode::kIo, program_, "", what + (said.empty() ? "" : ": " + said));
+}
+
+}  // namespace kiln
