@@ -17,14 +17,16 @@ struct RenderResult {
   RenderStatistics statistics;
 };
 
-/// Draws the job's picture `repeat` times (the first with a cold cache) and writes the last to the job's output, if it
-/// names one. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws: Error kUsage,
-/// kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+/// Draws the first frame of the job `repeat` times (the first with a cold cache) and writes the last to the job's
+/// files, if it names any. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws:
+/// Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
 /// The camera, the transfer function and the rest of a picture, resolved for a volume.
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
+FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
+                          const TransferFunction& transfer_function);
 
 }  // namespace kiln

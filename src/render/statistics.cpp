@@ -1,5 +1,6 @@
 #include "render/statistics.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace kiln {
@@ -42,14 +43,26 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
 
 }  // namespace
 
+void RenderStatistics::add(const FrameStatistics& frame) {
+  frames.push_back(frame);
+  load_s += frame.load_s;
+  render_s += frame.wall_s - frame.load_s;
+  output_s += frame.output_s;
+  peak_slabs_bytes = std::max(peak_slabs_bytes, frame.slab_bytes);
+}
+
 std::string statisticsText(const RenderStatistics& s) {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   for (const FrameStatistics& frame : s.frames) {
-    nlohmann::ordered_json entry = {{"wall_s", frame.wall_s}, {"load_s", frame.load_s}};
+    nlohmann::ordered_json entry = {
+        {"frame", frame.frame}, {"wall_s", frame.wall_s}, {"load_s", frame.load_s}, {"output_s", frame.output_s}};
     entry.update(countsOf(frame));
+    entry["memory"] = {{"peak_cache_bytes", frame.peak_cache_bytes}, {"peak_rss_bytes", frame.peak_rss_bytes}};
     frames.push_back(entry);
   }
   nlohmann::ordered_json out = {{"frames", frames}};
+  if (!s.kept.empty()) out["kept"] = s.kept;
+  if (!s.failed.empty()) out["failed"] = s.failed;
   if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
   out["memory"] = {{"budget_bytes", s.budget_bytes},         {"cache_bytes", s.cache_bytes},
                    {"peak_cache_bytes", s.peak_cache_bytes}, {"framebuffer_bytes", s.framebuffer_bytes},

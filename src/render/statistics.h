@@ -22,15 +22,17 @@ struct LevelStatistics {
 /// and what levels say are sums over the bands, so that a brick in two of them counts in both; bricks read are, where
 /// the cache had no room to keep them. Bricks in total, interesting, contributing and damaged count once.
 struct FrameStatistics {
-  double wall_s = 0, load_s = 0;
+  int frame = 1;  // its number
+  double wall_s = 0, load_s = 0, output_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
   /// Bricks without which a pixel would be another, and the bytes of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
-  std::uint64_t slab_bytes = 0;         // that the threads swept with, at the most
-  std::vector<LevelStatistics> levels;  // of the store, 0 first
+  std::uint64_t slab_bytes = 0;                            // that the threads swept with, at the most
+  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and those before it
+  std::vector<LevelStatistics> levels;                     // of the store, 0 first
   void addContributing(std::uint64_t file_bytes) {
     ++bricks_contributing;
     bricks_contributing_bytes += file_bytes;
@@ -44,6 +46,9 @@ struct RenderStatistics {
   std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
+  std::vector<int> kept, failed;  // frames of a sequence that are not in `frames`
+  /// Puts a frame behind the others, and into the sums.
+  void add(const FrameStatistics& frame);
 };
 
 /// JSON. The keys are a contract (DESIGN §10): frames[].wall_s, frames[].voxels.visited, …, and the totals of the last

@@ -7,12 +7,15 @@
 #include "base/memory.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
-#include "output/image_file.h"
+#include "find_program.h"
 #include "render/dry_run.h"
 #include "render/render_job_run.h"
+#include "render/sequence.h"
+#include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
 #include "scene_arguments.h"
+#include "sequence_report.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -20,14 +23,17 @@ namespace fs = std::filesystem;
 namespace {
 
 struct RenderArguments {
-  std::string input, output, stats;
+  std::string input, output, stats, progress = "auto";
   std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice,
       interpolation, level, memory, exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
   std::vector<std::string> aovs;
-  bool nodes_only = false, skip_damaged = false, dry_run = false;
+  std::optional<std::string> frames;
+  std::optional<int> turntable;
+  std::optional<double> rate;
+  bool nodes_only = false, skip_damaged = false, dry_run = false, resume = false;
   int repeat = 1;
   SceneArguments scene;
   SourceArguments source;
@@ -109,9 +115,40 @@ void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
   if (a.threads) speed.threads = *a.threads;
 }
 
+// What the options name stands still, whatever the job has keyframes of.
+void applyFrames(const RenderArguments& a, RenderJob& job) {
+  if (a.frames) job.frames = parseFrames(*a.frames, "--frames");
+  if (a.turntable) {
+    if (*a.turntable < 1)
+      throw Error(ErrorCode::kUsage, fmt::format("--turntable: expected at least 1 frame, found {}", *a.turntable));
+    job.animation.camera = Turntable{*a.turntable, 360, std::nullopt};
+  }
+  if (a.tf) job.animation.functions.clear();
+  if (!a.scene.lights.empty()) job.animation.lights.clear();
+  if (!a.scene.planes.empty()) job.animation.clip.clear();
+}
+
+void applyVideo(const RenderArguments& a, VideoOptions& video) {
+  if (a.rate) video.rate = between(*a.rate, 0, 1000, "--rate");
+  if (video.path.empty() || a.dry_run) return;
+  video.encoder = findProgram("ffmpeg");
+  if (video.encoder.empty())
+    throw Error(
+        ErrorCode::kNotFound, video.path, "",
+        "a video needs the program ffmpeg, which is not on PATH; install it (Debian: apt-get install ffmpeg), or "
+        "write pictures");
+}
+
 void applyOutput(const RenderArguments& a, OutputOptions& output) {
-  if (!a.output.empty()) output.path = a.output;
-  if (output.path.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png");
+  if (!a.output.empty()) {
+    output.path.clear();
+    output.video.path.clear();
+    output.files.clear();
+    putOutput(a.output, output);
+  }
+  if (output.path.empty() && output.files.empty() && output.video.path.empty() && !a.dry_run)
+    throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png, or a video, .mp4 or .webm");
+  applyVideo(a, output.video);
   if (a.exr_type) {
     if (*a.exr_type != "half" && *a.exr_type != "float")
       throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
@@ -133,8 +170,9 @@ RenderJob jobOf(const RenderArguments& a) {
   }
   applyPicture(a, job.picture);
   applySpeed(a, job.speed);
+  applyFrames(a, job);
   applyOutput(a, job.output);
-  if (!job.output.path.empty()) requireImagePath(job.output.path, job.picture.aovs.any());
+  requireOutputs(job, framesOf(job).size());
   return job;
 }
 
@@ -160,29 +198,69 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
              formatBytes(cost.decoded_bytes_in_view));
 }
 
+std::string countedFrames(const std::vector<int>& frames) {
+  return fmt::format("{} frame{} ({})", frames.size(), frames.size() == 1 ? "" : "s", framesText(frames));
+}
+
+void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
+  SequenceReport report(context.progress, a.progress == "json");
+  try {
+    const SequenceResult result = runSequence(job, options, context.progress, report);
+    if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
+    report.finished(job, result);
+    const std::vector<int>& failed = result.statistics.failed;
+    if (!failed.empty())
+      throw Error(ErrorCode::kIo,
+                  fmt::format("{} failed; the first: {}; the others are there, and the same command with "
+                              "--resume draws what is missing",
+                              countedFrames(failed), result.first_failure));
+  } catch (const Error& error) {
+    report.ended(error);
+    throw;
+  }
+}
+
+void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions& options, Context& context) {
+  if (const std::size_t frames = framesOf(job).size(); frames > 1 || a.resume || !job.output.video.path.empty())
+    throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
+  const int frame = framesOf(job).front();
+  job.volume = options.store_for(jobAtFrame(job, frame).volume);
+  job.frames = {frame};
+  const RenderStatistics statistics = runRenderJob(job, a.repeat, context.progress).statistics;
+  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(statistics));
+  SequenceReport(context.progress, false).frameDone(job, statistics.frames.back(), 1);
+}
+
+void applyProgress(const std::string& kind, TerminalProgress& progress) {
+  if (kind == "json" || kind == "none")
+    progress.silence();
+  else if (kind == "plain")
+    progress.plain();
+  else if (kind != "auto")
+    throw Error(ErrorCode::kUsage, fmt::format("--progress: expected auto, plain, json or none, found '{}'", kind));
+}
+
 void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
-  RenderJob job = jobOf(a);
+  applyProgress(a.progress, context.progress);
+  const RenderJob job = jobOf(a);
   if (a.dry_run) {
-    sayCost(a, job);
+    sayCost(a, jobAtFrame(job, framesOf(job).front()));
     return;
   }
-  ConvertOptions conversion;
-  conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
-  conversion.command = context.command_line;
-  conversion.time = timeNow();
-  job.volume = storeFor(job.volume, a.source.resolve(), conversion, context.progress);
-  const RenderResult result = runRenderJob(job, a.repeat, context.progress);
-  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
-  context.progress.clear();
-  const FrameStatistics& frame = result.statistics.frames.back();
-  fmt::print(
-      "{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
-      "cache {} of {}, resident {}\n",
-      job.output.path.string(), result.image.width, result.image.height, frame.wall_s, frame.bricks_read,
-      frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
-      frame.voxels_splats, formatBytes(result.statistics.peak_cache_bytes), formatBytes(result.statistics.cache_bytes),
-      formatBytes(result.statistics.peak_rss_bytes));
+  SequenceOptions options;
+  options.resume = a.resume;
+  options.store_for = [&](const fs::path& volume) {
+    ConvertOptions conversion;
+    conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
+    conversion.command = context.command_line;
+    conversion.time = timeNow();
+    return storeFor(volume, a.source.resolve(), conversion, context.progress);
+  };
+  if (a.repeat > 1)
+    repeatFrame(a, job, options, context);
+  else
+    runFrames(a, job, options, context);
 }
 
 void addCameraOptions(CLI::App& command, RenderArguments& a) {
@@ -206,7 +284,18 @@ void addRender(CLI::App& app, Context& context) {
       app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
   command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")
       ->required();
-  command->add_option("-o,--output", a->output, "the picture, .exr or .png");
+  command->add_option(
+      "-o,--output", a->output,
+      "the picture, .exr or .png, in whose name a run of # is the frame's number; or a video, .mp4, .mov, "
+      ".mkv or .webm, by ffmpeg");
+  command->add_option("--frames", a->frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
+      ->type_name("FRAMES");
+  command->add_option("--turntable", a->turntable, "turn the camera once about its target in this many frames")
+      ->type_name("FRAMES");
+  command->add_flag("--resume", a->resume, "keep the frames that are there and whole, and draw the others");
+  command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
+  command->add_option("--progress", a->progress,
+                      "auto (default), plain lines, json (events on standard output, one a line) or none");
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");

@@ -48,7 +48,7 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
     done_before_ = done;  // a resumed conversion begins in the middle
     return;
   }
-  if (now - last_ < (terminal_ ? 200ms : 10s)) return;
+  if (silent_ || now - last_ < (terminal_ ? 200ms : 10s)) return;
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - begin_).count();
   const double rate = static_cast<double>(done - done_before_) / seconds;
@@ -62,6 +62,19 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
   } else {
     fmt::print(stderr, "{}\n", line);
   }
+  std::fflush(stderr);
+}
+
+void TerminalProgress::show(const std::string& line) {
+  using namespace std::chrono_literals;
+  const auto now = Clock::now();
+  if (silent_ || (!terminal_ && now - shown_ < 10s)) return;
+  shown_ = now;
+  if (terminal_)
+    fmt::print(stderr, "\r\033[K{}", line);
+  else
+    fmt::print(stderr, "{}\n", line);
+  drawn_ = terminal_;
   std::fflush(stderr);
 }
 

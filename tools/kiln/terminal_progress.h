@@ -17,16 +17,23 @@ class TerminalProgress : public Progress {
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override;
   bool cancelled() const override;
+  /// A line of the caller's own, drawn over on a terminal; otherwise now and then.
+  void show(const std::string& line);
+  /// Shows no progress from here on, or plain lines also on a terminal.
+  void silence() { silent_ = true; }
+  void plain() { terminal_ = false; }
   /// Ends a line that is being drawn over.
   void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
   bool terminal_;
+  bool silent_ = false;
   std::string step_;
   Clock::time_point begin_, last_;
   std::uint64_t done_before_ = 0;
   bool drawn_ = false;
+  Clock::time_point shown_ = Clock::now();  // when `show` last did
 };
 
 /// Makes SIGINT and SIGTERM ask instead of kill; a second one kills.

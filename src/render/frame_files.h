@@ -1,0 +1,36 @@
+// The files of a frame: their names, what each holds, and how a later run knows its own.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "render/opened_job.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+/// The files of a frame, its number in their names. A video alone has its frames kept beside it.
+std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
+/// Of those, the one whose colours a video takes. requires: a video.
+std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
+/// Where frames are kept that the job asks for as a video only.
+std::filesystem::path keptFramesOf(const VideoOptions& video);
+
+/// throws: Error kUsage where a name is no picture's, has no place for the number of several frames, or is given twice.
+void requireOutputs(const RenderJob& job, std::size_t frames);
+
+/// What a file's pixels depend on, as a text of 32 digits: the scene, the volume's content, the kind of file and this
+/// version of Kiln. Not: where the files are, which frames there are, threads, memory and exact visibility methods.
+std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
+                        const StoreReader& store);
+
+/// Writes all files of a frame; each is there whole or not at all. throws: Error kNoSpace, kIo.
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store);
+
+enum class FoundFile { kMissing, kDamaged, kWhole };
+/// Whether the file is there and this job's, read to its end. throws: Error kExists where it is another job's picture,
+/// saying what differs where that is known.
+FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store);
+
+}  // namespace kiln

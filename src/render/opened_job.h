@@ -1,0 +1,59 @@
+// A job over one volume that stays open from frame to frame, so that bricks stay in memory.
+#pragma once
+
+#include <cstdint>
+
+#include "base/progress.h"
+#include "cache/brick_cache.h"
+#include "output/image.h"
+#include "render/frame_memory.h"
+#include "render/render_frame.h"
+#include "render/statistics.h"
+#include "scene/frame_scene.h"
+#include "scene/render_job.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+struct DrawnFrame {
+  Image image;  // with the planes that any of the job's files holds
+  FrameScene scene;
+  View view;
+  FrameStatistics statistics;
+};
+
+class OpenedJob {
+ public:
+  /// `job.volume` is a store. requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound,
+  /// kIo.
+  OpenedJob(const RenderJob& job, Progress& progress);
+  OpenedJob(const OpenedJob&) = delete;
+  OpenedJob& operator=(const OpenedJob&) = delete;
+
+  /// What the frame shows. throws: Error kUsage where it cannot be drawn.
+  FrameScene sceneAt(int frame) const { return scenes_.at(frame); }
+  /// throws: as renderFrame, and sceneAt.
+  DrawnFrame draw(int frame, Progress& progress);
+
+  const StoreReader& store() const { return store_; }
+  /// As it was given.
+  const RenderJob& job() const { return job_; }
+  /// What the memory is for, and the most that was taken of it so far.
+  void describeMemory(RenderStatistics& statistics) const;
+
+ private:
+  const RenderJob job_;
+  const RenderJob drawn_job_;  // its AOVs are all that any file holds
+  StoreReader store_;
+  FrameMemory memory_;
+  BrickCache cache_;
+  SceneOfJob scenes_;
+};
+
+/// Says how many bricks are missing from a picture, if any.
+void noteDamage(const FrameStatistics& frame, Progress& progress);
+
+/// What is drawn beside colours so that each of the job's files has what it holds.
+Aovs drawnAovs(const RenderJob& job);
+
+}  // namespace kiln

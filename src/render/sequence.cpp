@@ -1,0 +1,167 @@
+#include "render/sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "render/video.h"
+#include "scene/frame_list.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Whether each frame may have a volume of its own.
+bool isSeries(const RenderJob& job) {
+  return hasFramePlace(job.volume) && (!job.frames.empty() || job.animation.any());
+}
+
+class Sequence {
+ public:
+  Sequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
+      : job_(job), options_(options), progress_(progress), listener_(listener), frames_(framesOf(job)) {}
+
+  SequenceResult run() {
+    requireOutputs(job_, frames_.size());
+    makeFolders();
+    if (!isSeries(job_)) requireScenes();
+    listener_.started(job_, frames_);
+    for (const int frame : frames_) {
+      handle(frame);
+      ++done_;
+    }
+    if (opened_) opened_->describeMemory(result_.statistics);
+    if (!job_.output.video.path.empty() && result_.statistics.failed.empty()) makeVideo();
+    return std::move(result_);
+  }
+
+ private:
+  void makeFolders() {
+    // A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
+    if (!job_.output.video.path.empty() && videoFrameOf(job_, 0).parent_path() == keptFramesOf(job_.output.video))
+      FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
+    for (const int frame : frames_) {
+      for (const OutputFile& file : filesOf(job_, frame)) {
+        const fs::path folder = file.path.parent_path();
+        if (folder == made_ || folder.empty()) continue;
+        if (hasFramePlace(job_.output.path.parent_path())) FileSystem::real().makeDirectories(folder);
+        if (frames_.size() > 1 && !fs::is_directory(folder))
+          throw Error(ErrorCode::kNotFound, folder, "", "there is no such directory to write the pictures to");
+        made_ = folder;
+      }
+    }
+  }
+
+  // What is wrong with a frame is known before the first is drawn.
+  void requireScenes() {
+    const OpenedJob& opened = openedFor(frames_.front());
+    for (const int frame : frames_) {
+      try {
+        opened.sceneAt(frame);
+      } catch (const Error& error) {
+        if (frames_.size() == 1) throw;
+        throw Error(error.code(), fmt::format("frame {}: {}", frame, error.what()));
+      }
+    }
+  }
+
+  OpenedJob& openedFor(int frame) {
+    RenderJob job = jobAtFrame(job_, frame);
+    if (opened_ && job.volume == volume_) return *opened_;
+    volume_ = job.volume;
+    if (opened_) opened_->describeMemory(result_.statistics);
+    opened_.reset();  // before the next one takes its memory
+    if (options_.store_for) job.volume = options_.store_for(job.volume);
+    opened_ = std::make_unique<OpenedJob>(job, progress_);
+    return *opened_;
+  }
+
+  void handle(int frame) {
+    try {
+      progress_.throwIfCancelled("rendering");
+      OpenedJob& opened = openedFor(frame);
+      if (options_.resume && isThere(frame, opened)) {
+        result_.statistics.kept.push_back(frame);
+        listener_.frameKept(job_, frame, done_ + 1);
+      } else {
+        draw(frame, opened);
+      }
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kExists || frames_.size() == 1) throw;
+      if (error.code() == ErrorCode::kCancelled) throw interrupted();
+      if (result_.statistics.failed.empty()) result_.first_failure = error.what();
+      result_.statistics.failed.push_back(frame);
+      listener_.frameFailed(frame, error, done_ + 1);
+    }
+  }
+
+  bool isThere(int frame, const OpenedJob& opened) const {
+    const FrameScene scene = opened.sceneAt(frame);
+    const RenderJob job = jobAtFrame(job_, frame);
+    bool whole = true;
+    for (const OutputFile& file : filesOf(job_, frame))
+      whole = findFile(job, file, scene, opened.store()) == FoundFile::kWhole && whole;
+    return whole;
+  }
+
+  void draw(int frame, OpenedJob& opened) {
+    listener_.frameStarted(frame);
+    DrawnFrame drawn = opened.draw(frame, progress_);
+    const auto begin = std::chrono::steady_clock::now();
+    writeFrame(opened.job(), frame, drawn, opened.store());
+    drawn.statistics.output_s = secondsSince(begin);
+    result_.statistics.add(drawn.statistics);
+    noteDamage(drawn.statistics, progress_);
+    listener_.frameDone(job_, drawn.statistics, done_ + 1);
+  }
+
+  Error interrupted() const {
+    return Error(ErrorCode::kCancelled,
+                 fmt::format("interrupted: {} of {} frames are there and stay; the same command with --resume goes on",
+                             done_ - result_.statistics.failed.size(), frames_.size()));
+  }
+
+  void makeVideo() {
+    std::vector<fs::path> pictures;
+    for (const int frame : frames_) pictures.push_back(videoFrameOf(job_, frame));
+    const VideoOptions& video = job_.output.video;
+    writeVideo(pictures, video, progress_);
+    const fs::path kept = keptFramesOf(video);
+    if (pictures.front().parent_path() == kept) FileSystem::real().removeAll(kept);
+  }
+
+  const RenderJob& job_;
+  const SequenceOptions& options_;
+  Progress& progress_;
+  SequenceListener& listener_;
+  const std::vector<int> frames_;
+  std::size_t done_ = 0;
+  SequenceResult result_;
+  fs::path made_, volume_;
+  std::unique_ptr<OpenedJob> opened_;
+};
+
+}  // namespace
+
+RenderJob jobAtFrame(const RenderJob& job, int frame) {
+  RenderJob out = job;
+  if (isSeries(job)) out.volume = pathOfFrame(job.volume, frame);
+  return out;
+}
+
+SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+                           SequenceListener& listener) {
+  const ThreadLimit threads(job.speed.threads);
+  return Sequence(job, options, progress, listener).run();
+}
+
+}  // namespace kiln

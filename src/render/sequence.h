@@ -1,0 +1,49 @@
+// All frames of a job, one after the other: unattended, interrupted, and gone on with.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "render/frame_files.h"
+#include "render/statistics.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+
+/// Told how a sequence goes, by the thread that runs it. `done` counts frames that are drawn, kept or failed.
+class SequenceListener {
+ public:
+  virtual ~SequenceListener() = default;
+  virtual void started(const RenderJob& /*job*/, const std::vector<int>& /*frames*/) {}
+  virtual void frameStarted(int /*frame*/) {}
+  virtual void frameDone(const RenderJob& /*job*/, const FrameStatistics& /*frame*/, std::size_t /*done*/) {}
+  virtual void frameKept(const RenderJob& /*job*/, int /*frame*/, std::size_t /*done*/) {}
+  virtual void frameFailed(int /*frame*/, const Error& /*error*/, std::size_t /*done*/) {}
+};
+
+struct SequenceOptions {
+  bool resume = false;  // frames whose files are there and whole are kept
+  /// The store for a volume, which may be a foreign file; else the volume is one.
+  std::function<std::filesystem::path(const std::filesystem::path&)> store_for;
+};
+
+struct SequenceResult {
+  RenderStatistics statistics;  // frames that were drawn, kept and failed
+  std::string first_failure;    // what the error of the first that failed says; else empty
+};
+
+/// Draws the job's frames and writes their files and its video. Bricks stay in memory from frame to frame; of a time
+/// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is
+/// made then. throws: Error kUsage where the job as a whole cannot be drawn, kExists where, resuming, a file is of
+/// another job; kCancelled saying how to go on; kNotFound, kIo of the video.
+SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+                           SequenceListener& listener);
+
+/// The job over the volume of a frame.
+RenderJob jobAtFrame(const RenderJob& job, int frame);
+
+}  // namespace kiln

@@ -1,0 +1,79 @@
+// Frames come from their files, not from memory, so that a video is the same whether its frames were drawn just now or
+// by a run before.
+#include "render/video.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/file.h"
+#include "base/process.h"
+#include "base/srgb.h"
+#include "output/image_file.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<std::byte> overBlack(const Image& image) {
+  std::vector<std::byte> out;
+  out.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const float light = image.rgba[i + channel];  // premultiplied: over black as it stands
+      const double v = light > 0 ? srgbFromLinear(std::min<double>(light, 1)) : 0;
+      out.push_back(static_cast<std::byte>(std::lround(255 * v)));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const fs::path& file) {
+  const bool webm = options.path.extension() == ".webm";
+  std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
+  const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
+  add({"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", options.rate), "-i", "-", "-an"});
+  // Colours by the matrix of high definition, and said so: what players take for granted differs.
+  add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"});
+  add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"});
+  if (webm)
+    add({"-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"});
+  else
+    add({"-c:v", "libx264", "-crf", "16"});
+  // Without the encoder's name and the time, so that equal frames are equal files.
+  add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", file.string()});
+  return out;
+}
+
+void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
+  // The encoder knows the kind of file by the ending.
+  const fs::path temporary = fs::path(options.path).replace_extension(".tmp" + options.path.extension().string());
+  struct Remove {
+    const fs::path& path;
+    ~Remove() {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
+  } const remove_what_is_left{temporary};
+  const Image first = readImage(pictures.front());
+  FedProcess encoder(options.encoder, encoderArguments(options, first.width, first.height, temporary));
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    progress.throwIfCancelled("making the video");
+    const Image image = readImage(pictures[i]);
+    if (image.width != first.width || image.height != first.height)
+      throw Error(ErrorCode::kUsage, pictures[i], "",
+                  fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
+                              first.width, first.height));
+    encoder.write(overBlack(image));
+    progress.advance("making the video", "frames", i + 1, pictures.size());
+  }
+  encoder.finish();
+  FileSystem::real().rename(temporary, options.path);
+}
+
+}  // namespace kiln

@@ -1,0 +1,206 @@
+// Many frames as users meet them: what a job of many frames leaves on the disk however it was interrupted, what it says
+// to people and machines, and what it refuses.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "scene/frame_list.h"
+#include "support/run_tool.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class SequenceCli : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ =
+        freshDirectory(std::string("sequence_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"});
+  }
+
+  std::string in(const std::string& name) const { return (directory_ / name).string(); }
+
+  ToolResult done(const std::vector<std::string>& arguments, const ToolOptions& options = {}) const {
+    const ToolResult result = runTool(arguments, options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+  }
+
+  void refused(const std::vector<std::string>& arguments, int exit_code, const std::string& mention) const {
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
+    EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
+  }
+
+  // A turn with a fade from skin to bone, a plane that cuts in and a light that goes round: job.json.
+  void writeTurn(int frames, const std::string& more = "") const {
+    writeText(in("job.json"), fmt::format(R"({{ "kiln": 1, "volume": "h.kiln", // all that moves
+      "output": "out/f_####.exr", {} "image": {{"width": 40, "height": 36}},
+      "camera": {{"turntable": {{"frames": {}}}}},
+      "transferFunction": {{"keyframes": [{{"frame": 1, "function": "ct-skin"}}, {{"frame": {}, "function": "ct-bone"}}]}},
+      "clip": {{"keyframes": [{{"frame": 1, "planes": [{{"normal": [0, 0, 1], "offset": 200}}]}},
+                              {{"frame": {}, "planes": [{{"normal": [0, 0, 1], "offset": 0}}]}}]}} }})",
+                                          more, frames, frames, frames));
+    fs::create_directories(in("out"));
+  }
+
+  std::size_t picturesIn(const std::string& folder) const {
+    return static_cast<std::size_t>(std::count_if(
+        fs::directory_iterator(in(folder)), {}, [](const auto& entry) { return entry.path().extension() != ".tmp"; }));
+  }
+
+  static std::vector<Json> eventsIn(const std::string& text) {
+    std::vector<Json> out;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) out.push_back(Json::parse(line));
+    return out;
+  }
+
+  fs::path directory_;
+};
+
+// Known because the other half was never interrupted: a job that is killed twice, once between frames and once by the
+// hardest of signals' leftovers, and gone on with, leaves the same files to the bit.
+TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {
+  writeTurn(12, R"("outputs": [{"path": "out/p_####.png"}, {"path": "out/z_####.exr", "content": "depth"},
+                               {"path": "out/n_####.exr", "content": "normal"}],)");
+  done({"render", in("job.json"), "--threads", "1"});
+  const auto whole = filesOf(directory_ / "out");
+  EXPECT_EQ(whole.size(), 48u);
+  fs::remove_all(in("out"));
+  fs::create_directories(in("out"));
+  for (const std::size_t enough : {4u, 20u}) {
+    ToolOptions interrupt;
+    interrupt.interrupt_when = [&] { return picturesIn("out") > enough; };
+    const ToolResult result = runTool({"render", in("job.json"), "--resume"}, interrupt);
+    if (result.exit_code == 0) continue;  // it was faster than we
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    EXPECT_NE(result.err.find("of 12 frames are there and stay; the same command with --resume goes on"),
+              std::string::npos)
+        << result.err;
+  }
+  // What a machine that loses its power leaves: a file cut short, an empty one, and a temporary one.
+  const std::string first = in("out/f_0001.exr");
+  fs::resize_file(first, fs::file_size(first) - 100);
+  writeText(in("out/z_0002.exr"), "");
+  writeText(in("out/f_0003.exr.tmp"), "left over");
+  const ToolResult result = done({"render", in("job.json"), "--resume"});
+  EXPECT_NE(result.out.find(" 0 failed"), std::string::npos) << result.out;
+  fs::remove(in("out/f_0003.exr.tmp"));
+  EXPECT_TRUE(filesOf(directory_ / "out") == whole);
+  EXPECT_NE(done({"render", in("job.json"), "--resume"}).out.find("0 drawn, 12 kept"), std::string::npos);
+}
+
+// Known because a frame of a sequence is the picture of a still job that says the same.
+TEST_F(SequenceCli, AFrameIsTheStillPicture) {
+  done({"render", in("h.kiln"), "-o", in("t_##.exr"), "--size", "40x40", "--turntable", "8", "--view", "front",
+        "--frames", "1-8x2", "--stats", in("s.json")});
+  EXPECT_EQ(Json::parse(readTextFile(in("s.json")))["frames"].size(), 4u);
+  writeText(in("still.json"), readImageText(in("t_03.exr")).at("kiln:job"));
+  done({"render", in("still.json"), "-o", in("still.exr")});
+  EXPECT_EQ(readImage(in("still.exr")).rgba, readImage(in("t_03.exr")).rgba);
+  done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front"});
+  EXPECT_TRUE(readFile(in("one.exr")) == readFile(in("t_01.exr")));
+  // Nothing is read twice: bricks stay in memory from frame to frame.
+  const Json frames = Json::parse(readTextFile(in("s.json")))["frames"];
+  EXPECT_EQ(frames[1]["frame"], 3);
+  EXPECT_LE(frames[1]["bricks"]["read"].get<int>(), 3);
+  EXPECT_GT(frames[3]["memory"]["peak_rss_bytes"].get<std::uint64_t>(), 0u);
+}
+
+TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
+  writeTurn(3);
+  done({"render", in("job.json")});
+  const auto before = filesOf(directory_ / "out");
+  refused({"render", in("job.json"), "--resume", "--ambient", "0.3"}, 1,
+          "f_0001.exr: is a picture of another job; it has \"ambient\": 0.2 where this job has \"ambient\": 0.3");
+  refused({"render", in("job.json"), "--resume", "--exr-type", "float"}, 1, "kind of file");
+  EXPECT_TRUE(filesOf(directory_ / "out") == before);
+  refused({"render", in("job.json"), "-o", in("one.png")}, 2, "write " + in("one_####.png"));
+  refused({"render", in("job.json"), "-o", in("none/a_#.png")}, 1, "no such directory");
+  refused({"render", in("job.json"), "--frames", "3-1"}, 2, "--frames: expected frames");
+  refused({"render", in("job.json"), "--repeat", "2"}, 2, "--repeat");
+  refused({"render", in("h.kiln"), "-o", in("a.png"), "--turntable", "0"}, 2, "--turntable");
+  refused({"render", in("h.kiln"), "-o", in("a.png"), "--progress", "loud"}, 2, "--progress");
+}
+
+// A time series: each frame its own volume; one that is not there costs its own frame only.
+TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
+  for (const int frame : {1, 2, 4}) {
+    const std::string spacing = std::to_string(30 + frame);
+    done({"convert", fmt::format("phantom:head:{0}x{0}x{0}", spacing), in(fmt::format("t_{:04}.kiln", frame))});
+  }
+  writeText(in("job.json"), R"({"volume": "t_####.kiln", "output": "f_####.png", "frames": "1-4",
+                                "image": {"width": 16, "height": 16}})");
+  const ToolResult result = runTool({"render", in("job.json"), "--progress", "json", "--stats", in("s.json")});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("1 frame (3) failed; the first: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("t_0003.kiln"), std::string::npos) << result.err;
+  std::vector<std::string> names;
+  for (const Json& event : eventsIn(result.out)) names.push_back(event["event"]);
+  EXPECT_EQ(names, (std::vector<std::string>{"started", "frame_started", "frame_done", "frame_started", "frame_done",
+                                             "frame_failed", "frame_started", "frame_done", "finished", "failed"}));
+  const Json last_done = eventsIn(result.out)[7];
+  EXPECT_EQ(last_done["frame"], 4);
+  EXPECT_EQ(last_done["done"], 4);
+  for (const char* number : {"seconds", "read_bytes", "peak_rss_bytes", "peak_cache_bytes", "seconds_left"})
+    EXPECT_TRUE(last_done[number].is_number()) << number;
+  EXPECT_EQ(Json::parse(readTextFile(in("s.json")))["failed"], Json::array({3}));
+  EXPECT_TRUE(fs::exists(in("f_0004.png")));
+  EXPECT_FALSE(fs::exists(in("f_0003.png")));
+  done({"convert", "phantom:head:33x33x33", in("t_0003.kiln")});
+  EXPECT_NE(done({"render", in("job.json"), "--resume"}).out.find("1 drawn, 3 kept, 0 failed"), std::string::npos);
+}
+
+// A stand-in for ffmpeg that keeps what it is told and given.
+TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
+  const std::string path = std::getenv("PATH");
+  fs::create_directories(in("bin"));
+  writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
+                                  "\nfor last; do :; done\ncat > \"$last\"\nif [ -e " + in("fail") +
+                                  " ]; then echo 'no such codec' >&2; exit 3; fi\n");
+  fs::permissions(in("bin/ffmpeg"), fs::perms::owner_all);
+  writeTurn(3);
+  struct PathOf {
+    explicit PathOf(const std::string& value) { ::setenv("PATH", value.c_str(), 1); }
+    ~PathOf() { ::setenv("PATH", before.c_str(), 1); }
+    std::string before = std::getenv("PATH");
+  };
+  {
+    const PathOf none(in("out"));
+    refused({"render", in("job.json"), "-o", in("v.mp4")}, 1, "v.mp4: a video needs the program ffmpeg");
+  }
+  const PathOf stand_in(in("bin") + ":" + path);
+  writeText(in("fail"), "");
+  refused({"render", in("job.json"), "-o", in("v.mp4"), "--rate", "12.5"}, 1, "failed with exit code 3: no such codec");
+  EXPECT_FALSE(fs::exists(in("v.mp4")));
+  fs::remove(in("fail"));
+  EXPECT_NE(done({"render", in("job.json"), "-o", in("v.mp4"), "--rate", "12.5", "--resume"}).out.find("3 kept"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(in("v.mp4.frames")));
+  EXPECT_NE(readTextFile(in("arguments")).find("-pix_fmt rgb24 -s 40x36 -r 12.5 -i - -an"), std::string::npos);
+  const std::vector<std::byte> video = readFile(in("v.mp4"));
+  ASSERT_EQ(video.size(), 3u * 40 * 36 * 3);
+  // The frames of a job that writes pictures, too, are those of the pictures.
+  writeTurn(3, R"("outputs": [{"path": "w_#.png"}], "video": {"rate": 12.5},)");
+  done({"render", in("job.json"), "--resume"});
+  writeText(in("job2.json"), R"({"volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
+                                 readTextFile(in("job.json")).substr(readTextFile(in("job.json")).find("\"image\"")));
+  const ToolResult again = done({"render", in("job2.json"), "--resume"});
+  EXPECT_NE(again.out.find("3 kept"), std::string::npos) << again.out << again.err;
+  EXPECT_TRUE(readFile(in("w.webm")) == video);
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,140 @@
+#include "sequence_report.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "base/memory.h"
+#include "scene/frame_list.h"
+#include "source_arguments.h"
+
+namespace kiln::tool {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void emit(const char* event, const Json& more) {
+  Json line = {{"event", event}, {"time", timeNow()}};
+  line.update(more);
+  // A path need not be UTF-8; JSON must be.
+  fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  std::fflush(stdout);
+}
+
+Json pathsOf(const RenderJob& job, int frame) {
+  Json out = Json::array();
+  for (const OutputFile& file : filesOf(job, frame)) out.push_back(file.path.string());
+  return out;
+}
+
+// "1.2 frames/s", or how long one takes where that says more.
+std::string rateText(double frames, double seconds) {
+  if (!(frames > 0) || !(seconds > 0)) return "";
+  return frames >= seconds ? fmt::format("{:.1f} frames/s", frames / seconds)
+                           : fmt::format("{:.1f} s a frame", seconds / frames);
+}
+
+}  // namespace
+
+double SequenceReport::secondsLeft(std::size_t done) const {
+  return drawn_ > 0 ? seconds() / static_cast<double>(drawn_) * static_cast<double>(frames_ - done) : 0;
+}
+
+void SequenceReport::started(const RenderJob& job, const std::vector<int>& frames) {
+  begin_ = Clock::now();
+  frames_ = frames.size();
+  if (!events_) return;
+  Json outputs = Json::array();
+  if (!job.output.path.empty()) outputs.push_back(job.output.path.string());
+  for (const OutputFile& file : job.output.files) outputs.push_back(file.path.string());
+  if (!job.output.video.path.empty()) outputs.push_back(job.output.video.path.string());
+  emit("started", {{"volume", job.volume.string()},
+                   {"frames", frames.size()},
+                   {"numbers", framesText(frames)},
+                   {"outputs", outputs}});
+}
+
+void SequenceReport::frameStarted(int frame) {
+  if (events_) emit("frame_started", {{"frame", frame}});
+}
+
+void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& frame, std::size_t done) {
+  ++drawn_;
+  if (events_)
+    return emit("frame_done", {{"frame", frame.frame},
+                               {"seconds", frame.wall_s + frame.output_s},
+                               {"read_bytes", frame.bricks_read_bytes},
+                               {"bricks_read", frame.bricks_read},
+                               {"bricks_damaged", frame.bricks_damaged},
+                               {"peak_cache_bytes", frame.peak_cache_bytes},
+                               {"peak_rss_bytes", frame.peak_rss_bytes},
+                               {"files", pathsOf(job, frame.frame)},
+                               {"done", done},
+                               {"frames", frames_},
+                               {"seconds_left", secondsLeft(done)}});
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  const std::string line = fmt::format(
+      "{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
+      "cache {}, resident {}\n",
+      filesOf(job, frame.frame).front().path.string(), drawn.width(), drawn.height(), frame.wall_s, frame.bricks_read,
+      frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
+      frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
+  progress_.clear();
+  if (frames_ == 1)
+    only_line_ = line;  // where all went well in the end
+  else
+    fmt::print("{}", line);
+  std::fflush(stdout);
+  showOverall(done);
+}
+
+void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done) {
+  ++kept_;
+  if (events_)
+    return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
+  showOverall(done);
+}
+
+void SequenceReport::frameFailed(int frame, const Error& error, std::size_t done) {
+  if (events_)
+    emit("frame_failed", {{"frame", frame}, {"error", error.what()}, {"done", done}, {"frames", frames_}});
+  else
+    progress_.note(fmt::format("frame {} failed: {}", frame, error.what()));
+}
+
+void SequenceReport::showOverall(std::size_t done) {
+  if (frames_ == 1 || done == frames_) return;
+  const std::string rate = rateText(static_cast<double>(drawn_), seconds());
+  progress_.show(fmt::format("{} of {} frames{}{}", done, frames_, kept_ > 0 ? fmt::format(", {} kept", kept_) : "",
+                             rate.empty() ? "" : fmt::format(", {}, {:.0f} s left", rate, secondsLeft(done))));
+}
+
+void SequenceReport::finished(const RenderJob& job, const SequenceResult& result) {
+  const RenderStatistics& s = result.statistics;
+  progress_.clear();
+  const std::string video = job.output.video.path.string();
+  if (events_)
+    return emit("finished", {{"frames", frames_},
+                             {"drawn", s.frames.size()},
+                             {"kept", s.kept.size()},
+                             {"failed", s.failed},
+                             {"video", s.failed.empty() && !video.empty() ? Json(video) : Json(nullptr)},
+                             {"seconds", seconds()}});
+  fmt::print("{}", only_line_);
+  if (frames_ > 1) {
+    const std::string rate = rateText(static_cast<double>(drawn_), seconds());
+    fmt::print("{} frames in {:.1f} s{}: {} drawn, {} kept, {} failed\n", frames_, seconds(),
+               rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size());
+  }
+  if (!video.empty() && s.failed.empty())
+    fmt::print("{}: {} frames, {} a second\n", video, frames_, job.output.video.rate);
+}
+
+void SequenceReport::ended(const Error& error) {
+  if (events_)
+    emit(error.code() == ErrorCode::kCancelled ? "interrupted" : "failed",
+         {{"error", error.what()}, {"drawn", drawn_}, {"kept", kept_}, {"frames", frames_}, {"seconds", seconds()}});
+}
+
+}  // namespace kiln::tool

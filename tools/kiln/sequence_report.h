@@ -1,0 +1,44 @@
+// How the frames of a job go: a line each for people, with what is left, or an event each for machines.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "render/sequence.h"
+
+namespace kiln::tool {
+
+class SequenceReport : public SequenceListener {
+ public:
+  /// With `events`, all it prints are JSON objects, one a line on stdout, each with "event" and "time" (ISO 8601, UTC):
+  /// started, frame_started, frame_done, frame_kept, frame_failed, then finished, failed or interrupted.
+  SequenceReport(TerminalProgress& progress, bool events) : progress_(progress), events_(events) {}
+
+  void started(const RenderJob& job, const std::vector<int>& frames) override;
+  void frameStarted(int frame) override;
+  void frameDone(const RenderJob& job, const FrameStatistics& frame, std::size_t done) override;
+  void frameKept(const RenderJob& job, int frame, std::size_t done) override;
+  void frameFailed(int frame, const Error& error, std::size_t done) override;
+
+  void finished(const RenderJob& job, const SequenceResult& result);
+  /// The sequence ended with this error.
+  void ended(const Error& error);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  /// Of what is still to be drawn, by the frames drawn so far; 0 before the first.
+  double secondsLeft(std::size_t done) const;
+  void showOverall(std::size_t done);
+
+  TerminalProgress& progress_;
+  const bool events_;
+  Clock::time_point begin_;
+  std::size_t frames_ = 0, drawn_ = 0, kept_ = 0;
+  std::string only_line_;
+};
+
+}  // namespace kiln::tool
