@@ -1,7 +1,6 @@
 #include "frame/pixel_lattice.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/parallel.h"
 
@@ -34,13 +33,12 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
                            std::optional<int> level, Interpolation interpolation,
                            const TransferFunction& transfer_function, const Shading& shading, float gradient_noise,
                            int sweep_px)
-    : levels_(levels),
-      brick_size_(volume.brick_size),
+    : brick_size_(volume.brick_size),
       sweep_px_(sweep_px),
-      zones_(slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
+      zones_(levels, slabZones(volume, view, level, levels.projector(levels.finest()).nearDepth())),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range) {
   const double unit = transfer_function.unitIn(volume.geometry().meanSpacing());
-  for (const SlabZone& zone : zones_) {
+  for (const SlabZone& zone : zones_.zones()) {
     const Projector& projector = levels.projector(zone.level);
     const SampleLook look{shading,
                           Shader(shading, view, gradient_noise, projector),
@@ -53,43 +51,12 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
   }
 }
 
-PixelLattice::Depths PixelLattice::depthsOf(int level, const VoxelBox& box) const {
-  const Projector& projector = levels_.projector(level);
-  Depths out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (int corner = 0; corner < 8; ++corner) {
-    glm::dvec3 at;
-    for (int axis = 0; axis < 3; ++axis)
-      at[axis] = static_cast<double>((corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis]) - 0.5;
-    const double z = projector.viewOfIndex(at).z;
-    out.near = std::min(out.near, z);
-    out.far = std::max(out.far, z);
-  }
-  return out;
-}
-
-// With two slabs on either side: samples have a depth, and the outermost bricks own what lies beyond.
-bool PixelLattice::reaches(const Depths& depths, const SlabZone& zone) {
-  return depths.far >= zone.near - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
-}
-
-BrickWalk::Choice PixelLattice::choice() const {
-  return [this](int level, const VoxelBox& box) {
-    const Depths depths = depthsOf(level, box);
-    BrickWalk::Use use;
-    for (const SlabZone& zone : zones_) {
-      if (!reaches(depths, zone)) continue;
-      use.itself = use.itself || zone.level == level;
-      use.finer = use.finer || zone.level < level;
-    }
-    return use;
-  };
-}
-
 BrickWalk::AnyPart PixelLattice::anyPart() const {
   return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::PartTest& test) {
-    const Depths depths = depthsOf(level, core);
-    for (std::size_t i = 0; i < zones_.size(); ++i) {
-      if (zones_[i].level != level || !reaches(depths, zones_[i])) continue;
+    const DepthZones::Depths depths = zones_.depthsOf(level, core);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const SlabZone& zone = zones_.zones()[i];
+      if (zone.level != level || !DepthZones::reaches(depths, zone)) continue;
       if (anyPartIn(*frames_[i], core, brick_size_, entry, test)) return true;
     }
     return false;
@@ -120,10 +87,11 @@ bool PixelLattice::anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::
 
 SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
                                bool test_samples, float opaque_at) {
-  const Depths depths = depthsOf(block.key.level, block.core);
+  const DepthZones::Depths depths = zones_.depthsOf(block.key.level, block.core);
   SplatCounts total;
-  for (std::size_t i = 0; i < zones_.size(); ++i) {
-    if (zones_[i].level == block.key.level && reaches(depths, zones_[i]))
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const SlabZone& zone = zones_.zones()[i];
+    if (zone.level == block.key.level && DepthZones::reaches(depths, zone))
       total.add(drawZone(*frames_[i], block, tiles, visibility, test_samples, opaque_at));
   }
   return total;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "frame/brick_walk.h"
+#include "frame/depth_zones.h"
 #include "splat/slab_sweep.h"
 
 namespace kiln {
@@ -19,8 +19,8 @@ class PixelLattice {
   PixelLattice(const PixelLattice&) = delete;
   PixelLattice& operator=(const PixelLattice&) = delete;
 
-  /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
-  BrickWalk::Choice choice() const;
+  /// requires: this outlives the result.
+  BrickWalk::Choice choice() const { return zones_.choice(); }
   /// Parts are sub-bricks (store/sub_bricks.h), in each zone of their level. requires: this outlives the result.
   BrickWalk::AnyPart anyPart() const;
 
@@ -32,21 +32,15 @@ class PixelLattice {
   std::uint64_t bytes() const;
 
  private:
-  struct Depths {
-    double near, far;
-  };
-  Depths depthsOf(int level, const VoxelBox& box) const;
-  static bool reaches(const Depths& depths, const SlabZone& zone);
   static bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                         const BrickWalk::PartTest& test);
   SplatCounts drawZone(const SlabFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
                        Visibility& visibility, bool test_samples, float opaque_at);
   std::unique_ptr<SweepMemory> takeMemory();
 
-  const FrameLevels& levels_;
   const std::int64_t brick_size_;
   const int sweep_px_;
-  std::vector<SlabZone> zones_;
+  DepthZones zones_;
   SampleTable table_;
   std::vector<std::unique_ptr<SlabFrame>> frames_;    // one a zone
   mutable std::mutex mutex_;                          // guards what follows

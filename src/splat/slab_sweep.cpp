@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "splat/lay_sheet.h"
+#include "splat/pixel_slabs.h"
 #include "splat/slab_layer.h"
 #include "splat/unit_load.h"
 #include "splat/waiting_samples.h"
@@ -14,14 +15,10 @@
 namespace kiln {
 
 struct SweepMemory::Parts {
-  // What one pixel of the tile owns: slabs [first, end).
-  struct Owned {
-    int first = 0, end = 0;
-  };
   // Of a block, what each pixel, all of them and any of them own. shape: rows of kBlockEdge.
   struct OwnedBlock {
-    Owned all, any;
-    std::array<Owned, kBlockEdge * kBlockEdge> pixels;
+    SlabSpan all, any;
+    std::array<SlabSpan, kBlockEdge * kBlockEdge> pixels;
   };
   struct Unit {
     VoxelCoord lo;
@@ -57,7 +54,6 @@ std::size_t SweepMemory::bytes() const {
 
 namespace {
 
-using Owned = SweepMemory::Parts::Owned;
 using OwnedBlock = SweepMemory::Parts::OwnedBlock;
 using Unit = SweepMemory::Parts::Unit;
 
@@ -280,31 +276,12 @@ class Sweep {
   }
 
   // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
-  Owned ownedAt(int x, int y) const {
-    const glm::dvec2 across((x + 0.5 - projector_.centre().x) / projector_.focal(),
-                            (y + 0.5 - projector_.centre().y) / projector_.focal());
-    Owned out{0, zone_.slabs};
+  SlabSpan ownedAt(int x, int y) const {
+    const PixelSlabs pixel(zone_, projector_, x, y);
+    SlabSpan out{0, zone_.slabs};
     for (int a = 0; a < 3; ++a) {
-      // Index coordinate a at depth z is base + slope z.
-      const glm::dvec4& row = projector_.indexRow(a);
-      const double lateral = row.x * across.x + row.y * across.y;
-      const double base = projector_.perspective() ? row.w : row.w + lateral;
-      const double slope = projector_.perspective() ? row.z + lateral : row.z;
-      // Neighbours ask about the same plane in the same words, so that every slab is one brick's.
-      const auto crossed = [&](std::int64_t plane, bool lower) {
-        const double at = static_cast<double>(plane) - 0.5;
-        if (slope == 0) {
-          if ((base >= at) != lower) out.end = out.first;
-          return;
-        }
-        const int s = zone_.slabFrom((at - base) / slope);
-        if ((slope > 0) == lower)
-          out.first = std::max(out.first, s);
-        else
-          out.end = std::min(out.end, s);
-      };
-      if (block_.core.lo[a] > 0) crossed(block_.core.lo[a], true);
-      if (block_.core.hi[a] < f_.dims()[a]) crossed(block_.core.hi[a], false);
+      if (block_.core.lo[a] > 0) pixel.cut(a, static_cast<double>(block_.core.lo[a]) - 0.5, true, out);
+      if (block_.core.hi[a] < f_.dims()[a]) pixel.cut(a, static_cast<double>(block_.core.hi[a]) - 0.5, false, out);
     }
     return out;
   }
@@ -317,7 +294,7 @@ class Sweep {
     out.all = {0, zone_.slabs}, out.any = {zone_.slabs, 0};
     for (int y = area.y0; y < area.y1; ++y) {
       for (int x = area.x0; x < area.x1; ++x) {
-        const Owned o = ownedAt(x, y);
+        const SlabSpan o = ownedAt(x, y);
         out.all = {std::max(out.all.first, o.first), std::min(out.all.end, o.end)};
         out.any = {std::min(out.any.first, o.first), std::max(out.any.end, o.end)};
         out.pixels[static_cast<std::size_t>((y - area.y0) * kBlockEdge + x - area.x0)] = o;
@@ -332,7 +309,7 @@ class Sweep {
     BlockBits out{};
     if (slab < owned.any.first || slab >= owned.any.end) return out;
     const bool all = slab >= owned.all.first && slab < owned.all.end;
-    const Owned* o = owned.pixels.data();
+    const SlabSpan* o = owned.pixels.data();
     for (int y = 0; y < area.height(); ++y, o += kBlockEdge) {
       unsigned bits = m_.windows.openPixels(area.x0 - tile_.rect.x0, area.y0 - tile_.rect.y0 + y);
       if (!all) {
