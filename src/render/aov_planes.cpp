@@ -1,6 +1,7 @@
 #include "render/aov_planes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
@@ -15,6 +16,7 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr const char* kDepthNames[] = {"Z", "depth.mean"};
 constexpr const char* kNormalNames[] = {"N.X", "N.Y", "N.Z"};
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 // The sub-pixels of one pixel, together.
 struct Gathered {
@@ -41,10 +43,24 @@ struct Gathered {
   }
 };
 
+// Of the edge × edge sub-pixels from (x, y) on, those that have a value.
+float meanValue(const float* values, int width, int edge, int x, int y) {
+  double sum = 0;
+  int count = 0;
+  for (int i = 0; i < edge * edge; ++i) {
+    const float value = values[std::ptrdiff_t{y + i / edge} * width + x + i % edge];
+    if (std::isnan(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return count > 0 ? static_cast<float>(sum / count) : kNoValue;
+}
+
 }  // namespace
 
 std::uint64_t aovBytes(const Aovs& aovs) {
-  return sizeof(float) * ((aovs.depth ? std::size(kDepthNames) + 1 : 0) + (aovs.normal ? std::size(kNormalNames) : 0));
+  return sizeof(float) * ((aovs.depth ? std::size(kDepthNames) + 1 : 0) + (aovs.normal ? std::size(kNormalNames) : 0) +
+                          (aovs.value ? 1 : 0));
 }
 
 void addAovPlanes(const Aovs& aovs, Image& image) {
@@ -53,9 +69,13 @@ void addAovPlanes(const Aovs& aovs, Image& image) {
     image.planes.push_back({kDepthNames[0], std::vector<float>(pixels, kNothing)});
     image.planes.push_back({kDepthNames[1], std::vector<float>(pixels)});
   }
-  if (!aovs.normal) return;
-  for (const char* name : kNormalNames) image.planes.push_back({name, std::vector<float>(pixels)});
+  for (const char* name : kNormalNames) {
+    if (aovs.normal) image.planes.push_back({name, std::vector<float>(pixels)});
+  }
+  if (aovs.value) image.planes.push_back({"value", std::vector<float>(pixels, kNoValue)});
 }
+
+float* valuePlane(const Aovs& aovs, Image& image) { return aovs.value ? image.planes.back().values.data() : nullptr; }
 
 AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y) {
   AovPixels out;
@@ -81,6 +101,9 @@ void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Im
         pixel.add(aovPixels(aovs, sub_pixels, from_x, from_y), sub_pixels.pixel(from_x, from_y)[3]);
       }
       pixel.put(world_from_view, aovPixels(aovs, image, x, row + y));
+      if (aovs.value)
+        valuePlane(aovs, image)[std::ptrdiff_t{row + y} * image.width + x] =
+            meanValue(valuePlane(aovs, sub_pixels), sub_pixels.width, edge, edge * x, edge * y);
     }
   });
 }

@@ -20,6 +20,9 @@ void addAovPlanes(const Aovs& aovs, Image& image);
 /// Of the picture's planes, from pixel (x, y) on. requires: they are those of `aovs`.
 AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y);
 
+/// The plane of values, or null where `aovs` has none. requires: as above.
+float* valuePlane(const Aovs& aovs, Image& image);
+
 /// Writes into the image's rows from `row` on what the sums of edge × edge sub-pixels, alpha among them, come to.
 /// `sub_pixels` may be `image` itself where `edge` is 1. requires: both have the planes of `aovs`; no background.
 void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Image& image, int row);

@@ -11,8 +11,12 @@
 namespace kiln {
 namespace {
 
-// Bricks announced at a time: enough to keep every reader busy while one brick is drawn.
-constexpr std::size_t kAnnounced = 8;
+// Where values are projected, pixels know what they hold themselves.
+VisibilityOptions visibilityOf(const FrameRequest& request) {
+  VisibilityOptions out = request.visibility;
+  if (request.mode != Mode::kComposite) out.method = VisibilityMethod::kNone;
+  return out;
+}
 
 bool testsSamples(const VisibilityOptions& options) {
   return options.test_samples && options.method != VisibilityMethod::kNone &&
@@ -56,7 +60,11 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
 FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
     : levels(store.manifest(), request.level, request.view, request.visibility.area, request.clipping),
       classifier(classifierFor(store, request)) {
-  if (request.lattice == Lattice::kPixel) {
+  if (request.mode != Mode::kComposite) {
+    projection.emplace(store, levels, request.view, request.level, request.mode,
+                       request.visibility.method != VisibilityMethod::kNone);
+    bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
+  } else if (request.lattice == Lattice::kPixel) {
     pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
                   request.transfer_function, request.shading, gradientNoise(store.manifest().range), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), pixel->anyPart(), kMostGhosts);
@@ -71,7 +79,7 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       request_(request),
       progress_(progress),
       plan_(store, request),
-      visibility_(makeVisibility(request.visibility, request.view.size, request.tile_px)),
+      visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
       frame_(splatFrameOf(request, plan_.classifier, *visibility_)),
       before_(cache.counts()) {
   statistics_.levels.assign(store.manifest().levels.size(), {});
@@ -80,6 +88,14 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
 Image FrameDrawing::draw(const PixelRect& pixels) {
   Image image(pixels.width(), pixels.height());
   addAovPlanes(request_.aovs, image);
+  if (plan_.projection)
+    project(pixels, image);
+  else
+    composite(pixels, image);
+  return image;
+}
+
+void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
   std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
   all.aovs.filled = filled.data();
@@ -93,35 +109,37 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
     progress_.throwIfCancelled("rendering");
     const std::shared_ptr<const BrickBlock> block = cache_.get(key);
     if (lookahead) cache_.announce(lookahead->after(key, kAnnounced));
-    if (block)
-      drawBlock(*block, tilesOf(all, rect));
-    else
+    if (!block) {
       damaged_.insert(key);
+      return;
+    }
+    std::vector<TilePixels> tiles;
+    for (const PixelRect& tile : tilesOf(pixels, rect)) tiles.push_back(all.of(tile));
+    drawBlock(*block, tiles);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
-  return image;
 }
 
-std::vector<TilePixels> FrameDrawing::tilesOf(const TilePixels& drawn, const PixelRect& rect) const {
+std::vector<PixelRect> FrameDrawing::tilesOf(const PixelRect& drawn, const PixelRect& rect) const {
   const int edge = request_.tile_px;
   if (edge == 0) return {drawn};
-  std::vector<TilePixels> out;
+  std::vector<PixelRect> out;
   for (int y = rect.y0 / edge * edge; y < rect.y1; y += edge) {
     for (int x = rect.x0 / edge * edge; x < rect.x1; x += edge)
-      out.push_back(drawn.of(intersection(PixelRect{x, y, x + edge, y + edge}, drawn.rect)));
+      out.push_back(intersection(PixelRect{x, y, x + edge, y + edge}, drawn));
   }
   return out;
 }
 
 void FrameDrawing::drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles) {
-  const int level = block.key.level;
-  const SplatCounts drawn = plan_.pixel
-                                ? plan_.pixel->draw(block, tiles, *visibility_, frame_.test_samples, frame_.opaque_at)
-                                : drawBrick(frameOfLevel(level), block, tiles, request_.node_log);
+  count(block.key, plan_.pixel ? plan_.pixel->draw(block, tiles, *visibility_, frame_.test_samples, frame_.opaque_at)
+                               : drawBrick(frameOfLevel(block.key.level), block, tiles, request_.node_log));
+}
+
+void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
   counts_.add(drawn);
-  statistics_.levels[static_cast<std::size_t>(level)].add(drawn.visited, drawn.splats);
-  if (drawn.changed && contributing_.insert(block.key).second)
-    statistics_.addContributing(store_.index().at(block.key).file_bytes);
+  statistics_.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
+  if (drawn.changed && contributing_.insert(key).second) statistics_.addContributing(store_.index().at(key).file_bytes);
 }
 
 SplatFrame FrameDrawing::frameOfLevel(int level) const {

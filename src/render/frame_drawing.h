@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "cache/brick_cache.h"
 #include "frame/pixel_lattice.h"
+#include "frame/value_projection.h"
 #include "output/image.h"
 #include "render/render_frame.h"
 #include "render/statistics.h"
@@ -23,12 +24,17 @@ struct FramePlan {
 
   FrameLevels levels;
   Classifier classifier;
-  std::optional<PixelLattice> pixel;  // else the voxel lattice
+  // Of these at most one; with none it is the voxel lattice.
+  std::optional<PixelLattice> pixel;
+  std::optional<ValueProjection> projection;
   std::optional<BrickWalk> bricks;
 };
 
 class FrameDrawing {
  public:
+  /// Bricks announced to the cache at a time: enough to keep every reader busy while one brick is drawn.
+  static constexpr std::size_t kAnnounced = 8;
+
   /// requires: all outlive this; nobody else uses the cache.
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
 
@@ -39,9 +45,14 @@ class FrameDrawing {
   FrameStatistics finish();
 
  private:
+  /// What `draw` does where light is composited, and where values are projected.
+  void composite(const PixelRect& pixels, Image& image);
+  void project(const PixelRect& pixels, Image& image);
   /// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
-  std::vector<TilePixels> tilesOf(const TilePixels& drawn, const PixelRect& rect) const;
+  std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const;
   void drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles);
+  /// Adds what drawing a brick has cost.
+  void count(const BrickKey& key, const SplatCounts& drawn);
   /// What the voxel lattice's kernels are told.
   SplatFrame frameOfLevel(int level) const;
 

@@ -29,13 +29,17 @@ Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
       return {true, false};
     case Content::kNormal:
       return {false, true};
+    case Content::kValue:
+      return {false, false, true};
   }
   return {};
 }
 
 bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 
-bool isOf(const Plane& plane, const Aovs& aovs) { return plane.name.starts_with("N.") ? aovs.normal : aovs.depth; }
+bool isOf(const Plane& plane, const Aovs& aovs) {
+  return plane.name == "value" ? aovs.value : plane.name.starts_with("N.") ? aovs.normal : aovs.depth;
+}
 
 // The job that draws what the file holds of the frame, and nothing else.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {

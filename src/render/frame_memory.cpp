@@ -10,12 +10,16 @@
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
 #include "render/aov_planes.h"
+#include "splat/projected_values.h"
 
 namespace kiln {
 namespace {
 
 // RGBA in floats, and what goes with it.
-std::uint64_t pixelBytes(const RenderJob& job) { return 16 + aovBytes(job.picture.aovs); }
+std::uint64_t pixelBytes(const RenderJob& job) {
+  const bool projects = job.picture.mode != Mode::kComposite;
+  return 16 + aovBytes(job.picture.aovs) + (projects ? ProjectedValues::bytesOfPixel(job.picture.mode) : 0);
+}
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
@@ -54,11 +58,13 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * pixelBytes(job);
-  out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
+  const bool composites = job.picture.mode == Mode::kComposite;
+  if (composites)
+    out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
   out.index = store.index().bytes() + store.index().size() * (kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
-  if (job.picture.lattice == Lattice::kPixel) {
+  if (composites && job.picture.lattice == Lattice::kPixel) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
     out.least_slabs = slabBytes(job, kLeastSweep);

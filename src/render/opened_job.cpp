@@ -32,6 +32,7 @@ Aovs drawnAovs(const RenderJob& job) {
   for (const OutputFile& file : job.output.files) {
     out.depth = out.depth || file.content == Content::kDepth;
     out.normal = out.normal || file.content == Content::kNormal;
+    out.value = out.value || file.content == Content::kValue;
   }
   return out;
 }

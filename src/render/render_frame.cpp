@@ -39,6 +39,7 @@ void requireRequest(const StoreReader& store, const FrameRequest& request) {
                                                levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
   }
   requireInterpolation(request.lattice, request.interpolation);
+  requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "

@@ -22,6 +22,7 @@ struct FrameRequest {
   Clipping clipping;
   Background background;
   double opacity_threshold = 0.998;
+  Mode mode = Mode::kComposite;
   Lattice lattice = Lattice::kPixel;
   Interpolation interpolation = Interpolation::kLinear;
   std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all

@@ -6,6 +6,7 @@
 #include "render/frame_files.h"
 #include "render/opened_job.h"
 #include "render/sequence.h"
+#include "scene/frame_scene.h"
 
 namespace kiln {
 namespace {
@@ -21,7 +22,7 @@ Camera cameraFor(const PictureOptions& picture, const StoreReader& store) {
 }
 
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store) {
-  return resolve(picture.transfer_function, picture.window, store.manifest());
+  return resolvedFor(picture, picture.transfer_function, store.manifest());
 }
 
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
@@ -37,6 +38,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.clipping = picture.clipping;
   request.background = picture.background;
   request.opacity_threshold = picture.opacity_threshold;
+  request.mode = picture.mode;
   request.lattice = picture.lattice;
   request.interpolation = picture.interpolation;
   request.crop = picture.crop;

@@ -1,5 +1,6 @@
 #include "scene/clip_region.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -76,6 +77,15 @@ bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
     if (!(glm::dot(h.normal, index) + h.offset >= h.least)) return false;
   }
   return true;
+}
+
+void ClipRegion::cutLine(const glm::dvec3& base, const glm::dvec3& slope, double& lo, double& hi) const noexcept {
+  for (const HalfSpace& h : half_spaces_) {
+    const double at_base = glm::dot(h.normal, base) + h.offset - h.least, change = glm::dot(h.normal, slope);
+    if (change == 0 && at_base < 0) hi = lo;
+    if (change > 0) lo = std::max(lo, -at_base / change);
+    if (change < 0) hi = std::min(hi, -at_base / change);
+  }
 }
 
 ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept {

@@ -45,6 +45,10 @@ class ClipRegion {
   /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
   bool contains(const glm::dvec3& index) const noexcept;
 
+  /// Leaves the t of [lo, hi] at which base + t · slope, in the level's index space, is inside; its ends may be on
+  /// faces that are not.
+  void cutLine(const glm::dvec3& base, const glm::dvec3& slope, double& lo, double& hi) const noexcept;
+
   /// For all points of the voxels' cubes: none is inside (kOutside), or all are, and none has a
   /// `cutGradient` (kInside).
   Overlap classify(const VoxelBox& voxels) const noexcept;

@@ -1,13 +1,22 @@
 #include "scene/frame_scene.h"
 
+#include "scene/presets.h"
 #include "scene/transfer_function_fade.h"
 
 namespace kiln {
 
+TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
+                             const Manifest& manifest) {
+  const auto* const name = std::get_if<std::string>(&choice);
+  if (picture.mode == Mode::kComposite || name == nullptr || *name != "auto")
+    return resolve(choice, picture.window, manifest);
+  return resolve(displayGrey(manifest), picture.window, manifest);
+}
+
 SceneOfJob::SceneOfJob(const RenderJob& job, const Manifest& manifest) : job_(job), manifest_(manifest) {
   const PictureOptions& still = job.picture;
-  for (const auto& key : job.animation.functions) functions_.push_back(resolve(key.value, still.window, manifest));
-  if (functions_.empty()) functions_.push_back(resolve(still.transfer_function, still.window, manifest));
+  for (const auto& key : job.animation.functions) functions_.push_back(resolvedFor(still, key.value, manifest));
+  if (functions_.empty()) functions_.push_back(resolvedFor(still, still.transfer_function, manifest));
 }
 
 FrameScene SceneOfJob::at(int frame) const {

@@ -12,6 +12,11 @@ struct FrameScene {
   TransferFunction transfer_function;
 };
 
+/// The function that `choice` is in the picture: as `resolve`, but where the picture projects values, "auto" is their
+/// grey.
+TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
+                             const Manifest& manifest);
+
 /// The job's scenes over one volume. Files are read once.
 class SceneOfJob {
  public:

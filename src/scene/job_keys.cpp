@@ -30,6 +30,7 @@ constexpr JobKey kRootKeys[] = {
                         "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
     {"clip", R"({"anyOf": [{"type": "array", "items": {"$ref": "clipPlane"}}, {"$ref": "clipKeyframes"}]})"},
     {"visibility", R"({"$ref": "visibility"})"},
+    {"mode", R"({"enum": "mode"})"},
     {"lattice", R"({"enum": "lattice"})"},
     {"interpolation", R"({"enum": "interpolation"})"},
     {"level",

@@ -12,13 +12,14 @@ inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", 
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
 inline constexpr std::array<std::string_view, 2> kLatticeNames = {"pixel", "voxel"};
+inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
 inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
-inline constexpr std::array<std::string_view, 2> kAovNames = {"depth", "normal"};
-inline constexpr std::array<std::string_view, 4> kContentNames = {"picture", "color", "depth", "normal"};
+inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
+inline constexpr std::array<std::string_view, 5> kContentNames = {"picture", "color", "depth", "normal", "value"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 /// The word of `names` for an enumerator.

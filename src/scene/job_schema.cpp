@@ -62,6 +62,7 @@ std::span<const std::string_view> wordsOf(const std::string& name) {
   if (name == "projection") return kProjectionNames;
   if (name == "side") return kSideNames;
   if (name == "visibility") return kVisibilityNames;
+  if (name == "mode") return kModeNames;
   if (name == "lattice") return kLatticeNames;
   if (name == "interpolation") return kInterpolationNames;
   if (name == "shading") return kShadingNames;

@@ -72,6 +72,8 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   if (const auto& crop = picture.crop) out["image"]["crop"] = {crop->x0, crop->y0, crop->width(), crop->height()};
   if (picture.aovs.depth) out["image"]["aov"].push_back(kAovNames[0]);
   if (picture.aovs.normal) out["image"]["aov"].push_back(kAovNames[1]);
+  if (picture.aovs.value) out["image"]["aov"].push_back(kAovNames[2]);
+  if (picture.mode != Mode::kComposite) out["mode"] = nameIn(kModeNames, picture.mode);
   out["camera"] = jsonOf(camera);
   out["transferFunction"] = jsonOf(transfer_function);
   const Shading& shading = picture.shading;

@@ -231,6 +231,12 @@ ValueRange usableRange(const Manifest& manifest) {
 
 double grayscaleOpacity(const Manifest& manifest) { return opacityForDepth(manifest, 10); }
 
+TransferFunction displayGrey(const Manifest& manifest) {
+  const ValueRange range = usableRange(manifest);
+  const ColorMap grey{ColorSpace::kRgb, {{range.lo, glm::dvec3(0)}, {range.hi, glm::dvec3(1)}}};
+  return {0, sampled(grey, {{{range.lo, 1}, {range.hi, 1}}})};
+}
+
 const std::vector<std::string>& presetNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> out = {"auto",    "ct-skin", "ct-bone",  "ct-bone-and-skin",

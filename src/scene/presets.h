@@ -24,6 +24,10 @@ bool isPreset(std::string_view name);
 /// the range of values. throws: Error kUsage naming the presets there are, or what is wrong with VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
+/// From black to white over the range of values in equal steps of a display, as viewers of slices and projections show
+/// values; opaque.
+TransferFunction displayGrey(const Manifest& manifest);
+
 /// The volume's range of values, or one to map to where it has none (all NaN) or one value only. Never empty, lo < hi.
 ValueRange usableRange(const Manifest& manifest);
 

@@ -134,6 +134,22 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation) {
                                              nameIn(kInterpolationNames, interpolation)));
 }
 
+void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs) {
+  if (mode == Mode::kComposite) {
+    if (aovs.value)
+      throw Error(ErrorCode::kUsage,
+                  "--aov value: --mode composite shows no single value; choose mip, minip or average");
+    return;
+  }
+  const auto refuse = [&](std::string_view option, std::string_view why) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: --mode {} {}", option, nameIn(kModeNames, mode), why));
+  };
+  if (lattice == Lattice::kVoxel) refuse("--lattice voxel", "takes values along rays; leave --lattice out");
+  if (interpolation != Interpolation::kLinear)
+    refuse("--interpolation", "interpolates linearly; leave --interpolation out");
+  if (aovs.depth || aovs.normal) refuse("--aov", "has no depth and no normal; it has value");
+}
+
 CameraSpec cameraFrom(const JobObject& object, JobKeys more) {
   object.requireKnown(job_keys::kCamera, more);
   CameraSpec spec;
@@ -184,6 +200,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   readClipping(root, job);
   readFrames(root, job);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
+  if (const auto place = root.choice("mode", kModeNames)) job.picture.mode = static_cast<Mode>(*place);
   readLatticeAndLevel(root, job.picture);
   job.picture.samples = static_cast<int>(root.integer("samples", 1, 16).value_or(1));
   if (!samplesKnown(job.picture.samples)) root.refuse("samples", "1, 4 or 16");

@@ -40,6 +40,14 @@ struct VisibilityOptions {
 };
 enum class Lattice { kPixel, kVoxel };
 
+/// What a pixel shows of what is behind it.
+/// - kComposite: light that the volume sends, as opacity lets it through.
+/// - kMip, kMinip, kAverage: the greatest, the least or the mean value along the ray through the pixel's centre, in the
+///   volume and the clipping, in the colour that the transfer function has for it. The pixel is opaque where there is
+///   such a value, NaN being none; opacities, light and the opacity threshold say nothing. Values are interpolated
+///   linearly, at most 0.75 pixel and half a voxel apart in depth, of the level that the pixel lattice has there.
+enum class Mode { kComposite, kMip, kMinip, kAverage };
+
 /// What is behind the volume: linear light, premultiplied, from the middle of the top row of pixels to that of the
 /// bottom row in equal steps.
 struct Background {
@@ -47,7 +55,7 @@ struct Background {
   bool operator==(const Background&) const = default;
 };
 
-enum class Aov { kDepth, kNormal };
+enum class Aov { kDepth, kNormal, kValue };
 /// What a picture tells of each pixel beside its colour (arbitrary output variables), as planes of 32-bit floats that
 /// are named as compositing programs expect them in an EXR. The colours are the same with and without. Every part of
 /// the volume counts as much as it adds to the pixel's alpha, and the background not at all.
@@ -61,8 +69,11 @@ struct Aovs {
   /// "N.X", "N.Y", "N.Z": the mean of the normals that light falls on (of the gradient or the face that cuts, turned
   /// towards the eye), in the world; of unit length, or 0 where nothing shown has a gradient.
   bool normal = false;
-  bool any() const { return depth || normal; }
-  bool& of(Aov aov) { return aov == Aov::kDepth ? depth : normal; }
+  /// "value", of the modes that project one: itself, in the volume's units; the mean of those of a pixel's sub-pixels
+  /// that have one; NaN where there is none.
+  bool value = false;
+  bool any() const { return depth || normal || value; }
+  bool& of(Aov aov) { return aov == Aov::kDepth ? depth : aov == Aov::kNormal ? normal : value; }
   bool operator==(const Aovs&) const = default;
 };
 
@@ -72,8 +83,10 @@ struct PictureOptions {
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
   int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   Background background;
+  Mode mode = Mode::kComposite;
   Aovs aovs;
   CameraSpec camera;
+  /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends
   Shading shading;
@@ -91,6 +104,9 @@ int subPixelsAlongEdge(int samples);
 /// throws: Error kUsage where the lattice does not interpolate and another than the default is asked for.
 void requireInterpolation(Lattice lattice, Interpolation interpolation);
 
+/// throws: Error kUsage where the mode has no use for one of them.
+void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
+
 /// How fast it appears.
 struct SpeedOptions {
   VisibilityOptions visibility;
@@ -100,8 +116,8 @@ struct SpeedOptions {
 };
 
 /// What of a picture a file holds: colours, with the planes that are asked for where it is an EXR; colours alone; or
-/// the planes of depth or normals alone, of an EXR.
-enum class Content { kPicture, kColor, kDepth, kNormal };
+/// the planes of depth, normals or values alone, of an EXR.
+enum class Content { kPicture, kColor, kDepth, kNormal, kValue };
 
 struct OutputFile {
   std::filesystem::path path;

@@ -24,7 +24,7 @@ namespace {
 
 struct RenderArguments {
   std::string input, output, stats, progress = "auto";
-  std::optional<std::string> size, crop, projection, eye, target, up, view, tf, visibility, area, lattice,
+  std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
       interpolation, level, memory, exr_type, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
@@ -100,6 +100,8 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.interpolation)
     picture.interpolation = named<Interpolation>(kInterpolationNames, *a.interpolation, "--interpolation");
   requireInterpolation(picture.lattice, picture.interpolation);
+  if (a.mode) picture.mode = named<Mode>(kModeNames, *a.mode, "--mode");
+  requireMode(picture.mode, picture.lattice, picture.interpolation, picture.aovs);
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) picture.level = levelNamed(*a.level);
 }
@@ -304,7 +306,8 @@ void addRender(CLI::App& app, Context& context) {
       ->add_option(
           "--aov", a->aovs,
           "more channels of the EXR: depth (Z, where alpha passes one half, and depth.mean, of all that is seen; along "
-          "the view, infinite where there is nothing), normal (N.X, N.Y, N.Z, in the world), or both")
+          "the view, infinite where there is nothing), normal (N.X, N.Y, N.Z, in the world), or both; value of --mode "
+          "mip, minip or average (NaN where there is nothing)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME,...");
@@ -332,6 +335,11 @@ void addRender(CLI::App& app, Context& context) {
       ->type_name("PIXELS");
   command->add_option("--opacity-threshold", a->threshold,
                       "alpha at which a pixel takes no more light; 0.998 if not given");
+  command->add_option(
+      "--mode", a->mode,
+      "what a pixel shows: composite (default), the light that the volume sends; mip, minip or average, "
+      "the greatest, least or mean value behind it, in the transfer function's colours (grey over the "
+      "range of values or --window, if --tf names none)");
   command->add_option("--lattice", a->lattice, "pixel or voxel");
   command->add_option("--interpolation", a->interpolation,
                       "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "

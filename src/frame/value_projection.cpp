@@ -1,0 +1,177 @@
+#include "frame/value_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace kiln {
+namespace {
+
+// The zones of the pixel lattice, their slabs cut so that samples are at most half a voxel apart, too.
+std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth) {
+  std::vector<SlabZone> out = slabZones(volume, view, level, near_depth);
+  for (SlabZone& zone : out) {
+    const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
+    const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
+    const int parts = std::max(1, static_cast<int>(std::ceil(zone.thickness / most - 1e-9)));
+    zone.thickness /= parts;
+    zone.slabs *= parts;
+  }
+  return out;
+}
+
+bool crosses(const DepthZones::Depths& depths, const SlabZone& zone) {
+  return depths.far >= zone.near && depths.near <= zone.far;
+}
+
+}  // namespace
+
+ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view,
+                                 std::optional<int> level, Mode mode, bool culls)
+    : store_(store),
+      levels_(levels),
+      mode_(mode),
+      culls_(culls && mode != Mode::kAverage),
+      zones_(levels, rayZones(store.manifest(), view, level, levels.projector(levels.finest()).nearDepth())) {
+  for (const SlabZone& zone : zones_.zones())
+    frames_.push_back({zone, &levels.projector(zone.level), &levels.clipRegion(zone.level), levels.dims(zone.level),
+                       endOf(zone.level)});
+}
+
+glm::dvec3 ValueProjection::endOf(int level) const {
+  glm::dvec3 out;
+  const Extent3 &finest = store_.manifest().geometry().dims, &span = levels_.span(level);
+  for (int axis = 0; axis < 3; ++axis)
+    out[axis] = static_cast<double>(finest[axis]) / static_cast<double>(span[axis]) - 0.5;
+  return out;
+}
+
+VoxelBox ValueProjection::coreOf(const BrickKey& key) const {
+  return coreBox(key.brick, store_.manifest().brick_size, levels_.dims(key.level));
+}
+
+BrickWalk::AnyPart ValueProjection::anyPart() const {
+  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+    constexpr int kAll = std::numeric_limits<int>::max();
+    if (entry.support.empty() || levels_.clipRegion(level).classify(core) == ClipRegion::Overlap::kOutside)
+      return false;
+    const DepthZones::Depths depths = zones_.depthsOf(level, core);
+    const auto shown = [&](const SlabZone& zone) { return zone.level == level && crosses(depths, zone); };
+    return std::any_of(zones_.zones().begin(), zones_.zones().end(), shown) && test({-kAll, -kAll, kAll, kAll});
+  };
+}
+
+// Most pixels are told by a ray's way through the volume; of one that is hardly longer than samples are apart, each
+// sample is looked at.
+ProjectedValues ValueProjection::begin(const PixelRect& pixels) const {
+  ProjectedValues out(mode_, pixels);
+  const int finest = levels_.finest();
+  const Projector& projector = levels_.projector(finest);
+  const glm::dvec3 end = endOf(finest);
+  double spacing = 0;
+  for (const RayFrame& frame : frames_) spacing = std::max(spacing, frame.zone.thickness);
+  const auto has_sample = [&](int x, int y) {
+    const PixelSlabs ray(frames_.front().zone, projector, x, y);
+    double near = projector.perspective() ? projector.nearDepth() : -std::numeric_limits<double>::infinity();
+    double far = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double slope = ray.slope()[axis], base = ray.base()[axis];
+      if (slope == 0) {
+        if (base < -0.5 || base >= end[axis]) return false;
+        continue;
+      }
+      const double a = (-0.5 - base) / slope, b = (end[axis] - base) / slope;
+      near = std::max(near, std::min(a, b));
+      far = std::min(far, std::max(a, b));
+    }
+    levels_.clipRegion(finest).cutLine(ray.base(), ray.slope(), near, far);
+    if (far - near > 2 * spacing) return true;
+    if (far - near < -2 * spacing) return false;
+    return std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) {
+      return !samplesIn(frame, PixelSlabs(frame.zone, *frame.projector, x, y), boxOf(frame.dims)).empty();
+    });
+  };
+  parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
+    const int y = pixels.y0 + static_cast<int>(row);
+    for (int x = pixels.x0; x < pixels.x1; ++x) {
+      if (!has_sample(x, y)) out.leaveOut(x, y);
+    }
+  });
+  out.update(pixels);
+  return out;
+}
+
+ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
+  if (!entry.sub_ranges) return entry.support;
+  ValueRange out;
+  for (std::size_t i = 0; i < SubRanges::kCount; ++i) out.include(entry.sub_ranges->at(i, entry.support));
+  return out;
+}
+
+std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front_to_back) const {
+  if (mode_ == Mode::kAverage) return front_to_back;
+  const ProjectedValues bounds(mode_, {0, 0, 1, 1});
+  const auto urgency = [&](const BrickInView& brick) {
+    const BrickEntry& entry = entryOf(brick);
+    return std::pair(entry.constant, bounds.bound(rangeOf(entry)));
+  };
+  std::stable_sort(front_to_back.begin(), front_to_back.end(),
+                   [&](const BrickInView& a, const BrickInView& b) { return urgency(a) > urgency(b); });
+  return front_to_back;
+}
+
+bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& values) const {
+  if (!culls_) return false;
+  const BrickEntry& entry = entryOf(brick);
+  const auto shows = [&](const ValueRange& range, const PixelRect& rect) {
+    return !range.empty() && !rect.empty() && values.bound(range) > values.least(rect);
+  };
+  if (!shows(rangeOf(entry), brick.rect)) return true;
+  if (!entry.sub_ranges) return false;
+  const VoxelBox core = coreOf(brick.key);
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < kSubBricks; ++z) {
+    for (std::int64_t y = 0; y < kSubBricks; ++y) {
+      for (std::int64_t x = 0; x < kSubBricks; ++x, ++i) {
+        const ValueRange range = entry.sub_ranges->at(i, entry.support);
+        if (range.empty()) continue;
+        const VoxelBox box = dilated(subBrickOf(core, store_.manifest().brick_size, {x, y, z}), kGhosts);
+        if (shows(range, intersection(levels_.projector(brick.key.level).bounds(box), brick.rect))) return false;
+      }
+    }
+  }
+  return true;
+}
+
+void ValueProjection::drawTile(const BrickInView& brick, const BrickBlock* block, double bound, const PixelRect& rect,
+                               ProjectedValues& values, SplatCounts& counts) const {
+  if (culls_ && !(bound > values.least(rect))) return;
+  const VoxelBox core = coreOf(brick.key);
+  const DepthZones::Depths depths = zones_.depthsOf(brick.key.level, core);
+  for (const RayFrame& frame : frames_) {
+    if (frame.zone.level != brick.key.level || !crosses(depths, frame.zone)) continue;
+    if (block != nullptr)
+      projectBrick(frame, *block, bound, !culls_, rect, values, counts);
+    else
+      projectConstant(frame, core, entryOf(brick).core.lo, rect, values, counts);
+  }
+  values.update(rect);
+}
+
+SplatCounts ValueProjection::draw(const BrickInView& brick, const BrickBlock* block,
+                                  const std::vector<PixelRect>& tiles, ProjectedValues& values) const {
+  const double bound = values.bound(rangeOf(entryOf(brick)));
+  std::vector<SplatCounts> counts(tiles.size());
+  parallelFor(tiles.size(), [&](std::size_t i) {
+    const PixelRect rect = intersection(tiles[i], brick.rect);
+    if (!rect.empty()) drawTile(brick, block, bound, rect, values, counts[i]);
+  });
+  SplatCounts total;
+  for (const SplatCounts& tile : counts) total.add(tile);
+  return total;
+}
+
+}  // namespace kiln
