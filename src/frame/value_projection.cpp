@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -36,9 +37,12 @@ ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& le
       mode_(mode),
       culls_(culls && mode != Mode::kAverage),
       zones_(levels, rayZones(store.manifest(), view, level, levels.projector(levels.finest()).nearDepth())) {
-  for (const SlabZone& zone : zones_.zones())
-    frames_.push_back({zone, &levels.projector(zone.level), &levels.clipRegion(zone.level), levels.dims(zone.level),
-                       endOf(zone.level)});
+  for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
+    RayFrame frame{{}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
+    std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),
+                 [&](const SlabZone& zone) { return zone.level == l; });
+    frames_.push_back(frame);
+  }
 }
 
 glm::dvec3 ValueProjection::endOf(int level) const {
@@ -64,40 +68,14 @@ BrickWalk::AnyPart ValueProjection::anyPart() const {
   };
 }
 
-// Most pixels are told by a ray's way through the volume; of one that is hardly longer than samples are apart, each
-// sample is looked at.
 ProjectedValues ValueProjection::begin(const PixelRect& pixels) const {
   ProjectedValues out(mode_, pixels);
-  const int finest = levels_.finest();
-  const Projector& projector = levels_.projector(finest);
-  const glm::dvec3 end = endOf(finest);
-  double spacing = 0;
-  for (const RayFrame& frame : frames_) spacing = std::max(spacing, frame.zone.thickness);
-  const auto has_sample = [&](int x, int y) {
-    const PixelSlabs ray(frames_.front().zone, projector, x, y);
-    double near = projector.perspective() ? projector.nearDepth() : -std::numeric_limits<double>::infinity();
-    double far = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double slope = ray.slope()[axis], base = ray.base()[axis];
-      if (slope == 0) {
-        if (base < -0.5 || base >= end[axis]) return false;
-        continue;
-      }
-      const double a = (-0.5 - base) / slope, b = (end[axis] - base) / slope;
-      near = std::max(near, std::min(a, b));
-      far = std::min(far, std::max(a, b));
-    }
-    levels_.clipRegion(finest).cutLine(ray.base(), ray.slope(), near, far);
-    if (far - near > 2 * spacing) return true;
-    if (far - near < -2 * spacing) return false;
-    return std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) {
-      return !samplesIn(frame, PixelSlabs(frame.zone, *frame.projector, x, y), boxOf(frame.dims)).empty();
-    });
-  };
   parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
     const int y = pixels.y0 + static_cast<int>(row);
     for (int x = pixels.x0; x < pixels.x1; ++x) {
-      if (!has_sample(x, y)) out.leaveOut(x, y);
+      const bool shown =
+          std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) { return hasSample(frame, x, y); });
+      if (!shown) out.leaveOut(x, y);
     }
   });
   out.update(pixels);
@@ -149,15 +127,11 @@ bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& va
 void ValueProjection::drawTile(const BrickInView& brick, const BrickBlock* block, double bound, const PixelRect& rect,
                                ProjectedValues& values, SplatCounts& counts) const {
   if (culls_ && !(bound > values.least(rect))) return;
-  const VoxelBox core = coreOf(brick.key);
-  const DepthZones::Depths depths = zones_.depthsOf(brick.key.level, core);
-  for (const RayFrame& frame : frames_) {
-    if (frame.zone.level != brick.key.level || !crosses(depths, frame.zone)) continue;
-    if (block != nullptr)
-      projectBrick(frame, *block, bound, !culls_, rect, values, counts);
-    else
-      projectConstant(frame, core, entryOf(brick).core.lo, rect, values, counts);
-  }
+  const RayFrame& frame = frames_[static_cast<std::size_t>(brick.key.level - levels_.finest())];
+  if (block != nullptr)
+    projectBrick(frame, *block, bound, !culls_, rect, values, counts);
+  else
+    projectConstant(frame, coreOf(brick.key), entryOf(brick).core.lo, rect, values, counts);
   values.update(rect);
 }
 

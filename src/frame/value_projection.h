@@ -48,7 +48,7 @@ class ValueProjection {
   const Mode mode_;
   const bool culls_;
   DepthZones zones_;
-  std::vector<RayFrame> frames_;  // one a zone
+  std::vector<RayFrame> frames_;  // one a level, the finest first
 };
 
 }  // namespace kiln

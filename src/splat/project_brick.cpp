@@ -7,38 +7,84 @@
 namespace kiln {
 namespace {
 
-// From a to b. A voxel without weight is neither: it may be NaN. A fraction has no more bits than a float, so that of
-// values that have none more either the result is never rounded beyond them, and no range is left.
-double between(double a, double b, double fraction) { return fraction == 0 ? a : a + fraction * (b - a); }
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// What of a ray is in a box of voxels, in the volume and inside of the clipping. unit: depth.
+struct RayPart {
+  double near, far;
+  bool empty() const { return !(near < far); }
+};
+
+// A box and its neighbour ask about the plane between them in the same words.
+RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
+  RayPart out{frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity, kInfinity};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double base = ray.base()[axis], slope = ray.slope()[axis];
+    const double lo = static_cast<double>(box.lo[axis]) - 0.5;
+    // The last voxel of a coarser level may reach beyond level 0.
+    const double hi = box.hi[axis] == frame.dims[axis] ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5;
+    if (slope == 0) {
+      if (base < lo || base >= hi) return {0, 0};
+      continue;
+    }
+    const double a = (lo - base) / slope, b = (hi - base) / slope;
+    out.near = std::max(out.near, slope > 0 ? a : b);
+    out.far = std::min(out.far, slope > 0 ? b : a);
+  }
+  if (!frame.clip->showsAll()) frame.clip->cutLine(ray.base(), ray.slope(), out.near, out.far);
+  return out;
+}
+
+SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
+  if (part.far <= zone.near || part.near >= zone.far) return {};
+  return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
+}
+
+// From a to b. A voxel without weight is neither: it may be NaN. A fraction has no more bits than a float, so that
+// rounding does not lead beyond a and b, but of values with more bits than that.
 template <class T>
+double between(double a, double b, double fraction) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (fraction == 0) return a;
+  }
+  return a + fraction * (b - a);
+}
+
+template <class T, bool kMean>
 class BrickRays {
  public:
-  BrickRays(const RayFrame& frame, const BrickBlock& block, bool all, ProjectedValues& values, SplatCounts& counts)
-      : f_(frame),
-        block_(block),
+  BrickRays(const BrickBlock& block, bool all, double sign, SplatCounts& counts)
+      : block_(block),
         voxels_(block.data<T>()),
         stride_y_(block.strideY()),
         stride_z_(block.strideZ()),
+        first_(block.core.lo.x, block.core.lo.y, block.core.lo.z),
         all_(all),
-        sign_(values.sign()),
-        counts_(counts) {}
+        sign_(sign),
+        counts_(counts) {
+    for (int axis = 0; axis < 3; ++axis)
+      last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
+  }
 
-  template <bool kMean>
-  void take(const PixelSlabs& ray, const SlabSpan& span, double& held, double* length) const noexcept {
+  // `length` is null but for means.
+  void take(const PixelRay& ray, const SlabZone& zone, const SlabSpan& span, double& held, double* length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
+    const glm::dvec3 base = ray.base() - first_, inverse = 1.0 / ray.slope();
+    const double slabs_per_depth = 1 / zone.thickness;
     for (int slab = span.first; slab < span.end;) {
-      VoxelCoord cell;
-      const glm::dvec3 place = at(ray, slab);
+      const glm::dvec3 place = base + depthOf(zone, slab) * ray.slope();
+      int cell[3];
+      double leaves_at = kInfinity;
       for (int axis = 0; axis < 3; ++axis) {
         // Rounding may put a sample on a face beyond it, where it has the same voxels.
-        const auto voxel = std::clamp(static_cast<std::int64_t>(std::floor(place[axis] + 0.5)), block_.core.lo[axis],
-                                      block_.core.hi[axis] - 1);
-        cell[axis] = (voxel - block_.core.lo[axis]) / kCellSize;
+        cell[axis] = std::clamp(static_cast<int>((place[axis] + 0.5) * (1.0 / kCellSize)), 0, last_cell_[axis]);
+        if (ray.slope()[axis] == 0) continue;
+        const int face = (cell[axis] + (ray.slope()[axis] > 0 ? 1 : 0)) * static_cast<int>(kCellSize);
+        leaves_at = std::min(leaves_at, (face - 0.5 - base[axis]) * inverse[axis]);
       }
-      const ValueRange& range =
-          block_.supports.at(static_cast<int>(cell.x) + 1, static_cast<int>(cell.y) + 1, static_cast<int>(cell.z) + 1);
-      const int leaves = std::clamp(slabBeyond(ray, cell), slab + 1, span.end);
+      const double beyond = std::clamp((leaves_at - zone.near) * slabs_per_depth + 0.5, slab + 1.0, span.end + 0.0);
+      const int leaves = static_cast<int>(beyond);
+      const ValueRange& range = block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1);
       ++counts_.nodes_tested;
       if (range.empty() || (!kMean && !all_ && !((sign_ > 0 ? range.hi : -range.lo) > held))) {
         ++counts_.nodes_hidden;
@@ -47,11 +93,11 @@ class BrickRays {
       }
       counts_.splats += static_cast<std::uint64_t>(leaves - slab);
       for (; slab < leaves; ++slab) {
-        const double value = valueAt(at(ray, slab));
+        const double value = valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
         if constexpr (kMean) {
           if (std::isnan(value)) continue;
-          held += value * f_.zone.thickness;
-          *length += f_.zone.thickness;
+          held += value * zone.thickness;
+          *length += zone.thickness;
           counts_.changed = true;
         } else if (sign_ * value > held) {
           held = sign_ * value;
@@ -62,94 +108,77 @@ class BrickRays {
   }
 
  private:
-  glm::dvec3 at(const PixelSlabs& ray, int slab) const {
-    return ray.base() + (f_.zone.near + (slab + 0.5) * f_.zone.thickness) * ray.slope();
-  }
+  static double depthOf(const SlabZone& zone, int slab) { return zone.near + (slab + 0.5) * zone.thickness; }
 
-  // The first slab after the ray has left the cell.
-  int slabBeyond(const PixelSlabs& ray, const VoxelCoord& cell) const {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      const double slope = ray.slope()[axis];
-      if (slope == 0) continue;
-      const std::int64_t face = block_.core.lo[axis] + (cell[axis] + (slope > 0 ? 1 : 0)) * kCellSize;
-      nearest = std::min(nearest, (static_cast<double>(face) - 0.5 - ray.base()[axis]) / slope);
-    }
-    return f_.zone.slabFrom(nearest);
-  }
-
+  // The same arithmetic in every brick. No place is below -1/2, but by rounding.
   double valueAt(const glm::dvec3& place) const {
     VoxelCoord voxel;
     double part[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const double lower = std::floor(place[axis]);
-      voxel[axis] = static_cast<std::int64_t>(lower);
-      part[axis] = static_cast<float>(place[axis] - lower);
+      voxel[axis] = static_cast<std::int64_t>(place[axis] + 1) - 1;
+      part[axis] = static_cast<float>(std::max(place[axis] - static_cast<double>(voxel[axis]), 0.0));
     }
     const T* const v = voxels_ + block_.offsetOf(voxel);
     const auto along_x = [&](std::int64_t i) {
-      return between(static_cast<double>(v[i]), static_cast<double>(v[i + 1]), part[0]);
+      return between<T>(static_cast<double>(v[i]), static_cast<double>(v[i + 1]), part[0]);
     };
-    const double front = between(along_x(0), along_x(stride_y_), part[1]);
-    const double back = between(along_x(stride_z_), along_x(stride_z_ + stride_y_), part[1]);
-    return between(front, back, part[2]);
+    const double front = between<T>(along_x(0), along_x(stride_y_), part[1]);
+    const double back = between<T>(along_x(stride_z_), along_x(stride_z_ + stride_y_), part[1]);
+    return between<T>(front, back, part[2]);
   }
 
-  const RayFrame& f_;
   const BrickBlock& block_;
   const T* const voxels_;
   const std::int64_t stride_y_, stride_z_;
+  const glm::dvec3 first_;
   const bool all_;
   const double sign_;
   SplatCounts& counts_;
+  int last_cell_[3];
 };
 
-// Calls take(ray, span, held, length) for each pixel of `rect` that may change and has samples in `core`; `length` is
-// null but for means.
+// Calls take(ray, zone, span, held, length) for each pixel of `rect` that may change, and for each zone where it has
+// samples in `core`; `length` is null but for means.
 template <class Take>
 void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
-                ProjectedValues& values, const Take& take) noexcept {
+                ProjectedValues& values, Take take) noexcept {
   for (int y = rect.y0; y < rect.y1; ++y) {
     double* const held = values.held(rect.x0, y);
     double* const length = values.mean() ? values.length(rect.x0, y) : nullptr;
-    for (int x = rect.x0; x < rect.x1; ++x) {
-      const int i = x - rect.x0;
+    for (int i = 0; i < rect.width(); ++i) {
       if (length == nullptr && (std::isnan(held[i]) || (!all && !(bound > held[i])))) continue;
-      const PixelSlabs ray(frame.zone, *frame.projector, x, y);
-      const SlabSpan span = samplesIn(frame, ray, core);
-      if (!span.empty()) take(ray, span, held[i], length == nullptr ? nullptr : length + i);
+      const PixelRay ray(*frame.projector, rect.x0 + i, y);
+      const RayPart part = partIn(frame, ray, core);
+      if (part.empty()) continue;
+      for (const SlabZone& zone : frame.zones) {
+        const SlabSpan span = slabsOf(zone, part);
+        if (!span.empty()) take(ray, zone, span, held[i], length == nullptr ? nullptr : length + i);
+      }
     }
   }
 }
 
 }  // namespace
 
-SlabSpan samplesIn(const RayFrame& frame, const PixelSlabs& ray, const VoxelBox& box) {
-  const SlabZone& zone = frame.zone;
-  SlabSpan out{frame.projector->perspective() ? zone.slabFrom(frame.projector->nearDepth()) : 0, zone.slabs};
-  for (int axis = 0; axis < 3; ++axis) {
-    ray.cut(axis, static_cast<double>(box.lo[axis]) - 0.5, true, out);
-    // The last voxel of a coarser level may reach beyond level 0.
-    const bool last = box.hi[axis] == frame.dims[axis];
-    ray.cut(axis, last ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5, false, out);
-  }
-  if (out.empty() || frame.clip->showsAll()) return out;
-  double near = -std::numeric_limits<double>::infinity(), far = -near;
-  frame.clip->cutLine(ray.base(), ray.slope(), near, far);
-  return {std::max(out.first, zone.slabFrom(near)), std::min(out.end, zone.slabFrom(far))};
+bool hasSample(const RayFrame& frame, int x, int y) {
+  const RayPart part = partIn(frame, PixelRay(*frame.projector, x, y), boxOf(frame.dims));
+  return !part.empty() && std::any_of(frame.zones.begin(), frame.zones.end(),
+                                      [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
 }
 
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, SplatCounts& counts) noexcept {
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
-    const BrickRays<T> rays(frame, block, all, values, counts);
-    forEachRay(frame, block.core, bound, all, rect, values,
-               [&](const PixelSlabs& ray, const SlabSpan& span, double& held, double* length) {
-                 if (length != nullptr)
-                   rays.template take<true>(ray, span, held, length);
-                 else
-                   rays.template take<false>(ray, span, held, nullptr);
-               });
+    const auto run = [&](auto rays) {
+      forEachRay(frame, block.core, bound, all, rect, values,
+                 [&](const PixelRay& ray, const SlabZone& zone, const SlabSpan& span, double& held, double* length) {
+                   rays.take(ray, zone, span, held, length);
+                 });
+    };
+    if (values.mean())
+      run(BrickRays<T, true>(block, all, values.sign(), counts));
+    else
+      run(BrickRays<T, false>(block, all, values.sign(), counts));
   });
 }
 
@@ -157,7 +186,7 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                      ProjectedValues& values, SplatCounts& counts) noexcept {
   const double bound = values.sign() * value;
   forEachRay(frame, core, bound, false, rect, values,
-             [&](const PixelSlabs&, const SlabSpan& span, double& held, double* length) {
+             [&](const PixelRay&, const SlabZone& zone, const SlabSpan& span, double& held, double* length) {
                counts.visited += static_cast<std::uint64_t>(span.end - span.first);
                counts.changed = true;
                if (length == nullptr) {
@@ -166,8 +195,8 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                }
                // As sample after sample of such a brick would, to the bit.
                for (int slab = span.first; slab < span.end; ++slab) {
-                 held += value * frame.zone.thickness;
-                 *length += frame.zone.thickness;
+                 held += value * zone.thickness;
+                 *length += zone.thickness;
                }
              });
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <vector>
 
 #include "scene/clip_region.h"
 #include "splat/pixel_slabs.h"
@@ -15,22 +16,21 @@
 
 namespace kiln {
 
-/// What all bricks and tiles of a zone share.
+/// What all bricks and tiles of a level share.
 struct RayFrame {
-  SlabZone zone;                         // samples at the middles of its slabs
-  const Projector* projector = nullptr;  // of the zone's level
+  std::vector<SlabZone> zones;           // of the level, near to far; samples at the middles of their slabs
+  const Projector* projector = nullptr;  // of the level
   const ClipRegion* clip = nullptr;      // the same
   Extent3 dims;                          // the same
-  glm::dvec3 end{0};                     // where level 0 ends in the zone's index space
+  glm::dvec3 end{0};                     // where level 0 ends in the level's index space
 };
 
-/// The samples on the ray of pixel (x, y) that are in `box`, in the volume and inside of the clipping. requires: `box`
-/// of the zone's level.
-SlabSpan samplesIn(const RayFrame& frame, const PixelSlabs& ray, const VoxelBox& box);
+/// Whether the ray of pixel (x, y) has a sample of the level in the volume and inside of the clipping.
+bool hasSample(const RayFrame& frame, int x, int y);
 
 /// Takes the brick's samples into the pixels of `rect`. An extremum is looked for where the range of a cell goes beyond
 /// what the pixel holds, unless `all`. Of the counts, visited are samples on the rays, splats those interpolated, nodes
-/// the cells that rays pass. requires: `rect` of the values; `block` of the zone's level; `bound` of its values.
+/// the cells that rays pass. requires: `rect` of the values; `block` of the frame's level; `bound` of its values.
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, SplatCounts& counts) noexcept;
 

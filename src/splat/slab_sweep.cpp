@@ -277,11 +277,11 @@ class Sweep {
 
   // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
   SlabSpan ownedAt(int x, int y) const {
-    const PixelSlabs pixel(zone_, projector_, x, y);
+    const PixelRay ray(projector_, x, y);
     SlabSpan out{0, zone_.slabs};
     for (int a = 0; a < 3; ++a) {
-      if (block_.core.lo[a] > 0) pixel.cut(a, static_cast<double>(block_.core.lo[a]) - 0.5, true, out);
-      if (block_.core.hi[a] < f_.dims()[a]) pixel.cut(a, static_cast<double>(block_.core.hi[a]) - 0.5, false, out);
+      if (block_.core.lo[a] > 0) out.cut(zone_, ray, a, static_cast<double>(block_.core.lo[a]) - 0.5, true);
+      if (block_.core.hi[a] < f_.dims()[a]) out.cut(zone_, ray, a, static_cast<double>(block_.core.hi[a]) - 0.5, false);
     }
     return out;
   }
