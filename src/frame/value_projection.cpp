@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <utility>
+#include <tuple>
 
 #include "base/parallel.h"
 
@@ -94,7 +94,7 @@ std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front
   const ProjectedValues bounds(mode_, {0, 0, 1, 1});
   const auto urgency = [&](const BrickInView& brick) {
     const BrickEntry& entry = entryOf(brick);
-    return std::pair(entry.constant, bounds.bound(rangeOf(entry)));
+    return std::tuple(entry.constant, bounds.bound(entry.core), bounds.bound(rangeOf(entry)));
   };
   std::stable_sort(front_to_back.begin(), front_to_back.end(),
                    [&](const BrickInView& a, const BrickInView& b) { return urgency(a) > urgency(b); });

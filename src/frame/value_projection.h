@@ -1,7 +1,7 @@
 // `--mode mip|minip|average`: which bricks of which level project their values, in which order, and which have nothing
 // that their pixels do not hold already. Levels are those of the pixel lattice. An extremum does not ask for an order:
-// bricks without a file come first, then those with the most to show, so that pixels soon hold what hides the rest. A
-// mean takes them all, front to back.
+// bricks without a file come first, then those that have the most in their own voxels, so that pixels soon hold what
+// hides the rest. A mean takes them all, front to back.
 #pragma once
 
 #include "frame/depth_zones.h"

@@ -40,6 +40,13 @@ SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
   return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
 }
 
+// What a mean takes of a sample: its slab, and at the ends of the ray what is inside of `whole`, more or less.
+double lengthOf(const SlabZone& zone, int slab, const RayPart& whole) {
+  const double begin = zone.near + slab * zone.thickness, end = begin + zone.thickness;
+  const bool first = begin - 0.5 * zone.thickness < whole.near, last = end + 0.5 * zone.thickness >= whole.far;
+  return (last ? whole.far : end) - (first ? whole.near : begin);
+}
+
 // From a to b. A voxel without weight is neither: it may be NaN. A fraction has no more bits than a float, so that
 // rounding does not lead beyond a and b, but of values with more bits than that.
 template <class T>
@@ -66,8 +73,9 @@ class BrickRays {
       last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
   }
 
-  // `length` is null but for means.
-  void take(const PixelRay& ray, const SlabZone& zone, const SlabSpan& span, double& held, double* length) noexcept {
+  // For means `whole` is all of the ray; else `length` is null.
+  void take(const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+            double* length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
     const glm::dvec3 base = ray.base() - first_, inverse = 1.0 / ray.slope();
     const double slabs_per_depth = 1 / zone.thickness;
@@ -96,8 +104,9 @@ class BrickRays {
         const double value = valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
         if constexpr (kMean) {
           if (std::isnan(value)) continue;
-          held += value * zone.thickness;
-          *length += zone.thickness;
+          const double share = lengthOf(zone, slab, whole);
+          held += value * share;
+          *length += share;
           counts_.changed = true;
         } else if (sign_ * value > held) {
           held = sign_ * value;
@@ -137,8 +146,8 @@ class BrickRays {
   int last_cell_[3];
 };
 
-// Calls take(ray, zone, span, held, length) for each pixel of `rect` that may change, and for each zone where it has
-// samples in `core`; `length` is null but for means.
+// Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` that may change, and for each zone where it
+// has samples in `core`. For means `whole` is what of the ray may have samples; else `length` is null.
 template <class Take>
 void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
                 ProjectedValues& values, Take take) noexcept {
@@ -150,9 +159,10 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
       const PixelRay ray(*frame.projector, rect.x0 + i, y);
       const RayPart part = partIn(frame, ray, core);
       if (part.empty()) continue;
+      const RayPart whole = length != nullptr ? partIn(frame, ray, boxOf(frame.dims)) : part;
       for (const SlabZone& zone : frame.zones) {
         const SlabSpan span = slabsOf(zone, part);
-        if (!span.empty()) take(ray, zone, span, held[i], length == nullptr ? nullptr : length + i);
+        if (!span.empty()) take(ray, whole, zone, span, held[i], length == nullptr ? nullptr : length + i);
       }
     }
   }
@@ -171,9 +181,8 @@ void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, 
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const auto run = [&](auto rays) {
       forEachRay(frame, block.core, bound, all, rect, values,
-                 [&](const PixelRay& ray, const SlabZone& zone, const SlabSpan& span, double& held, double* length) {
-                   rays.take(ray, zone, span, held, length);
-                 });
+                 [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span,
+                     double& held, double* length) { rays.take(ray, whole, zone, span, held, length); });
     };
     if (values.mean())
       run(BrickRays<T, true>(block, all, values.sign(), counts));
@@ -186,7 +195,8 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                      ProjectedValues& values, SplatCounts& counts) noexcept {
   const double bound = values.sign() * value;
   forEachRay(frame, core, bound, false, rect, values,
-             [&](const PixelRay&, const SlabZone& zone, const SlabSpan& span, double& held, double* length) {
+             [&](const PixelRay&, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+                 double* length) {
                counts.visited += static_cast<std::uint64_t>(span.end - span.first);
                counts.changed = true;
                if (length == nullptr) {
@@ -195,8 +205,9 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                }
                // As sample after sample of such a brick would, to the bit.
                for (int slab = span.first; slab < span.end; ++slab) {
-                 held += value * zone.thickness;
-                 *length += zone.thickness;
+                 const double share = lengthOf(zone, slab, whole);
+                 held += value * share;
+                 *length += share;
                }
              });
 }

@@ -281,4 +281,33 @@ OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
   return image;
 }
 
+ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const ReferenceSettings& settings) {
+  ReferenceSettings one_ray = settings;
+  one_ray.rays_per_axis = 1;
+  one_ray.skip_empty = false;
+  const TransferFunction none;
+  const Scene scene(volume, view, none, one_ray);
+  constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+  const auto pixels = static_cast<std::size_t>(view.size.width) * static_cast<std::size_t>(view.size.height);
+  ProjectedImage image{view.size.width, view.size.height, std::vector(pixels, kNoValue), std::vector(pixels, kNoValue),
+                       std::vector(pixels, kNoValue)};
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const auto place =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
+    ValueRange range;
+    double sum = 0, length = 0;
+    march(scene, rays.front(), [&](const glm::dvec3& index, double step) {
+      const double value = scene.field.at(index);
+      range.include(value);
+      if (!std::isnan(value)) sum += value * step, length += step;
+      return true;
+    });
+    if (range.empty()) return;
+    image.greatest[place] = range.hi;
+    image.least[place] = range.lo;
+    image.mean[place] = sum / length;
+  });
+  return image;
+}
+
 }  // namespace kiln::test

@@ -54,6 +54,15 @@ struct OpticalDepthImage {
 OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
                                     const TransferFunction& transfer_function, const ReferenceSettings& settings = {});
 
+/// What `--mode mip|minip|average` projects along the ray through each pixel's centre, in doubles: NaN where the ray
+/// meets no value. shape: view.size, row 0 at the top. Of the settings, rays_per_axis, threshold and skip_empty say
+/// nothing.
+struct ProjectedImage {
+  int width = 0, height = 0;
+  std::vector<double> greatest, least, mean;
+};
+ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const ReferenceSettings& settings = {});
+
 /// A ray of the picture in world space.
 struct Ray {
   glm::dvec3 origin, direction;  // direction has unit length
