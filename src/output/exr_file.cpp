@@ -73,11 +73,23 @@ Imath::M44f imathOf(const glm::dmat4& m) {
   return out;
 }
 
-Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::PixelType type) {
+Imf::Compression compressionNamed(const std::string& name) {
+  static const std::map<std::string, Imf::Compression> kCompressions = {
+      {"none", Imf::NO_COMPRESSION},   {"rle", Imf::RLE_COMPRESSION}, {"zips", Imf::ZIPS_COMPRESSION},
+      {"zip", Imf::ZIP_COMPRESSION},   {"piz", Imf::PIZ_COMPRESSION}, {"dwaa", Imf::DWAA_COMPRESSION},
+      {"dwab", Imf::DWAB_COMPRESSION},
+  };
+  const auto found = kCompressions.find(name);
+  if (found != kCompressions.end()) return found->second;
+  throw Error(ErrorCode::kUsage, "'" + name + "' is no compression of OpenEXR's that Kiln writes");
+}
+
+Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::PixelType type,
+                      Imf::Compression compression) {
   const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole{0, 0, image.width, image.height});
   Imf::Header header(whole.width, whole.height);
   header.dataWindow() = {{whole.x, whole.y}, {whole.x + image.width - 1, whole.y + image.height - 1}};
-  header.compression() = Imf::ZIP_COMPRESSION;
+  header.compression() = compression;
   for (const char* name : kChannelNames) {
     if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
   }
@@ -183,14 +195,15 @@ bool looksLikeExr(std::span<const std::byte> data) {
   return data.size() >= sizeof kMagic && std::memcmp(data.data(), kMagic, sizeof kMagic) == 0;
 }
 
-std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, bool as_float,
+std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path) {
+  const Imf::Compression compression = compressionNamed(options.exr_compression);
   try {
-    const Imf::PixelType type = as_float ? Imf::FLOAT : Imf::HALF;
+    const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
     MemoryWriter stream;
     {
-      Imf::OutputFile file(stream, headerFor(image, metadata, type), 0);
-      if (as_float)
+      Imf::OutputFile file(stream, headerFor(image, metadata, type, compression), 0);
+      if (options.exr_float)
         writeRows<float>(file, image, type, [](float v) { return v; });
       else
         writeRows<half>(file, image, type, clampedHalf);

@@ -15,10 +15,10 @@ namespace kiln {
 
 bool looksLikeExr(std::span<const std::byte> data);
 
-/// One scanline part, ZIP, channels R G B A where the image has colours, and of each plane a channel of its name, which
-/// is 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is
-/// for errors. cost: the compressed file in memory beside the image. throws: Error kIo.
-std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, bool as_float,
+/// One scanline part, channels R G B A where the image has colours, and of each plane a channel of its name, which is
+/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is for
+/// errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
+std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
 /// The data window of the first part, without planes. throws: Error kFormat, kUnsupported, naming `path`.

@@ -37,7 +37,7 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
-  disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options.exr_float, path)
+  disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options, path)
                                          : encodePng(image, options.png_bits, path, metadata.text));
 }
 

@@ -29,10 +29,12 @@ struct ImageMetadata {
 struct ImageFileOptions {
   bool exr_float = false;  // else half
   int png_bits = 8;        // 8 or 16
+  /// none, rle, zips, zip, piz, or, with loss, dwaa or dwab.
+  std::string exr_compression = "zip";
 };
 
 /// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory.
-/// throws: Error kUsage (another extension; planes in a PNG), kNoSpace, kIo.
+/// throws: Error kUsage (another extension; planes in a PNG; an unknown compression), kNoSpace, kIo.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
