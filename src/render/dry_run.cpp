@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
 #include "render/render_job_run.h"
+#include "scene/frame_scene.h"
 
 namespace kiln {
 namespace {
@@ -22,8 +23,8 @@ std::uint64_t decodedBytes(const BrickFrame& brick) {
 DryRun dryRun(const RenderJob& job) {
   const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
-  const Camera camera = cameraFor(job.picture, store);
-  const FrameRequest request = frameRequest(job, camera, transferFunctionFor(job.picture, store));
+  const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
+  const FrameRequest request = frameRequest(scene.picture, job.speed, scene.camera, scene.transfer_function);
   DryRun out;
   out.memory = frameMemory(store, job);
   out.budget_bytes = job.speed.memory_bytes;

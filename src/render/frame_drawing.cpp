@@ -1,6 +1,7 @@
 #include "render/frame_drawing.h"
 
 #include <chrono>
+#include <utility>
 
 #include "base/parallel.h"
 #include "frame/lookahead.h"
@@ -50,6 +51,14 @@ double opacityUnit(const StoreReader& store, const FrameRequest& request) {
   return request.transfer_function.unitIn(store.level(0).geometry.meanSpacing());
 }
 
+// Only bricks of the part that is drawn have anything.
+BrickWalk::AnyPart inPart(const FrameLevels& levels, BrickWalk::AnyPart any_part) {
+  return [&levels, any_part = std::move(any_part)](int level, const VoxelBox& core, const BrickEntry& entry,
+                                                   const BrickWalk::PartTest& test) {
+    return levels.clipRegion(level).part().touches(core) && any_part(level, core, entry, test);
+  };
+}
+
 Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
   return Classifier(request.transfer_function, opacityUnit(store, request), store.manifest().type,
                     store.manifest().range);
@@ -67,7 +76,7 @@ FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
   } else if (request.lattice == Lattice::kPixel) {
     pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
                   request.transfer_function, request.shading, gradientNoise(store.manifest().range), request.sweep_px);
-    bricks.emplace(store, levels, pixel->choice(), pixel->anyPart(), kMostGhosts);
+    bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
   }

@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "output/image_file.h"
+#include "render/composite_parts.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 
@@ -70,6 +71,14 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   out.world_to_ndc = exrWorldToNdc(drawn.view);
   out.text[kJobKey] = textOf(of_file, drawn.scene);
   out.text["kiln:version"] = KILN_VERSION;
+  if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
+  if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
+  if (!job.output.comments.empty()) out.text["comments"] = job.output.comments;
+  if (job.output.statistics_in_header) {
+    RenderStatistics statistics;
+    statistics.add(drawn.statistics);
+    out.text["kiln:statistics"] = statisticsText(statistics);
+  }
   out.text[kHashKey] = contentHash(job, file, drawn.scene, store);
   return out;
 }
@@ -169,7 +178,8 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
                         const StoreReader& store) {
   RenderJob of_file = jobOfFile(job, file, scene);
   of_file.volume.clear();  // a moved store is the same volume
-  const std::string kind = isExrPath(file.path) ? (job.output.exr_float ? "exr float" : "exr half")
+  const std::string kind = isExrPath(file.path) ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half",
+                                                              job.output.exr_compression)
                                                 : fmt::format("png {}", job.output.png_bits);
   return toHex(
       hashOf(std::string_view(fmt::format("{}\n{}\n{}\n{}\n{}", KILN_VERSION, toHex(store.manifest().index_checksum),
@@ -179,8 +189,9 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store) {
   for (const OutputFile& file : filesOf(job, frame)) {
     const Part part(drawn.image, file, aovsOf(job, file));
-    writeImage(part.image(), metadataOf(job, file, drawn, store), {job.output.exr_float, job.output.png_bits},
-               file.path);
+    const bool as_float = job.output.exr_float || drawsPart(job.picture);
+    writeImage(part.image(), metadataOf(job, file, drawn, store),
+               {as_float, job.output.png_bits, job.output.exr_compression}, file.path);
   }
 }
 

@@ -36,7 +36,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.transfer_function = transfer_function;
   request.shading = picture.shading;
   request.clipping = picture.clipping;
-  request.background = picture.background;
+  if (!drawsPart(picture)) request.background = picture.background;
   request.opacity_threshold = picture.opacity_threshold;
   request.mode = picture.mode;
   request.lattice = picture.lattice;
@@ -51,6 +51,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
 }
 
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
+  requirePart(job);
   requireOutputs(job, 1);
   const ThreadLimit threads(job.speed.threads);
   const int number = framesOf(job).front();

@@ -17,10 +17,10 @@ std::string textOf(const VoxelCoord& v) {
   return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
 }
 
-void requireVoxels(const VoxelBox& region, const Extent3& dims) {
+void requireVoxels(const char* what, const VoxelBox& region, const Extent3& dims) {
   if (!intersection(region, boxOf(dims)).empty()) return;
-  throw Error(ErrorCode::kUsage, "the region from " + textOf(region.lo) + " to " + textOf(region.hi) +
-                                     " (half-open) holds none of the volume's voxels, 0,0,0 to " +
+  throw Error(ErrorCode::kUsage, std::string("the ") + what + " from " + textOf(region.lo) + " to " +
+                                     textOf(region.hi) + " (half-open) holds none of the volume's voxels, 0,0,0 to " +
                                      textOf({dims.x, dims.y, dims.z}));
 }
 
@@ -40,7 +40,7 @@ std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi) {
 ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span) {
   if (clipping.region) {
     const VoxelBox& region = *clipping.region;
-    requireVoxels(region, finest.dims);
+    requireVoxels("region", region, finest.dims);
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 along(0);
       along[axis] = 1;
@@ -48,6 +48,17 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
       if (region.hi[axis] < finest.dims[axis])
         add(-along, static_cast<double>(region.hi[axis]) - 0.5, std::numeric_limits<double>::denorm_min(), finest,
             span);
+    }
+  }
+  if (clipping.part) {
+    const VoxelBox& part = *clipping.part;
+    requireVoxels("part", part, finest.dims);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto plane = [&](std::int64_t voxel) {
+        return static_cast<double>(voxel) / static_cast<double>(span[axis]) - 0.5;
+      };
+      if (part.lo[axis] > 0) part_.lo[axis] = plane(part.lo[axis]);
+      if (part.hi[axis] < finest.dims[axis]) part_.hi[axis] = plane(part.hi[axis]);
     }
   }
   for (const ClipPlane& plane : clipping.planes) {
@@ -70,6 +81,15 @@ void ClipRegion::add(const glm::dvec3& normal, double offset, double least, cons
   out.world_distance = 1 / glm::length(glm::transpose(glm::inverse(glm::dmat3(finest.world_from_index))) * normal);
   out.gradient = glm::vec3(glm::normalize(out.normal));
   half_spaces_.push_back(out);
+}
+
+bool ClipRegion::Part::touches(const VoxelBox& voxels) const noexcept {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (static_cast<double>(voxels.hi[axis]) - 0.5 <= lo[axis] ||
+        static_cast<double>(voxels.lo[axis]) - 0.5 >= hi[axis])
+      return false;
+  }
+  return true;
 }
 
 bool ClipRegion::contains(const glm::dvec3& index) const noexcept {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct ClipPlane {
 struct Clipping {
   std::optional<VoxelBox> region;  // of level 0
   std::vector<ClipPlane> planes;
+  /// Of level 0. Not a cut: of the whole picture, what lies in the box is drawn as it is there, with what is beside the
+  /// box known for interpolation and footprints, so that the pictures of boxes that fill the volume make the whole one.
+  std::optional<VoxelBox> part;
   bool operator==(const Clipping&) const = default;
 };
 
@@ -36,7 +40,7 @@ class ClipRegion {
   /// Shows everything.
   ClipRegion() = default;
   /// For a level whose voxels span `span` voxels of level 0 along each axis. Faces of the region at the volume's border
-  /// or beyond clip nothing. throws: Error kUsage where no voxel of the volume is in the region.
+  /// or beyond clip nothing. throws: Error kUsage where no voxel of the volume is in the region, or in the part.
   ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span = {1, 1, 1});
 
   bool showsAll() const noexcept { return half_spaces_.empty(); }
@@ -44,6 +48,17 @@ class ClipRegion {
   /// `index` is a place in the level's index space, voxel centres at whole numbers. Two regions that share a face share
   /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
   bool contains(const glm::dvec3& index) const noexcept;
+
+  /// The planes between the part and the rest of the volume, in the level's index space; infinite where there is no
+  /// rest. The part holds its lower planes and not its upper ones.
+  struct Part {
+    glm::dvec3 lo{-std::numeric_limits<double>::infinity()}, hi{std::numeric_limits<double>::infinity()};
+    bool all() const { return *this == Part(); }
+    bool operator==(const Part&) const = default;
+    /// Whether any of the voxels' cubes reaches into it.
+    bool touches(const VoxelBox& voxels) const noexcept;
+  };
+  const Part& part() const noexcept { return part_; }
 
   /// Leaves the t of [lo, hi] at which base + t · slope, in the level's index space, is inside; its ends may be on
   /// faces that are not.
@@ -69,6 +84,7 @@ class ClipRegion {
   };
   void add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest, const Extent3& span);
   std::vector<HalfSpace> half_spaces_;
+  Part part_;
 };
 
 }  // namespace kiln

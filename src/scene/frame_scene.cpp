@@ -1,5 +1,7 @@
 #include "scene/frame_scene.h"
 
+#include <utility>
+
 #include "scene/presets.h"
 #include "scene/transfer_function_fade.h"
 
@@ -22,6 +24,8 @@ SceneOfJob::SceneOfJob(const RenderJob& job, const Manifest& manifest) : job_(jo
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
   FrameScene out{job_.picture, {}, functions_.front()};
+  if (const auto part = std::exchange(out.picture.part, std::nullopt))
+    out.picture.clipping.part = boxOfPart(*part, manifest_.geometry().dims, manifest_.brick_size);
   out.camera = cameraAt(animation.camera, out.picture.camera, frame, manifest_.geometry(), out.picture.size);
   if (functions_.size() > 1) {
     const auto [i, t] = mixAt(KeyTimes(animation.functions), frame);

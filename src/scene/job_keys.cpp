@@ -28,6 +28,10 @@ constexpr JobKey kRootKeys[] = {
                    "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
     {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
                         "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
+    {"part", R"({"description": "draw a partial image: \"I/N\", or voxels [x0, y0, z0, x1, y1, z1], half-open",
+                 "anyOf": [{"type": "string", "pattern": "^[0-9]+/[0-9]+$"},
+                           {"type": "array", "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15},
+                            "minItems": 6, "maxItems": 6}]})"},
     {"clip", R"({"anyOf": [{"type": "array", "items": {"$ref": "clipPlane"}}, {"$ref": "clipKeyframes"}]})"},
     {"visibility", R"({"$ref": "visibility"})"},
     {"mode", R"({"enum": "mode"})"},
@@ -160,7 +164,13 @@ constexpr JobKey kVisibilityKeys[] = {
     {"samples", R"({"enum": ["untested", "tested"]})"},
 };
 
-constexpr JobKey kExrKeys[] = {{"type", R"({"enum": ["half", "float"]})"}};
+constexpr JobKey kExrKeys[] = {
+    {"type", R"({"enum": ["half", "float"]})"},
+    {"compression", R"({"enum": "compression", "description": "the last two lose something"})"},
+    {"owner", R"({"$ref": "text"})"},
+    {"comments", R"({"$ref": "text"})"},
+    {"statistics", R"({"type": "boolean", "description": "what drawing has cost, in the header"})"},
+};
 constexpr JobKey kPngKeys[] = {{"bits", R"({"enum": [8, 16]})"}};
 
 constexpr JobKey kOutputKeys[] = {

@@ -53,23 +53,23 @@ ClipPlane planeFrom(const JobObject& object) {
   return plane;
 }
 
-std::optional<VoxelBox> regionFrom(const JobObject& owner) {
+}  // namespace
+
+std::optional<VoxelBox> voxelBoxFrom(const JobObject& owner, std::string_view key) {
   constexpr std::string_view kExpected =
       "six whole numbers [x0, y0, z0, x1, y1, z1] of voxels, each x0 below its x1 (half-open)";
   const auto voxel = [](double v) { return v == static_cast<double>(static_cast<std::int64_t>(v)); };
-  const auto n = owner.numbers<6>("region", kExpected, [](double v) { return v >= -1e15 && v <= 1e15; });
+  const auto n = owner.numbers<6>(key, kExpected, [](double v) { return v >= -1e15 && v <= 1e15; });
   if (!n) return std::nullopt;
   VoxelBox box;
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = (*n)[static_cast<std::size_t>(axis)], hi = (*n)[static_cast<std::size_t>(axis) + 3];
-    if (!voxel(lo) || !voxel(hi) || !(lo < hi)) owner.refuse("region", kExpected);
+    if (!voxel(lo) || !voxel(hi) || !(lo < hi)) owner.refuse(key, kExpected);
     box.lo[axis] = static_cast<std::int64_t>(lo);
     box.hi[axis] = static_cast<std::int64_t>(hi);
   }
   return box;
 }
-
-}  // namespace
 
 std::optional<glm::dvec3> worldVectorFrom(const JobObject& owner, std::string_view key) {
   const auto v = owner.numbers<3>(key, "[x, y, z] in world units", legal::length);
@@ -109,7 +109,7 @@ std::vector<ClipPlane> planesFrom(const JobObject& owner, std::string_view key) 
 
 Clipping regionsFrom(const JobObject& owner) {
   Clipping out;
-  out.region = regionFrom(owner);
+  out.region = voxelBoxFrom(owner, "region");
   constexpr std::string_view kBox = "[x0, y0, z0, x1, y1, z1] in world units, each x0 below its x1";
   if (const auto n = owner.numbers<6>("worldRegion", kBox, legal::length)) {
     const glm::dvec3 lo((*n)[0], (*n)[1], (*n)[2]), hi((*n)[3], (*n)[4], (*n)[5]);

@@ -69,6 +69,7 @@ std::span<const std::string_view> wordsOf(const std::string& name) {
   if (name == "light") return kLightNames;
   if (name == "aov") return kAovNames;
   if (name == "content") return kContentNames;
+  if (name == "compression") return kExrCompressionNames;
   if (name == "ease") return kEaseNames;
   if (name == "pivot") return kPivotNames;
   if (name == "area") return kProjectedAreaNames;

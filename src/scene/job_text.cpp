@@ -52,8 +52,11 @@ ordered_json jsonOf(const Light& light) {
 }
 
 void addClipping(const Clipping& clipping, ordered_json& out) {
-  if (const auto& region = clipping.region)
-    out["region"] = {region->lo.x, region->lo.y, region->lo.z, region->hi.x, region->hi.y, region->hi.z};
+  const auto list = [](const VoxelBox& box) {
+    return ordered_json({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  };
+  if (clipping.region) out["region"] = list(*clipping.region);
+  if (clipping.part) out["part"] = list(*clipping.part);
   if (clipping.planes.empty()) return;
   out["clip"] = ordered_json::array();
   for (const ClipPlane& plane : clipping.planes)
@@ -85,6 +88,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   out["lights"] = ordered_json::array();
   for (const Light& light : shading.lights) out["lights"].push_back(jsonOf(light));
   addClipping(picture.clipping, out);
+  if (picture.part) out["part"] = std::to_string(picture.part->index) + "/" + std::to_string(picture.part->count);
   out["visibility"] = {{"threshold", picture.opacity_threshold}};
   // The one method that changes the picture.
   const VisibilityOptions& visibility = job.speed.visibility;

@@ -21,6 +21,15 @@ namespace {
 
 constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
+void readPart(const JobObject& root, PictureOptions& picture) {
+  if (!root.isText("part")) {
+    picture.clipping.part = voxelBoxFrom(root, "part");
+    return;
+  }
+  picture.part = partNumbered(*root.text("part", "a part"));
+  if (!picture.part) root.refuse("part", "\"I/N\", I from 1 to N, or a box of voxels [x0, y0, z0, x1, y1, z1]");
+}
+
 bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
 
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
@@ -101,6 +110,11 @@ void readOutput(const JobObject& root, OutputOptions& output) {
     exr->requireKnown(job_keys::kExr);
     static constexpr std::array<std::string_view, 2> kTypes = {"half", "float"};
     output.exr_float = exr->choice("type", kTypes).value_or(0) == 1;
+    if (const auto place = exr->choice("compression", kExrCompressionNames))
+      output.exr_compression = kExrCompressionNames[*place];
+    output.owner = exr->text("owner", "a name").value_or("");
+    output.comments = exr->text("comments", "a text").value_or("");
+    output.statistics_in_header = exr->flag("statistics").value_or(false);
   }
   if (const auto png = root.object("png")) {
     png->requireKnown(job_keys::kPng);
@@ -148,6 +162,23 @@ void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const 
   if (interpolation != Interpolation::kLinear)
     refuse("--interpolation", "interpolates linearly; leave --interpolation out");
   if (aovs.depth || aovs.normal) refuse("--aov", "has no depth and no normal; it has value");
+}
+
+bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }
+
+void requirePart(const RenderJob& job) {
+  const PictureOptions& picture = job.picture;
+  if (!drawsPart(picture)) return;
+  const auto refuse = [](std::string_view option, std::string_view why) {
+    throw Error(ErrorCode::kUsage, fmt::format("--part: {} of a partial image {}", option, why));
+  };
+  if (picture.mode != Mode::kComposite) refuse("--mode", "is composite");
+  if (picture.lattice != Lattice::kPixel) refuse("--lattice", "is pixel");
+  if (picture.samples != 1) refuse("--samples", "is 1: draw the parts of a larger picture, and make that smaller");
+  if (picture.aovs.any()) refuse("--aov", "is none: parts of channels beside the colours make no whole");
+  if (!job.output.video.path.empty() || (!job.output.path.empty() && job.output.path.extension() != ".exr"))
+    refuse("-o", "ends in .exr: its header says where in the picture it belongs");
+  if (!job.output.files.empty()) refuse("outputs", "are none beside -o");
 }
 
 CameraSpec cameraFrom(const JobObject& object, JobKeys more) {
@@ -198,6 +229,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   readLights(root, job);
   readClipping(root, job);
+  readPart(root, job.picture);
   readFrames(root, job);
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   if (const auto place = root.choice("mode", kModeNames)) job.picture.mode = static_cast<Mode>(*place);

@@ -18,6 +18,7 @@
 #include "scene/interpolation.h"
 #include "scene/shading.h"
 #include "scene/transfer_function_choice.h"
+#include "scene/volume_part.h"
 
 namespace kiln {
 
@@ -91,6 +92,7 @@ struct PictureOptions {
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends
   Shading shading;
   Clipping clipping;
+  std::optional<PartNumber> part;  // of the volume, instead of clipping.part
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
   Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; the voxel lattice has none
@@ -106,6 +108,9 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation);
 
 /// throws: Error kUsage where the mode has no use for one of them.
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
+
+/// Whether the job draws a partial image, of a part of the volume and without background.
+bool drawsPart(const PictureOptions& picture);
 
 /// How fast it appears.
 struct SpeedOptions {
@@ -134,9 +139,12 @@ struct VideoOptions {
 /// How the picture is written. Each kind of file is written the same way, whichever it is.
 struct OutputOptions {
   std::filesystem::path path;
-  bool exr_float = false;         // else half
-  int png_bits = 8;               // 8 or 16
-  std::vector<OutputFile> files;  // more of the same frame
+  bool exr_float = false;               // else half; a partial image is always float
+  std::string exr_compression = "zip";  // one of kExrCompressionNames
+  std::string owner, comments;          // in a file's header, if not empty
+  bool statistics_in_header = false;    // which then is another each time
+  int png_bits = 8;                     // 8 or 16
+  std::vector<OutputFile> files;        // more of the same frame
   VideoOptions video;
 };
 
@@ -157,6 +165,8 @@ struct RenderJob {
 
 /// The frames that the job draws: those it names, else the animation's.
 std::vector<int> framesOf(const RenderJob& job);
+/// throws: Error kUsage where the job draws a partial image that could not be composited, or not be written.
+void requirePart(const RenderJob& job);
 
 /// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
 /// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.

@@ -72,6 +72,8 @@ class Sweep {
         m_(memory),
         counts_(counts),
         aovs_(tile.aovs.any()),
+        part_(frame.look().clip->part()),
+        parted_(!part_.all()),
         offset_(frame.table().offset()),
         reach_(intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()))) {}
 
@@ -275,13 +277,17 @@ class Sweep {
     return counts;
   }
 
-  // The slabs of pixel (x, y) whose middles are in the brick; the volume's outermost bricks own what is beyond.
+  // The slabs of pixel (x, y) whose middles are in the brick, and in the part of the volume that is drawn; the volume's
+  // outermost bricks own what is beyond.
   SlabSpan ownedAt(int x, int y) const {
     const PixelRay ray(projector_, x, y);
     SlabSpan out{0, zone_.slabs};
     for (int a = 0; a < 3; ++a) {
       if (block_.core.lo[a] > 0) out.cut(zone_, ray, a, static_cast<double>(block_.core.lo[a]) - 0.5, true);
       if (block_.core.hi[a] < f_.dims()[a]) out.cut(zone_, ray, a, static_cast<double>(block_.core.hi[a]) - 0.5, false);
+      if (!parted_) continue;
+      if (std::isfinite(part_.lo[a])) out.cut(zone_, ray, a, part_.lo[a], true);
+      if (std::isfinite(part_.hi[a])) out.cut(zone_, ray, a, part_.hi[a], false);
     }
     return out;
   }
@@ -400,6 +406,8 @@ class Sweep {
   SweepMemory::Parts& m_;
   SplatCounts& counts_;
   const bool aovs_;  // whether the tile has any
+  const ClipRegion::Part& part_;
+  const bool parted_;
   const double offset_;
   const VoxelBox reach_;  // of the samples that are drawn. unit: voxels
   int begin_ = 0;

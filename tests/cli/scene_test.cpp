@@ -181,11 +181,66 @@ TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
   }
   EXPECT_EQ(drawnTwice({"--aov", "normal"}).rgba, plain.rgba);
   EXPECT_EQ(readTextFile(in("a.exr")).find("depth.mean"), std::string::npos);
-  expectRefused({"--aov", "depth,colour"}, "--aov: expected one of depth, normal, found 'colour'");
+  expectRefused({"--aov", "depth,colour"}, "--aov: expected one of depth, normal, value, found 'colour'");
   const ToolResult refused = runTool({"render", store_, "-o", in("r.png"), "--aov", "depth"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.errorLines().size(), 1u) << refused.err;
   EXPECT_NE(refused.err.find("needs a name in .exr"), std::string::npos) << refused.err;
+}
+
+TEST_F(SceneCli, ValuesAreProjected) {
+  const Image composite = drawn({});
+  for (const char* mode : {"mip", "minip", "average"}) {
+    const Image colors = drawnTwice({"--mode", mode, "--window", "500,1500"});
+    EXPECT_NE(colors.rgba, composite.rgba) << mode;
+    EXPECT_EQ(drawnTwice({"--mode", mode, "--window", "500,1500", "--aov", "value"}).rgba, colors.rgba) << mode;
+    EXPECT_NE(readTextFile(in("a.exr")).find(std::string("\0value\0", 7)), std::string::npos) << mode;
+  }
+  // As slices show values: grey in equal steps of a display.
+  const Image grey = drawn({"--mode", "mip"});
+  for (std::size_t i = 0; i < grey.rgba.size(); i += 4) EXPECT_EQ(grey.rgba[i], grey.rgba[i + 2]);
+  expectRefused({"--mode", "sum"}, "--mode: expected one of composite, mip, minip, average, found 'sum'");
+  expectRefused({"--aov", "value"}, "--aov value: --mode composite");
+  expectRefused({"--mode", "mip", "--aov", "depth"}, "--aov: --mode mip");
+  expectRefused({"--mode", "mip", "--lattice", "voxel"}, "--lattice voxel: --mode mip");
+  expectRefused({"--mode", "minip", "--interpolation", "cubic"}, "--interpolation: --mode minip");
+}
+
+TEST_F(SceneCli, PartialImagesAreCompositedAndAttributesKept) {
+  const Image whole = drawn({"--background", "0.2,0.3,0.4"});
+  const std::string job = readImageText(in("a.exr")).at("kiln:job");
+  for (const char* part : {"1", "2", "3"}) {
+    drawn({"--part", std::string(part) + "/3", "--background", "0.2,0.3,0.4"});
+    fs::rename(in("a.exr"), in(std::string("part") + part + ".exr"));
+  }
+  const ToolResult made =
+      runTool({"composite", in("part2.exr"), in("part3.exr"), in("part1.exr"), "-o", in("made.exr")});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.err, "");
+  const Image image = readImage(in("made.exr"));
+  ASSERT_EQ(image.rgba.size(), whole.rgba.size());
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_NEAR(image.rgba[i], whole.rgba[i], 1 / 255.0);
+  EXPECT_EQ(readImageText(in("made.exr")).at("kiln:job"), job);
+  const ToolResult some = runTool({"composite", in("part2.exr"), "-o", in("made.png")});
+  EXPECT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_NE(some.err.find("% of the volume; the rest is missing"), std::string::npos) << some.err;
+  expectRefused({"--part", "4/3"}, "--part: expected I/N");
+  expectRefused({"--part", "1/3", "--samples", "4"}, "--part: --samples");
+  expectRefused({"--part", "1/3", "--aov", "depth"}, "--part: --aov");
+  const ToolResult png = runTool({"render", store_, "-o", in("r.png"), "--part", "1/3"});
+  EXPECT_EQ(png.exit_code, 2);
+  EXPECT_NE(png.err.find("--part: -o of a partial image ends in .exr"), std::string::npos) << png.err;
+  expectRefused({"--part", "99,0,0,120,9,9"}, "the part from 99,0,0");
+
+  EXPECT_EQ(drawn({"--compression", "piz", "--background", "0.2,0.3,0.4", "--owner", "we", "--comments", "take 3",
+                   "--exr-statistics"})
+                .rgba,
+            whole.rgba);
+  const auto text = readImageText(in("a.exr"));
+  EXPECT_EQ(text.at("owner"), "we");
+  EXPECT_EQ(text.at("comments"), "take 3");
+  EXPECT_NE(text.at("kiln:statistics").find("\"visited\""), std::string::npos);
+  expectRefused({"--compression", "lzw"}, "--compression: expected one of none, rle");
 }
 
 }  // namespace

@@ -129,6 +129,9 @@ const Wrong kWrong[] = {
     {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
     {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
     {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
+    {R"("mode": "max")", ErrorCode::kUsage, "mode: expected \"composite\", "},
+    {R"("part": "8/2")", ErrorCode::kUsage, "part: expected \"I/N\""},
+    {R"("exr": {"compression": "gzip"})", ErrorCode::kUsage, "exr.compression: expected \"none\", "},
     {R"("skipDamaged": "yes")", ErrorCode::kUsage, "job.json: line 1, skipDamaged: expected"},
     {R"("camera": {"azimuth": true})", ErrorCode::kUsage, "camera.azimuth"},
     {R"("camera": {"elevation": 91})", ErrorCode::kUsage, "camera.elevation"},
@@ -259,6 +262,8 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.crop, b.picture.crop);
   EXPECT_EQ(a.picture.samples, b.picture.samples);
   EXPECT_EQ(a.picture.aovs, b.picture.aovs);
+  EXPECT_EQ(a.picture.mode, b.picture.mode);
+  EXPECT_EQ(a.picture.part, b.picture.part);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
 
@@ -282,6 +287,21 @@ TEST(RenderJob, InterpolationIsThePixelLattices) {
     EXPECT_EQ(error.code(), ErrorCode::kUsage);
     EXPECT_NE(std::string(error.what()).find("--interpolation catmull-rom"), std::string::npos) << error.what();
   }
+}
+
+TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
+  const RenderJob job = parseJob(R"({"volume": "a", "mode": "minip", "image": {"aov": ["value"]}, "part": "2/8",
+      "exr": {"compression": "piz", "owner": "we", "comments": "take 3", "statistics": true}})",
+                                 "job.json");
+  EXPECT_EQ(job.picture.mode, Mode::kMinip);
+  EXPECT_EQ(job.picture.aovs, (Aovs{false, false, true}));
+  EXPECT_EQ(job.picture.part, (PartNumber{2, 8}));
+  EXPECT_EQ(job.output.exr_compression, "piz");
+  EXPECT_EQ(job.output.owner, "we");
+  EXPECT_EQ(job.output.comments, "take 3");
+  EXPECT_TRUE(job.output.statistics_in_header);
+  EXPECT_EQ(parseJob(R"({"volume": "a", "part": [0, 1, 2, 3, 4, 5]})", "job.json").picture.clipping.part,
+            (VoxelBox{{0, 1, 2}, {3, 4, 5}}));
 }
 
 TEST(RenderJob, ACropIsFourWholeNumbers) {
@@ -343,7 +363,9 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   job.picture.shading.lights = {{LightKind::kPoint, {1 / 3.0, 2, -1 / 7.0}, {1 / 9.0, 2, 3}, 1 / 1.1},
                                 {LightKind::kDirectional, {1 / 3.0, 2, -1 / 7.0}},
                                 {LightKind::kHeadlight, {0, 0, 1}, {1, 0, 1 / 3.0}}};
-  job.picture.clipping = {VoxelBox{{1, -2, 3}, {40, 50, 60}}, {{{1 / 3.0, 0, -1 / 7.0}, 1 / 9.0}, {{0, 0, 1}, -3}}};
+  job.picture.clipping = {VoxelBox{{1, -2, 3}, {40, 50, 60}},
+                          {{{1 / 3.0, 0, -1 / 7.0}, 1 / 9.0}, {{0, 0, 1}, -3}},
+                          VoxelBox{{5, 0, 0}, {9, 8, 7}}};
   const TransferFunction function{
       1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}, {{1 / 7.0, 0}, {3, 1 / 3.0}}};
   Camera camera;
@@ -355,6 +377,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     if (projection == Projection::kOrthographic) job.picture.level = 2;
     job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
     if (job.picture.lattice == Lattice::kPixel) job.picture.interpolation = Interpolation::kCatmullRom;
+    if (projection == Projection::kOrthographic) job.picture.mode = Mode::kAverage;
     job.picture.aovs = {true, projection == Projection::kOrthographic};
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");

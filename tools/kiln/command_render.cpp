@@ -25,7 +25,7 @@ namespace {
 struct RenderArguments {
   std::string input, output, stats, progress = "auto";
   std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
-      interpolation, level, memory, exr_type, window;
+      interpolation, level, memory, exr_type, compression, owner, comments, part, window;
   std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
@@ -33,7 +33,7 @@ struct RenderArguments {
   std::optional<std::string> frames;
   std::optional<int> turntable;
   std::optional<double> rate;
-  bool nodes_only = false, skip_damaged = false, dry_run = false, resume = false;
+  bool nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false, resume = false;
   int repeat = 1;
   SceneArguments scene;
   SourceArguments source;
@@ -78,6 +78,12 @@ std::optional<int> levelNamed(const std::string& text) {
   return level;
 }
 
+void applyPart(const std::string& text, PictureOptions& picture) {
+  picture.clipping.part.reset();
+  picture.part = partNumbered(text);
+  if (!picture.part) picture.clipping.part = parseVoxelBox(text, "--part", "I/N, I from 1 to N, or x0,y0,z0,x1,y1,z1");
+}
+
 void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.size) {
     const auto [width, height] = parseSize(*a.size, "--size");
@@ -102,6 +108,7 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   requireInterpolation(picture.lattice, picture.interpolation);
   if (a.mode) picture.mode = named<Mode>(kModeNames, *a.mode, "--mode");
   requireMode(picture.mode, picture.lattice, picture.interpolation, picture.aovs);
+  if (a.part) applyPart(*a.part, picture);
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) picture.level = levelNamed(*a.level);
 }
@@ -156,6 +163,13 @@ void applyOutput(const RenderArguments& a, OutputOptions& output) {
       throw Error(ErrorCode::kUsage, fmt::format("--exr-type: expected half or float, found '{}'", *a.exr_type));
     output.exr_float = *a.exr_type == "float";
   }
+  if (a.compression) {
+    named<int>(kExrCompressionNames, *a.compression, "--compression");
+    output.exr_compression = *a.compression;
+  }
+  if (a.owner) output.owner = *a.owner;
+  if (a.comments) output.comments = *a.comments;
+  if (a.exr_statistics) output.statistics_in_header = true;
   if (a.png_bits) {
     if (*a.png_bits != 8 && *a.png_bits != 16)
       throw Error(ErrorCode::kUsage, fmt::format("--png-bits: expected 8 or 16, found {}", *a.png_bits));
@@ -174,6 +188,7 @@ RenderJob jobOf(const RenderArguments& a) {
   applySpeed(a, job.speed);
   applyFrames(a, job);
   applyOutput(a, job.output);
+  requirePart(job);
   requireOutputs(job, framesOf(job).size());
   return job;
 }
@@ -346,6 +361,11 @@ void addRender(CLI::App& app, Context& context) {
                       "(smooth, keeps the voxels' values)");
   command->add_option("--level", a->level,
                       "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
+  command
+      ->add_option("--part", a->part,
+                   "draw a partial image, for kiln composite: the I-th of N boxes that fill the volume, or a box of "
+                   "voxels; unlike --region it cuts nothing")
+      ->type_name("I/N|X0,Y0,Z0,X1,Y1,Z1");
   command->add_flag("--skip-damaged", a->skip_damaged,
                     "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
   command->add_option("--memory", a->memory, "the most memory for image, index and bricks; 2G if not given")
@@ -356,6 +376,13 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")
       ->capture_default_str();
   command->add_option("--exr-type", a->exr_type, "half or float");
+  command->add_option("--compression", a->compression,
+                      fmt::format("of an EXR: {}; zip if not given, the last two lose something",
+                                  fmt::join(kExrCompressionNames, ", ")));
+  command->add_option("--owner", a->owner, "an EXR's attribute owner");
+  command->add_option("--comments", a->comments, "an EXR's attribute comments");
+  command->add_flag("--exr-statistics", a->exr_statistics,
+                    "what --stats writes, as an EXR's attribute kiln:statistics");
   command->add_option("--png-bits", a->png_bits, "8 or 16");
   addSourceArguments(*command, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

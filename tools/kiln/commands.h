@@ -22,6 +22,7 @@ void addExport(CLI::App& app, Context& context);
 void addSlice(CLI::App& app, Context& context);
 void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
+void addComposite(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addSchema(CLI::App& app, Context& context);
 void addBench(CLI::App& app, Context& context);

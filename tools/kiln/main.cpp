@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   addSlice(app, context);
   addTf(app, context);
   addRender(app, context);
+  addComposite(app, context);
   addCompare(app, context);
   addSchema(app, context);
   addBench(app, context);

@@ -66,21 +66,6 @@ Background backgroundFrom(const std::string& text) {
   return {opaque(top), opaque(colorFrom(text.substr(colon + 1), 1, kOption, kExpected))};
 }
 
-VoxelBox regionFrom(const std::string& text) {
-  constexpr const char* kOption = "--region";
-  constexpr const char* kExpected = "six whole numbers X0,Y0,Z0,X1,Y1,Z1, each X0 below its X1 (half-open)";
-  const std::vector<double> n = exactly(6, text, kOption, kExpected);
-  VoxelBox box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double lo = n[static_cast<std::size_t>(axis)], hi = n[static_cast<std::size_t>(axis) + 3];
-    if (lo != std::floor(lo) || hi != std::floor(hi) || !(lo < hi) || !(lo >= -1e15 && hi <= 1e15))
-      throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", kOption, kExpected, text));
-    box.lo[axis] = static_cast<std::int64_t>(lo);
-    box.hi[axis] = static_cast<std::int64_t>(hi);
-  }
-  return box;
-}
-
 std::vector<ClipPlane> worldRegionFrom(const std::string& text) {
   constexpr const char* kOption = "--world-region";
   constexpr const char* kExpected = "six numbers X0,Y0,Z0,X1,Y1,Z1 in world units, each X0 below its X1";
@@ -109,6 +94,19 @@ void applyWeight(const std::optional<double>& given, double most, const char* op
 
 }  // namespace
 
+VoxelBox parseVoxelBox(const std::string& text, const char* option, const char* expected) {
+  const std::vector<double> n = exactly(6, text, option, expected);
+  VoxelBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = n[static_cast<std::size_t>(axis)], hi = n[static_cast<std::size_t>(axis) + 3];
+    if (lo != std::floor(lo) || hi != std::floor(hi) || !(lo < hi) || !(lo >= -1e15 && hi <= 1e15))
+      throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, expected, text));
+    box.lo[axis] = static_cast<std::int64_t>(lo);
+    box.hi[axis] = static_cast<std::int64_t>(hi);
+  }
+  return box;
+}
+
 void SceneArguments::apply(PictureOptions& picture) const {
   Shading& s = picture.shading;
   if (shading) {
@@ -124,7 +122,9 @@ void SceneArguments::apply(PictureOptions& picture) const {
     s.lights.clear();
     for (const std::string& light : lights) s.lights.push_back(lightFrom(light));
   }
-  if (region) picture.clipping.region = regionFrom(*region);
+  if (region)
+    picture.clipping.region =
+        parseVoxelBox(*region, "--region", "six whole numbers X0,Y0,Z0,X1,Y1,Z1, each X0 below its X1 (half-open)");
   if (world_region || !planes.empty()) picture.clipping.planes.clear();
   if (world_region) picture.clipping.planes = worldRegionFrom(*world_region);
   for (const std::string& plane : planes) picture.clipping.planes.push_back(planeFrom(plane));

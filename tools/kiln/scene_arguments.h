@@ -26,6 +26,9 @@ TransferFunctionChoice transferFunctionNamed(const std::string& text, const char
 /// "CENTRE,WIDTH". throws: Error kUsage naming `option`.
 Window parseWindow(const std::string& text, const char* option);
 
+/// "X0,Y0,Z0,X1,Y1,Z1" in voxels, half-open. throws: Error kUsage naming `option`, and what was `expected`.
+VoxelBox parseVoxelBox(const std::string& text, const char* option, const char* expected);
+
 /// "X,Y,W,H" in pixels. throws: Error kUsage naming `option`.
 PixelRect parseCrop(const std::string& text, const char* option);
 

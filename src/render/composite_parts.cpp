@@ -1,0 +1,197 @@
+#include "render/composite_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
+
+#include "render/background.h"
+#include "scene/render_job.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Part {
+  fs::path path;
+  RenderJob job;
+  VoxelBox box;
+  ordered_json look;  // the job without what tells one part from another
+  ordered_json volume;
+};
+
+VolumeGeometry geometryOf(const ordered_json& volume) {
+  VolumeGeometry out;
+  const auto dims = volume.at("dims").get<std::array<std::int64_t, 3>>();
+  out.dims = {dims[0], dims[1], dims[2]};
+  out.world_from_index = glm::make_mat4(volume.at("worldFromIndex").get<std::array<double, 16>>().data());
+  return out;
+}
+
+Part partFrom(const fs::path& path) {
+  const std::map<std::string, std::string> text = readImageText(path);
+  const auto of = [&](const char* name) -> const std::string& {
+    const auto found = text.find(name);
+    if (found != text.end()) return found->second;
+    throw Error(ErrorCode::kUnsupported, path, name,
+                "is not in the header; expected an image that kiln render --part drew");
+  };
+  Part out{path, {}, {}, {}, {}};
+  try {
+    out.look = ordered_json::parse(of("kiln:job"));
+    out.volume = ordered_json::parse(of("kiln:volume"));
+    geometryOf(out.volume);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorCode::kFormat, path, "kiln:volume", error.what());
+  }
+  // Without a folder, names stay as they are.
+  out.job = parseJob(of("kiln:job"), {});
+  if (!out.job.picture.clipping.part)
+    throw Error(ErrorCode::kUnsupported, path, "kiln:job",
+                "names no part; expected an image that kiln render --part drew");
+  out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
+  for (const char* key : {"part", "volume"}) out.look.erase(key);
+  return out;
+}
+
+void requireSameScene(const Part& first, const Part& other) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::kUsage, other.path, what, fmt::format("is another than in {}", first.path.string()));
+  };
+  if (first.volume != other.volume) refuse("volume");
+  for (const auto& [key, value] : first.look.items()) {
+    if (!other.look.contains(key) || other.look[key] != value) refuse(key);
+  }
+  if (first.look.size() != other.look.size()) refuse("job");
+}
+
+// Rays in the volume's index space.
+struct Rays {
+  bool perspective;
+  glm::dvec3 vector;  // from where they start, or along which they run
+};
+
+Rays raysOf(const View& view, const VolumeGeometry& volume) {
+  const glm::dmat4 index_from_world = glm::inverse(volume.world_from_index);
+  const bool perspective = view.projection == Projection::kPerspective;
+  return {perspective, perspective ? glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1))
+                                   : glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0))};
+}
+
+// Whether a ray may pass `a` and then `b`: along every axis that parts the boxes it would run from one to the other.
+bool mayHide(const VoxelBox& a, const VoxelBox& b, const Rays& rays) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double v = rays.vector[axis];
+    if (a.hi[axis] <= b.lo[axis] && !(rays.perspective ? v < static_cast<double>(a.hi[axis]) - 0.5 : v > 0))
+      return false;
+    if (b.hi[axis] <= a.lo[axis] && !(rays.perspective ? v > static_cast<double>(a.lo[axis]) - 0.5 : v < 0))
+      return false;
+  }
+  return true;
+}
+
+// Front to back.
+std::vector<Part> inOrder(std::vector<Part> parts, const Rays& rays) {
+  std::vector<Part> out;
+  while (!parts.empty()) {
+    const auto nearest = std::find_if(parts.begin(), parts.end(), [&](const Part& part) {
+      return std::none_of(parts.begin(), parts.end(),
+                          [&](const Part& other) { return &other != &part && mayHide(other.box, part.box, rays); });
+    });
+    if (nearest == parts.end())
+      throw Error(ErrorCode::kUsage, parts.front().path, "",
+                  fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
+                              "turn; cut the volume by --part I/N, or by planes through all of it",
+                              parts.size() - 1));
+    out.push_back(std::move(*nearest));
+    parts.erase(nearest);
+  }
+  return out;
+}
+
+void requireDisjoint(const std::vector<Part>& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (intersection(parts[i].box, parts[j].box).empty()) continue;
+      throw Error(ErrorCode::kUsage, parts[i].path, "part",
+                  fmt::format("has voxels that {} has, too; each voxel belongs to one part", parts[j].path.string()));
+    }
+  }
+}
+
+// A pixel that reaches the threshold is divided by its alpha and closed, as when it is drawn.
+void layBehind(const Image& part, float opaque_at, Image& image) {
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    float* const pixel = &image.rgba[i];
+    if (pixel[3] == 1.0f) continue;
+    const float open = 1.0f - pixel[3];
+    for (std::size_t c = 0; c < 4; ++c) pixel[c] += open * part.rgba[i + c];
+    if (pixel[3] < opaque_at) continue;
+    for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
+    pixel[3] = 1.0f;
+  }
+}
+
+ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view) {
+  job.picture.clipping.part.reset();
+  ImageMetadata out;
+  if (const auto& crop = job.picture.crop) out.whole = {crop->x0, crop->y0, view.size.width, view.size.height};
+  out.world_to_camera = exrWorldToCamera(view);
+  out.world_to_ndc = exrWorldToNdc(view);
+  out.text["kiln:job"] = resolvedJobText(job, camera, std::get<TransferFunction>(job.picture.transfer_function));
+  out.text["kiln:version"] = KILN_VERSION;
+  return out;
+}
+
+}  // namespace
+
+std::string partOriginText(const Manifest& volume) {
+  const VolumeGeometry& geometry = volume.geometry();
+  std::array<double, 16> matrix;
+  std::copy_n(glm::value_ptr(geometry.world_from_index), matrix.size(), matrix.begin());
+  const ordered_json out = {{"dims", {geometry.dims.x, geometry.dims.y, geometry.dims.z}},
+                            {"worldFromIndex", matrix},
+                            {"indexChecksum", toHex(volume.index_checksum)}};
+  return out.dump();
+}
+
+CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress) {
+  if (paths.empty()) throw Error(ErrorCode::kUsage, "there are no partial images to composite");
+  std::vector<Part> parts;
+  for (const fs::path& path : paths) {
+    parts.push_back(partFrom(path));
+    requireSameScene(parts.front(), parts.back());
+  }
+  requireDisjoint(parts);
+  const PictureOptions picture = parts.front().job.picture;
+  const VolumeGeometry volume = geometryOf(parts.front().volume);
+  const Camera camera = picture.camera.resolve(volume, picture.size);
+  const View view = resolve(camera, picture.size);
+  const PixelRect pixels = drawnPixels(picture.size, picture.crop);
+  CompositedParts out;
+  out.metadata = metadataOf(parts.front().job, camera, view);
+  out.image = Image(pixels.width(), pixels.height());
+  const auto opaque_at = static_cast<float>(picture.opacity_threshold);
+  std::uint64_t done = 0;
+  std::int64_t voxels = 0;
+  for (const Part& part : inOrder(std::move(parts), raysOf(view, volume))) {
+    progress.throwIfCancelled("compositing");
+    const Image image = readImage(part.path);
+    if (image.width != pixels.width() || image.height != pixels.height())
+      throw Error(
+          ErrorCode::kFormat, part.path, "dataWindow",
+          fmt::format("{} x {} pixels, expected {} x {}", image.width, image.height, pixels.width(), pixels.height()));
+    layBehind(image, opaque_at, out.image);
+    voxels += part.box.count();
+    progress.advance("compositing", "parts", ++done, paths.size());
+  }
+  out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
+  layOverBackground(out.image, pixels.y0, picture.size.height, picture.background);
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,47 @@
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "render/composite_parts.h"
+#include "scene/job_names.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct CompositeArguments {
+  std::vector<std::string> parts;
+  std::string output, exr_type = "half", exr_compression = "zip";
+  int png_bits = 8;
+};
+
+void run(const CompositeArguments& a, Context& context) {
+  requireImagePath(a.output);
+  const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress);
+  writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);
+  context.progress.clear();
+  if (made.volume_share < 1)
+    context.progress.note(
+        fmt::format("warning: the parts hold {:.2f} % of the volume; the rest is missing from the picture",
+                    100 * made.volume_share));
+  fmt::print("{}: {} x {} pixels from {} part{}\n", a.output, made.image.width, made.image.height, a.parts.size(),
+             a.parts.size() == 1 ? "" : "s");
+}
+
+}  // namespace
+
+void addComposite(CLI::App& app, Context& context) {
+  auto a = std::make_shared<CompositeArguments>();
+  CLI::App* command =
+      app.add_subcommand("composite", "put partial images of a volume, drawn with render --part, together");
+  command->add_option("PARTS", a->parts, "the partial images, in any order")->required();
+  command->add_option("-o,--output", a->output, "the whole picture, .exr or .png")->required();
+  command->add_option("--exr-type", a->exr_type, "half (default) or float")->check(CLI::IsMember({"half", "float"}));
+  command
+      ->add_option("--compression", a->exr_compression,
+                   fmt::format("of an EXR: {}; zip if not given", fmt::join(kExrCompressionNames, ", ")))
+      ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
+  command->add_option("--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
