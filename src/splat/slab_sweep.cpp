@@ -176,7 +176,9 @@ class Sweep {
     }
     in.tile = tile_.rect;
     // A sample that is clipped does not count: this is known later.
-    if (test_samples_ && !f_.detailed()) in.windows = &m_.windows;
+    const int x = tile_.rect.x0, y = tile_.rect.y0;
+    const PixelRect rect = {unit.rect.x0 - x, unit.rect.y0 - y, unit.rect.x1 - x, unit.rect.y1 - y};
+    if (test_samples_ && !f_.detailed() && !m_.windows.allOpen(rect)) in.windows = &m_.windows;
     if (f_.detailed() || aovs_)
       refineWithDetails(in, unit.lo);
     else

@@ -63,6 +63,13 @@ void TileWindows::update() {
   first_closed_ = kSweepEdge, last_closed_ = -1;
 }
 
+bool TileWindows::allOpen(const PixelRect& rect) const {
+  const std::uint64_t columns = (~std::uint64_t{0} >> (64 - rect.width())) << rect.x0;
+  std::uint64_t open = columns;
+  for (int y = rect.y0; y < rect.y1; ++y) open &= pixels_[static_cast<std::size_t>(y)];
+  return open == columns;
+}
+
 void TileWindows::updateRow(int window) {
   std::uint64_t open = 0;
   for (int y = std::max(window - taps_ + 1, 0); y <= std::min(window, height_ - 1); ++y)
