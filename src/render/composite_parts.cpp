@@ -170,7 +170,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const PictureOptions picture = parts.front().job.picture;
   const VolumeGeometry volume = geometryOf(parts.front().volume);
   const Camera camera = picture.camera.resolve(volume, picture.size);
-  const View view = resolve(camera, picture.size);
+  const View view = resolve(camera, picture.stereo, picture.size);
   const PixelRect pixels = drawnPixels(picture.size, picture.crop);
   CompositedParts out;
   out.metadata = metadataOf(parts.front().job, camera, view);

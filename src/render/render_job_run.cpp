@@ -32,7 +32,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
                           const TransferFunction& transfer_function) {
   FrameRequest request;
-  request.view = resolve(camera, picture.size);
+  request.view = resolve(camera, picture.stereo, picture.size);
   request.transfer_function = transfer_function;
   request.shading = picture.shading;
   request.clipping = picture.clipping;

@@ -17,6 +17,7 @@ constexpr JobKey kRootKeys[] = {
                    "pattern": "^ *[0-9]+(-[0-9]+)?(x[0-9]+)?(, *[0-9]+(-[0-9]+)?(x[0-9]+)?)*$"})"},
     {"image", R"({"$ref": "image"})"},
     {"camera", R"({"$ref": "camera"})"},
+    {"stereo", R"({"$ref": "stereo"})"},
     {"transferFunction",
      R"({"description": "a preset, a file, the function itself, or keyframes of these",
          "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}, {"$ref": "functionKeyframes"}]})"},
@@ -73,6 +74,13 @@ constexpr JobKey kCameraKeys[] = {
     {"azimuth", R"({"type": "number", "minimum": -3600, "maximum": 3600, "description": "degrees"})"},
     {"elevation", R"({"type": "number", "minimum": -90, "maximum": 90, "description": "degrees"})"},
     {"zoom", R"({"type": "number", "minimum": 0.001, "maximum": 1000000})"},
+};
+
+constexpr JobKey kStereoKeys[] = {
+    {"eye", R"({"enum": "stereoEye"})"},
+    {"interocular", R"({"$ref": "positiveLength", "description": "between both eyes"})"},
+    {"convergence",
+     R"({"$ref": "positiveLength", "description": "the depth at which both see the same; the target's"})"},
 };
 
 constexpr JobKey kCameraPathKeys[] = {
@@ -192,6 +200,6 @@ constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
                   kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),
                   kDirectionalLight = kLight.first(4), kPointLight = kLight.subspan(1), kClipPlane = kClipPlaneKeys,
                   kGradient = kGradientKeys, kVisibility = kVisibilityKeys, kExr = kExrKeys, kPng = kPngKeys,
-                  kOutput = kOutputKeys, kVideo = kVideoKeys;
+                  kOutput = kOutputKeys, kVideo = kVideoKeys, kStereo = kStereoKeys;
 
 }  // namespace kiln::job_keys

@@ -19,7 +19,7 @@ namespace job_keys {
 extern const JobKeys kCameraPath, kTurntable, kCameraKey, kFunctionKeys, kFunctionKey, kLightsKeys, kLightsKey,
     kClipKeys, kClipKey;
 extern const JobKeys kRoot, kImage, kCamera, kTransferFunction, kPoint, kGradientPoint, kShading, kLight, kHeadlight,
-    kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng, kOutput, kVideo;
+    kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng, kOutput, kVideo, kStereo;
 }  // namespace job_keys
 
 /// JSON Schema (draft 2020-12) of a job. Comments, which a job may have, are no matter of a schema.

@@ -20,6 +20,7 @@ inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
 inline constexpr std::array<std::string_view, 5> kContentNames = {"picture", "color", "depth", "normal", "value"};
+inline constexpr std::array<std::string_view, 2> kStereoEyeNames = {"left", "right"};
 // The first five lose nothing.
 inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none", "rle",  "zips", "zip",
                                                                          "piz",  "dwaa", "dwab"};

@@ -24,6 +24,7 @@ std::vector<Object> objects() {
           {"image", kImage},
           {"camera", kCamera, {}, kCameraPath},
           {"turntable", kTurntable, {"frames"}},
+          {"stereo", kStereo, {"eye", "interocular"}},
           {"cameraKeyframe", kCameraKey, {"frame"}, kCamera},
           {"functionKeyframes", kFunctionKeys, {"keyframes"}},
           {"functionKeyframe", kFunctionKey, {"frame", "function"}},
@@ -69,6 +70,7 @@ std::span<const std::string_view> wordsOf(const std::string& name) {
   if (name == "light") return kLightNames;
   if (name == "aov") return kAovNames;
   if (name == "content") return kContentNames;
+  if (name == "stereoEye") return kStereoEyeNames;
   if (name == "compression") return kExrCompressionNames;
   if (name == "ease") return kEaseNames;
   if (name == "pivot") return kPivotNames;

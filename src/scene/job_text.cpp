@@ -78,6 +78,10 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   if (picture.aovs.value) out["image"]["aov"].push_back(kAovNames[2]);
   if (picture.mode != Mode::kComposite) out["mode"] = nameIn(kModeNames, picture.mode);
   out["camera"] = jsonOf(camera);
+  if (const auto& stereo = picture.stereo) {
+    out["stereo"] = {{"eye", nameIn(kStereoEyeNames, stereo->eye)}, {"interocular", stereo->interocular}};
+    if (stereo->convergence) out["stereo"]["convergence"] = *stereo->convergence;
+  }
   out["transferFunction"] = jsonOf(transfer_function);
   const Shading& shading = picture.shading;
   out["shading"] = {{"model", shading.phong ? "phong" : "none"},

@@ -17,6 +17,7 @@
 #include "scene/framing.h"
 #include "scene/interpolation.h"
 #include "scene/shading.h"
+#include "scene/stereo.h"
 #include "scene/transfer_function_choice.h"
 #include "scene/volume_part.h"
 
@@ -87,6 +88,7 @@ struct PictureOptions {
   Mode mode = Mode::kComposite;
   Aovs aovs;
   CameraSpec camera;
+  std::optional<Stereo> stereo;  // draw one eye of a pair, of which the camera is the middle
   /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -63,6 +64,7 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
       perspective_(view.projection == Projection::kPerspective),
       focal_px_(view.focal_px),
       centre_px_(view.centre_px),
+      widest_px_(glm::max(view.centre_px, glm::dvec2(view.size.width, view.size.height) - view.centre_px)),
       voxel_volume_(volume.voxelVolume()),
       order_(orderOf(volume, view)) {
   const glm::dmat4 view_from_index = view.view_from_world * volume.world_from_index;

@@ -56,6 +56,8 @@ class Projector {
   /// Perspective: pixels per unit of x/z; else per world unit.
   double focal() const { return focal_px_; }
   const glm::dvec2& centre() const { return centre_px_; }
+  /// How far from the centre pixels are, at most. unit: pixels.
+  const glm::dvec2& widest() const { return widest_px_; }
   double voxelVolume() const { return voxel_volume_; }
 
   /// unit: world, along the view.
@@ -93,7 +95,7 @@ class Projector {
   bool perspective_;
   glm::dvec3 origin_, axis_x_, axis_y_, axis_z_;
   double focal_px_;
-  glm::dvec2 centre_px_;
+  glm::dvec2 centre_px_, widest_px_;
   double near_depth_;
   double voxel_volume_;
   glm::dvec4 index_rows_[3];

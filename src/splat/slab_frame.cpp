@@ -91,7 +91,7 @@ std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const Fo
   const double farthest = projector.perspective() ? zone.far + along : 1;
   const double across = (footprint.radius() + kSlack) * farthest / projector.focal();
   // Along a ray of the picture's corner, depth is also a way across.
-  const glm::dvec2 slope = projector.perspective() ? projector.centre() / projector.focal() : glm::dvec2(0);
+  const glm::dvec2 slope = projector.perspective() ? projector.widest() / projector.focal() : glm::dvec2(0);
   std::int64_t most = 0;
   for (int a = 0; a < 3; ++a) {
     const glm::dvec3 row = glm::abs(glm::dvec3(projector.indexRow(a)));

@@ -206,6 +206,15 @@ TEST_F(SceneCli, ValuesAreProjected) {
   expectRefused({"--mode", "minip", "--interpolation", "cubic"}, "--interpolation: --mode minip");
 }
 
+TEST_F(SceneCli, APairOfEyes) {
+  const Image middle = drawn({}), left = drawnTwice({"--stereo", "left", "--interocular", "3"});
+  EXPECT_NE(left.rgba, middle.rgba);
+  EXPECT_NE(drawnTwice({"--stereo", "right", "--interocular", "3", "--convergence", "40"}).rgba, left.rgba);
+  expectRefused({"--stereo", "left"}, "--stereo: how far the eyes are apart");
+  expectRefused({"--stereo", "middle", "--interocular", "3"}, "--stereo: expected one of left, right");
+  expectRefused({"--stereo", "left", "--interocular", "3", "--projection", "orthographic"}, "choose perspective");
+}
+
 TEST_F(SceneCli, PartialImagesAreCompositedAndAttributesKept) {
   const Image whole = drawn({"--background", "0.2,0.3,0.4"});
   const std::string job = readImageText(in("a.exr")).at("kiln:job");

@@ -129,6 +129,7 @@ const Wrong kWrong[] = {
     {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
     {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
     {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
+    {R"("stereo": {"eye": "left"})", ErrorCode::kUsage, "stereo.interocular: is missing"},
     {R"("mode": "max")", ErrorCode::kUsage, "mode: expected \"composite\", "},
     {R"("part": "8/2")", ErrorCode::kUsage, "part: expected \"I/N\""},
     {R"("exr": {"compression": "gzip"})", ErrorCode::kUsage, "exr.compression: expected \"none\", "},
@@ -263,6 +264,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.samples, b.picture.samples);
   EXPECT_EQ(a.picture.aovs, b.picture.aovs);
   EXPECT_EQ(a.picture.mode, b.picture.mode);
+  EXPECT_EQ(a.picture.stereo, b.picture.stereo);
   EXPECT_EQ(a.picture.part, b.picture.part);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }
@@ -291,11 +293,13 @@ TEST(RenderJob, InterpolationIsThePixelLattices) {
 
 TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
   const RenderJob job = parseJob(R"({"volume": "a", "mode": "minip", "image": {"aov": ["value"]}, "part": "2/8",
+      "stereo": {"eye": "right", "interocular": 6.5, "convergence": 90},
       "exr": {"compression": "piz", "owner": "we", "comments": "take 3", "statistics": true}})",
                                  "job.json");
   EXPECT_EQ(job.picture.mode, Mode::kMinip);
   EXPECT_EQ(job.picture.aovs, (Aovs{false, false, true}));
   EXPECT_EQ(job.picture.part, (PartNumber{2, 8}));
+  EXPECT_EQ(job.picture.stereo, (Stereo{StereoEye::kRight, 6.5, 90.0}));
   EXPECT_EQ(job.output.exr_compression, "piz");
   EXPECT_EQ(job.output.owner, "we");
   EXPECT_EQ(job.output.comments, "take 3");
@@ -378,6 +382,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
     if (job.picture.lattice == Lattice::kPixel) job.picture.interpolation = Interpolation::kCatmullRom;
     if (projection == Projection::kOrthographic) job.picture.mode = Mode::kAverage;
+    job.picture.stereo = Stereo{StereoEye::kLeft, 1 / 3.0, {}};
     job.picture.aovs = {true, projection == Projection::kOrthographic};
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");

@@ -25,8 +25,8 @@ namespace {
 struct RenderArguments {
   std::string input, output, stats, progress = "auto";
   std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
-      interpolation, level, memory, exr_type, compression, owner, comments, part, window;
-  std::optional<double> fov, height, azimuth, elevation, zoom, threshold;
+      interpolation, level, memory, exr_type, compression, owner, comments, part, stereo, window;
+  std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
   std::vector<std::string> aovs;
@@ -78,6 +78,17 @@ std::optional<int> levelNamed(const std::string& text) {
   return level;
 }
 
+void applyStereo(const RenderArguments& a, std::optional<Stereo>& stereo) {
+  if (!a.stereo && !a.interocular && !a.convergence) return;
+  constexpr double kLongest = 1e30;
+  if (!stereo) stereo = Stereo{};
+  if (a.stereo) stereo->eye = named<StereoEye>(kStereoEyeNames, *a.stereo, "--stereo");
+  if (a.interocular) stereo->interocular = between(*a.interocular, 0, kLongest, "--interocular");
+  if (a.convergence) stereo->convergence = between(*a.convergence, 0, kLongest, "--convergence");
+  if (!(stereo->interocular > 0))
+    throw Error(ErrorCode::kUsage, "--stereo: how far the eyes are apart, --interocular, is missing");
+}
+
 void applyPart(const std::string& text, PictureOptions& picture) {
   picture.clipping.part.reset();
   picture.part = partNumbered(text);
@@ -96,6 +107,7 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   for (const std::string& name : a.aovs) picture.aovs.of(named<Aov>(kAovNames, name, "--aov")) = true;
   subPixelsAlongEdge(picture.samples);
   applyCamera(a, picture.camera);
+  applyStereo(a, picture.stereo);
   a.scene.apply(picture);
   if (a.tf) {
     picture.transfer_function = transferFunctionNamed(*a.tf, "--tf");
@@ -291,6 +303,10 @@ void addCameraOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--azimuth", a.azimuth, "turn the eye about the up axis")->type_name("DEG");
   command.add_option("--elevation", a.elevation, "raise the eye")->type_name("DEG");
   command.add_option("--zoom", a.zoom, "2 draws twice as large");
+  command.add_option("--stereo", a.stereo, "draw what the left or the right eye of a pair sees: left or right");
+  command.add_option("--interocular", a.interocular, "how far the eyes of a pair are apart, in world units");
+  command.add_option("--convergence", a.convergence,
+                     "the depth at which both eyes see the same place; the target's if not given");
 }
 
 }  // namespace
