@@ -26,7 +26,7 @@ struct Clipping {
   std::vector<ClipPlane> planes;
   /// Of level 0. Not a cut: of the whole picture, what lies in the box is drawn as it is there, with what is beside the
   /// box known for interpolation and footprints, so that the pictures of boxes that fill the volume make the whole one.
-  std::optional<VoxelBox> part;
+  std::optional<VoxelBox> part = {};
   bool operator==(const Clipping&) const = default;
 };
 
