@@ -121,6 +121,11 @@ class Sweep {
     return is;
   }
 
+  bool allOpen(const PixelRect& rect) const {
+    const int x = tile_.rect.x0, y = tile_.rect.y0;
+    return m_.windows.allOpen({rect.x0 - x, rect.y0 - y, rect.x1 - x, rect.y1 - y});
+  }
+
   // The units of a cell wait for their first slabs. They are aligned in index space, so that a sample has the same
   // arithmetic in every brick.
   void cut(const SlabCell& cell, int slab) {
@@ -176,9 +181,7 @@ class Sweep {
     }
     in.tile = tile_.rect;
     // A sample that is clipped does not count: this is known later.
-    const int x = tile_.rect.x0, y = tile_.rect.y0;
-    const PixelRect rect = {unit.rect.x0 - x, unit.rect.y0 - y, unit.rect.x1 - x, unit.rect.y1 - y};
-    if (test_samples_ && !f_.detailed() && !m_.windows.allOpen(rect)) in.windows = &m_.windows;
+    if (test_samples_ && !f_.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
     if (f_.detailed() || aovs_)
       refineWithDetails(in, unit.lo);
     else

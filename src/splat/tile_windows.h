@@ -60,7 +60,7 @@ class TileWindows {
     last_closed_ = y > last_closed_ ? y : last_closed_;
   }
   void update();
-  /// Whether all of its pixels are open. requires: in the tile, counted from its corner; not empty.
+  /// Whether all pixels of `rect` are open. requires: counted from the tile's corner, in the tile, not empty.
   bool allOpen(const PixelRect& rect) const;
   /// Of pixels (x, y) to (x + 7, y), those that are open: a bit each. requires: x a multiple of 8.
   unsigned openPixels(int x, int y) const {

@@ -39,6 +39,23 @@ class Definition {
     return out;
   }
 
+  // How many pixels, and how many of some rectangles, `windows` knows otherwise.
+  int wrongPixels(const TileWindows& windows) const {
+    int out = 0;
+    for (int y = 0; y < rect_.height(); ++y) {
+      for (int x = 0; x < rect_.width(); ++x) {
+        out += (windows.openPixels(x & ~7, y) >> (x & 7) & 1) != (open(x, y) ? 1u : 0u) ? 1 : 0;
+        const PixelRect part = {x, y, std::min(x + 1 + y % 5, rect_.width()), std::min(y + 1 + x % 3, rect_.height())};
+        bool all = true;
+        for (int py = part.y0; py < part.y1; ++py) {
+          for (int px = part.x0; px < part.x1; ++px) all = all && open(px, py);
+        }
+        out += windows.allOpen(part) != all ? 1 : 0;
+      }
+    }
+    return out;
+  }
+
  private:
   static std::size_t indexOf(int x, int y) { return static_cast<std::size_t>(4 * (y * kSweepEdge + x) + 3); }
   PixelRect rect_;
@@ -70,6 +87,7 @@ TEST(TileWindows, KnowBlocksAndWhatIsOpen) {
         });
         windows.update();
         EXPECT_EQ(truth.wrong(windows, taps), 0);
+        EXPECT_EQ(truth.wrongPixels(windows), 0);
       }
     }
   }
