@@ -72,6 +72,7 @@ class Kernel {
   }
 
   const UnitLattice& lattice() const { return lattice_; }
+  UnitLattice& lattice() { return lattice_; }
 
   Refined operator()(const DenseVolume& volume, const VoxelCoord& lo) const {
     const auto& n = lattice_.voxels;
@@ -155,10 +156,21 @@ bool equalBits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
+void expectSameOnEveryInstructionSet(const Kernel& kernel, const DenseVolume& volume, const VoxelCoord& lo,
+                                     const Refined& best) {
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    const Refined other = kernel(volume, lo);
+    EXPECT_TRUE(equalBits(best.samples, other.samples)) << instructionSet();
+    EXPECT_TRUE(equalBits(best.slabs, other.slabs)) << instructionSet();
+    EXPECT_TRUE(equalBits(best.details, other.details)) << instructionSet();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
 TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
   const DenseVolume volume = noiseWithGaps();
   const std::array<int, 3> refinements[] = {{1, 1, 1}, {2, 2, 2}, {3, 4, 5}, {1, 3, 2}, {16, 7, 1}};
-  const std::int64_t all = hwy::SupportedTargets();
   for (const Interpolation interpolation : kInterpolations) {
     const ReferenceField field(volume, interpolation);
     for (const auto& refinement : refinements) {
@@ -168,16 +180,29 @@ TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
                                         << refinement[1] << ", " << refinement[2] << " from " << lo.x);
         const Refined best = kernel(volume, lo);
         expectField(best, kernel.lattice(), field, lo);
-        for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
-          hwy::SetSupportedTargetsForTest(rest & -rest);
-          const Refined other = kernel(volume, lo);
-          EXPECT_TRUE(equalBits(best.samples, other.samples)) << instructionSet();
-          EXPECT_TRUE(equalBits(best.slabs, other.slabs)) << instructionSet();
-          EXPECT_TRUE(equalBits(best.details, other.details)) << instructionSet();
-        }
-        hwy::SetSupportedTargetsForTest(0);
+        expectSameOnEveryInstructionSet(kernel, volume, lo, best);
       }
     }
+  }
+}
+
+// Vectors of several lengths hold other samples beside those that the zone cuts.
+TEST(RefineUnit, IsTheSameOnEveryInstructionSetWhereAZoneEnds) {
+  const DenseVolume volume = noiseWithGaps();
+  for (const bool gaps : {false, true}) {
+    Kernel kernel(Interpolation::kLinear, {2, 2, 2});
+    UnitLattice& lattice = kernel.lattice();
+    lattice.step_x = {0.8f, 0, 0.6f}, lattice.step_z = {-0.6f, 0, 0.8f};
+    lattice.near = 9.3f, lattice.slabs = 5;
+    lattice.spread = {1.1f, 0.7f, 0.9f};
+    lattice.gaps = gaps;
+    lattice.phong = true, lattice.ambient = 0.2f, lattice.diffuse = 0.8f, lattice.specular = 0.2f, lattice.power = 16;
+    const Refined best = kernel(volume, {8, 8, 8});
+    const auto cut = std::count_if(best.samples.begin(), best.samples.end(),
+                                   [](const SlabSample& s) { return s.front + s.back < 0.9f; });
+    EXPECT_GT(cut, 100);
+    EXPECT_LT(cut, static_cast<std::ptrdiff_t>(best.samples.size()) / 2);
+    expectSameOnEveryInstructionSet(kernel, volume, {8, 8, 8}, best);
   }
 }
 
