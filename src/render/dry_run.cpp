@@ -4,7 +4,9 @@
 
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
+#include "render/opened_job.h"
 #include "render/render_job_run.h"
+#include "render/sequence.h"
 #include "scene/frame_scene.h"
 
 namespace kiln {
@@ -20,7 +22,9 @@ std::uint64_t decodedBytes(const BrickFrame& brick) {
 
 }  // namespace
 
-DryRun dryRun(const RenderJob& job) {
+DryRun dryRun(const RenderJob& given) {
+  RenderJob job = jobAtFrame(given, framesOf(given).front());
+  job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
   const StoreReader store(job.volume);
   const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
