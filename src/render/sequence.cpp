@@ -45,18 +45,19 @@ class Sequence {
   }
 
  private:
+  // A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
   void makeFolders() {
-    // A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
     if (!job_.output.video.path.empty() && videoFrameOf(job_, 0).parent_path() == keptFramesOf(job_.output.video))
       FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
     for (const int frame : frames_) {
-      for (const OutputFile& file : filesOf(job_, frame)) {
-        const fs::path folder = file.path.parent_path();
-        if (folder == made_ || folder.empty()) continue;
-        if (hasFramePlace(job_.output.path.parent_path())) FileSystem::real().makeDirectories(folder);
-        if (frames_.size() > 1 && !fs::is_directory(folder))
+      const std::vector<OutputFile> files = filesOf(job_, frame), others = filesOf(job_, frame + 1);
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const fs::path folder = files[i].path.parent_path();
+        if (folder.empty() || frames_.size() == 1) continue;
+        if (others[i].path.parent_path() != folder)
+          FileSystem::real().makeDirectories(folder);
+        else if (frame == frames_.front() && !fs::is_directory(folder))
           throw Error(ErrorCode::kNotFound, folder, "", "there is no such directory to write the pictures to");
-        made_ = folder;
       }
     }
   }
@@ -146,7 +147,7 @@ class Sequence {
   const std::vector<int> frames_;
   std::size_t done_ = 0;
   SequenceResult result_;
-  fs::path made_, volume_;
+  fs::path volume_;
   std::unique_ptr<OpenedJob> opened_;
 };
 

@@ -112,11 +112,35 @@ TEST_F(SequenceCli, AFrameIsTheStillPicture) {
   EXPECT_EQ(readImage(in("still.exr")).rgba, readImage(in("t_03.exr")).rgba);
   done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front"});
   EXPECT_TRUE(readFile(in("one.exr")) == readFile(in("t_01.exr")));
+  done({"render", in("h.kiln"), "-o", in("d_##/p.png"), "--size", "9x9", "--turntable", "2"});
+  EXPECT_TRUE(fs::exists(in("d_02/p.png")));
   // Nothing is read twice: bricks stay in memory from frame to frame.
   const Json frames = Json::parse(readTextFile(in("s.json")))["frames"];
   EXPECT_EQ(frames[1]["frame"], 3);
   EXPECT_LE(frames[1]["bricks"]["read"].get<int>(), 3);
   EXPECT_GT(frames[3]["memory"]["peak_rss_bytes"].get<std::uint64_t>(), 0u);
+}
+
+// Known because an option and a job's key are two ways to say one thing, and because what only changes how fast a
+// picture appears changes no bit of it (areas enlarged beyond the picture hide nothing wrongly).
+TEST_F(SequenceCli, OptionsAreTheJobsKeys) {
+  const auto drawn = [&](std::vector<std::string> options, const std::string& keys) {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("o.exr"), "--size", "24x20"});
+    done(options);
+    writeText(in("job.json"),
+              R"({"volume": "h.kiln", "output": "j.exr", "image": {"width": 24, "height": 20}, )" + keys + "}");
+    done({"render", in("job.json")});
+    EXPECT_TRUE(readFile(in("o.exr")) == readFile(in("j.exr"))) << keys;
+  };
+  drawn({"--fov", "40", "--elevation", "25", "--view", "left"},
+        R"("camera": {"fov": 40, "elevation": 25, "view": "left"})");
+  drawn(
+      {"--projection", "orthographic", "--height", "150", "--up", "0,1,1", "--eye", "-500,0,0", "--target", "0,0,0"},
+      R"("camera": {"projection": "orthographic", "height": 150, "up": [0, 1, 1], "eye": [-500, 0, 0], "target": [0, 0, 0]})");
+  drawn({"--visibility", "range-tree", "--projected-area", "sphere", "--test-nodes-only", "--tile", "128"},
+        R"("tile": 64)");
+  drawn({"--visibility", "quadtree", "--quadtree-epsilon", "65536"},
+        R"("visibility": {"method": "quadtree", "epsilon": 65536})");
 }
 
 TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {

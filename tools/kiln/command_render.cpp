@@ -209,6 +209,8 @@ RenderJob jobOf(const RenderArguments& a) {
 void sayCost(const RenderArguments& a, const RenderJob& job) {
   const DryRun cost = dryRun(job);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
+  if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
+    fmt::print("frames       {}; what follows is of the first, {}\n", frames.size(), frames.front());
   fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
              cost.bricks_total, cost.bricks_interesting, cost.bricks_in_view);
   const FrameMemory& memory = cost.memory;
@@ -274,7 +276,7 @@ void run(const RenderArguments& a, Context& context) {
   applyProgress(a.progress, context.progress);
   const RenderJob job = jobOf(a);
   if (a.dry_run) {
-    sayCost(a, jobAtFrame(job, framesOf(job).front()));
+    sayCost(a, job);
     return;
   }
   SequenceOptions options;
