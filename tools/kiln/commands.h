@@ -25,6 +25,7 @@ void addRender(CLI::App& app, Context& context);
 void addComposite(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addSchema(CLI::App& app, Context& context);
+void addManual(CLI::App& app, Context& context);
 void addBench(CLI::App& app, Context& context);
 
 }  // namespace kiln::tool

@@ -26,6 +26,7 @@ int run(int argc, char** argv) {
   addCompare(app, context);
   addSchema(app, context);
   addBench(app, context);
+  addManual(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -1,0 +1,94 @@
+// What the program says of itself: the schema, manual pages and completion are made of what it takes, so they can be
+// asked about each other; and no option is without a test.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "base/file.h"
+#include "support/run_tool.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+std::set<std::string> longOptionsOf(const std::string& text) {
+  std::set<std::string> out;
+  const std::regex option("--[a-z][a-z-]*");
+  for (std::sregex_iterator it(text.begin(), text.end(), option), end; it != end; ++it) out.insert(it->str());
+  return out;
+}
+
+std::string allTests() {
+  std::string out;
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(KILN_SOURCE_DIR) / "tests")) {
+    if (entry.path().extension() == ".cpp") out += readTextFile(entry.path());
+  }
+  return out;
+}
+
+TEST(Help, EveryOptionOfRenderIsUsedByATest) {
+  const std::string tests = allTests();
+  for (const std::string& option : longOptionsOf(runTool({"render", "--help"}).out)) {
+    if (option == "--help") continue;
+    EXPECT_NE(tests.find('"' + option + '"'), std::string::npos) << option;
+  }
+}
+
+// A validator of somebody else's reads the README's jobs by our schema.
+TEST(Help, TheReadmesJobsAreOfTheSchema) {
+  if (std::system("python3 -c 'import jsonschema' 2>/dev/null") != 0) GTEST_SKIP() << "python3-jsonschema is not there";
+  const fs::path directory = freshDirectory("help_schema");
+  writeText(directory / "schema.json", runTool({"schema"}).out);
+  writeText(directory / "check.py", R"(
+import json, jsonschema, re, sys
+schema = json.load(open(sys.argv[1]))
+jsonschema.Draft202012Validator.check_schema(schema)
+check = jsonschema.Draft202012Validator(schema)
+jobs = re.findall(r'```json\n(\{ "kiln": 1.*?)```', open(sys.argv[2]).read(), re.S)
+for job in jobs: check.validate(json.loads(re.sub(r'//.*', '', job)))
+wrong = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
+         {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"}]
+assert len(jobs) >= 2 and not any(check.is_valid(job) for job in wrong)
+)");
+  const std::string command = "python3 " + (directory / "check.py").string() + " " +
+                              (directory / "schema.json").string() + " " + KILN_SOURCE_DIR + "/README.md";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(Help, ManualPagesAndCompletionNameEveryOption) {
+  const fs::path share = freshDirectory("help_manual");
+  const ToolResult result = runTool({"manual", share.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::string page = readTextFile(share / "man/man1/kiln-render.1");
+  EXPECT_TRUE(page.starts_with(".TH kiln\\-render 1")) << page.substr(0, 60);
+  page.erase(std::remove(page.begin(), page.end(), '\\'), page.end());
+  const std::string script = readTextFile(share / "bash-completion/completions/kiln");
+  for (const std::string& option : longOptionsOf(runTool({"render", "--help"}).out)) {
+    EXPECT_NE(page.find(option), std::string::npos) << option;
+    EXPECT_NE(script.find(option), std::string::npos) << option;
+  }
+  for (const char* command : {"convert", "info", "verify", "export", "slice", "tf", "render", "compare", "bench"})
+    EXPECT_TRUE(fs::exists(share / "man/man1" / (std::string("kiln-") + command + ".1"))) << command;
+  // As bash asks: the words typed so far, and which of them is to be completed.
+  const auto completed = [&](const std::string& words, int at) {
+    const std::string file = (share / "answer").string();
+    const std::string command = "bash -c 'source " + (share / "bash-completion/completions/kiln").string() +
+                                "; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(at) +
+                                "; _kiln; echo ${COMPREPLY[@]}' > " + file;
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return readTextFile(file);
+  };
+  EXPECT_EQ(completed("kiln ver", 1), "verify\n");
+  EXPECT_EQ(completed("kiln render --turnt", 2), "--turntable\n");
+  EXPECT_EQ(completed("kiln render --visibility ra", 3), "range-tree\n");
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,122 @@
+#include "manual.h"
+
+#include <fmt/format.h>
+
+#include <span>
+#include <vector>
+
+#include "scene/job_names.h"
+
+namespace kiln::tool {
+namespace {
+
+// What troff would take for its own.
+std::string roff(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n'))
+      out += std::string("\\&") + c;
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+}
+
+std::string header(const std::string& title, const std::string& name, const std::string& what) {
+  return fmt::format(".TH {} 1 \"\" \"kiln {}\"\n.SH NAME\n{} \\- {}\n", roff(title), KILN_VERSION, roff(name),
+                     roff(what));
+}
+
+std::string namesOf(const CLI::Option& option) {
+  std::string out;
+  const auto add = [&](const char* dashes, const std::string& name) {
+    out += fmt::format("{}\\fB{}\\fR", out.empty() ? "" : ", ", roff(dashes + name));
+  };
+  for (const std::string& name : option.get_snames()) add("-", name);
+  for (const std::string& name : option.get_lnames()) add("--", name);
+  if (!option.get_type_name().empty()) out += fmt::format(" \\fI{}\\fR", roff(option.get_type_name()));
+  return out;
+}
+
+std::string optionsOf(const CLI::App& command) {
+  std::string arguments, options;
+  for (const CLI::Option* option : command.get_options()) {
+    const bool positional = option->get_positional();
+    const std::string names = positional ? fmt::format("\\fI{}\\fR", roff(option->get_name(true))) : namesOf(*option);
+    (positional ? arguments : options) += fmt::format(".TP\n{}\n{}\n", names, roff(option->get_description()));
+  }
+  return (arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments) + ".SH OPTIONS\n" + options;
+}
+
+constexpr const char* kExitStatus =
+    ".SH EXIT STATUS\n0 where all is done, 1 for data, disk and memory, 2 for the command line or a job.\n";
+
+std::string wordsOfOption(const char* option, std::span<const std::string_view> words) {
+  return fmt::format("    {}) words=\"{}\" ;;\n", option, fmt::join(words, " "));
+}
+
+std::string optionWords(const CLI::App& command) {
+  std::string out;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) out += (out.empty() ? "--" : " --") + name;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string manualPage(const CLI::App& app, const CLI::App& command) {
+  const std::string name = app.get_name() + "-" + command.get_name();
+  std::string synopsis =
+      fmt::format(".SH SYNOPSIS\n\\fB{} {}\\fR [\\fIOPTIONS\\fR]", app.get_name(), command.get_name());
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_positional()) synopsis += fmt::format(" \\fI{}\\fR", roff(option->get_name(true)));
+  }
+  return header(name, name, command.get_description()) + synopsis + "\n" + optionsOf(command) + kExitStatus +
+         fmt::format(".SH SEE ALSO\n\\fB{}\\fR(1)\n", app.get_name());
+}
+
+std::string manualPage(const CLI::App& app) {
+  std::string out = header(app.get_name(), app.get_name(), app.get_description());
+  out += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n.SH COMMANDS\n", app.get_name());
+  for (const CLI::App* command : commandsOf(app))
+    out += fmt::format(".TP\n\\fB{}\\-{}\\fR(1)\n{}\n", app.get_name(), command->get_name(),
+                       roff(command->get_description()));
+  return out + optionsOf(app) + kExitStatus;
+}
+
+std::string bashCompletion(const CLI::App& app) {
+  std::string commands, cases;
+  for (const CLI::App* command : commandsOf(app)) {
+    commands += (commands.empty() ? "" : " ") + command->get_name();
+    cases += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), optionWords(*command));
+  }
+  std::string out =
+      "# Completes the commands and options of kiln in bash.\n"
+      "_kiln() {\n"
+      "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words=\"\"\n"
+      "  COMPREPLY=()\n";
+  out += fmt::format(
+      "  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W \"{} {}\" -- \"$current\"))\n    return\n  fi\n",
+      commands, optionWords(app));
+  out += "  case $before in\n";
+  out += wordsOfOption("--projection", kProjectionNames) + wordsOfOption("--view", kSideNames) +
+         wordsOfOption("--visibility", kVisibilityNames) + wordsOfOption("--projected-area", kProjectedAreaNames) +
+         wordsOfOption("--lattice", kLatticeNames) + wordsOfOption("--interpolation", kInterpolationNames) +
+         wordsOfOption("--shading", kShadingNames) + wordsOfOption("--aov", kAovNames);
+  out += "  esac\n  [[ -n $words ]] || [[ $current != -* ]] || case ${COMP_WORDS[1]} in\n" + cases + "  esac\n";
+  out +=
+      "  [[ -z $words ]] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n}\ncomplete -o default -F _kiln "
+      "kiln\n";
+  return out;
+}
+
+}  // namespace kiln::tool
