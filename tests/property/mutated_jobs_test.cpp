@@ -42,7 +42,11 @@ constexpr const char* kJobs[] = {
     R"({"volume": "v.kiln", "image": {"width": 8, "height": 8, "background": [0, 0, 0, 1]}, "level": "auto",
   "camera": {"fov": 40, "matrices": [[[1, 0, 0, 8], [0, 0, -1, -30], [0, 1, 0, 8], [0, 0, 0, 1]]]},
   "lights": [{"type": "point", "position": [3, 4, 5], "color": [1, 0.9, 0.8], "intensity": 0.5}],
-  "clip": [{"normal": [0, 0, -1], "offset": 10}], "transferFunction": "grayscale"})"};
+  "clip": [{"normal": [0, 0, -1], "offset": 10}], "transferFunction": "grayscale"})",
+    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8, "aov": ["value"]}, "mode": "average", "window": [60, 80],
+  "camera": {"fov": 40, "view": "top"}, "region": [1, 2, 1, 15, 15, 9], "clip": [{"normal": [0, 0, -1], "offset": 10}]})",
+    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "part": "1/2", "interpolation": "cubic",
+  "exr": {"compression": "piz", "owner": "us", "comments": "none", "statistics": true}})"};
 
 class Mutator {
  public:

@@ -111,7 +111,8 @@ std::string bashCompletion(const CLI::App& app) {
   out += wordsOfOption("--projection", kProjectionNames) + wordsOfOption("--view", kSideNames) +
          wordsOfOption("--visibility", kVisibilityNames) + wordsOfOption("--projected-area", kProjectedAreaNames) +
          wordsOfOption("--lattice", kLatticeNames) + wordsOfOption("--interpolation", kInterpolationNames) +
-         wordsOfOption("--shading", kShadingNames) + wordsOfOption("--aov", kAovNames);
+         wordsOfOption("--shading", kShadingNames) + wordsOfOption("--aov", kAovNames) +
+         wordsOfOption("--mode", kModeNames) + wordsOfOption("--compression", kExrCompressionNames);
   out += "  esac\n  [[ -n $words ]] || [[ $current != -* ]] || case ${COMP_WORDS[1]} in\n" + cases + "  esac\n";
   out +=
       "  [[ -z $words ]] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n}\ncomplete -o default -F _kiln "
