@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <utility>
 
@@ -187,12 +188,14 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 }
 
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store) {
+  const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
     const Part part(drawn.image, file, aovsOf(job, file));
     const bool as_float = job.output.exr_float || drawsPart(job.picture);
     writeImage(part.image(), metadataOf(job, file, drawn, store),
                {as_float, job.output.png_bits, job.output.exr_compression}, file.path);
   }
+  drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store) {

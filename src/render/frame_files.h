@@ -25,7 +25,8 @@ void requireOutputs(const RenderJob& job, std::size_t frames);
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
                         const StoreReader& store);
 
-/// Writes all files of a frame; each is there whole or not at all. throws: Error kNoSpace, kIo.
+/// Writes all files of a frame, each of them whole or not at all, and notes how long it took. throws: Error kNoSpace,
+/// kIo.
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };

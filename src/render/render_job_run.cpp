@@ -1,7 +1,5 @@
 #include "render/render_job_run.h"
 
-#include <chrono>
-
 #include "base/parallel.h"
 #include "render/frame_files.h"
 #include "render/opened_job.h"
@@ -9,13 +7,6 @@
 #include "scene/frame_scene.h"
 
 namespace kiln {
-namespace {
-
-double secondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-}  // namespace
 
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store) {
   return picture.camera.resolve(store.manifest().geometry(), picture.size);
@@ -61,11 +52,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   for (int i = 0; i < repeat; ++i) {
     drawn = {};  // the picture before is not held while the next is drawn
     drawn = opened.draw(number, progress);
-    if (i + 1 == repeat) {
-      const auto begin = std::chrono::steady_clock::now();
-      writeFrame(job, number, drawn, opened.store());
-      drawn.statistics.output_s = secondsSince(begin);
-    }
+    if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store());
     result.statistics.add(drawn.statistics);
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
   }

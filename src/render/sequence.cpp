@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -15,10 +14,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-double secondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 // Whether each frame may have a volume of its own.
 bool isSeries(const RenderJob& job) {
@@ -117,9 +112,7 @@ class Sequence {
   void draw(int frame, OpenedJob& opened) {
     listener_.frameStarted(frame);
     DrawnFrame drawn = opened.draw(frame, progress_);
-    const auto begin = std::chrono::steady_clock::now();
     writeFrame(opened.job(), frame, drawn, opened.store());
-    drawn.statistics.output_s = secondsSince(begin);
     result_.statistics.add(drawn.statistics);
     noteDamage(drawn.statistics, progress_);
     listener_.frameDone(job_, drawn.statistics, done_ + 1);
