@@ -105,8 +105,10 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 }
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
-  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
+  std::vector<CoveredPixel> covered(plan_.pixel ? image.rgba.size() / 4 : 0);
   std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
+  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, plan_.pixel ? covered.data() : nullptr,
+                 aovPixels(request_.aovs, image, 0, 0)};
   all.aovs.filled = filled.data();
   std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {

@@ -10,6 +10,7 @@
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
 #include "render/aov_planes.h"
+#include "splat/coverage.h"
 #include "splat/projected_values.h"
 
 namespace kiln {
@@ -19,6 +20,15 @@ namespace {
 std::uint64_t pixelBytes(const RenderJob& job) {
   const bool projects = job.picture.mode != Mode::kComposite;
   return 16 + aovBytes(job.picture.aovs) + (projects ? ProjectedValues::bytesOfPixel(job.picture.mode) : 0);
+}
+
+bool drawsSlabs(const RenderJob& job) {
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
+}
+
+// Where it is drawn, also what slabs cover of it.
+std::uint64_t drawnPixelBytes(const RenderJob& job) {
+  return pixelBytes(job) + (drawsSlabs(job) ? sizeof(CoveredPixel) : 0);
 }
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
@@ -47,7 +57,7 @@ std::uint64_t slabBytes(const RenderJob& job, int edge) {
 
 std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
   return static_cast<std::uint64_t>(edge * drawn.width()) *
-         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * pixelBytes(job);
+         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * drawnPixelBytes(job);
 }
 
 }  // namespace
@@ -57,14 +67,15 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
-  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * pixelBytes(job);
+  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) *
+              (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job));
   const bool composites = job.picture.mode == Mode::kComposite;
   if (composites)
     out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
   out.index = store.index().bytes() + store.index().size() * (kWalkBytes + sizeof(BrickInView));
   out.brick = store.largestReadBytes();
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
-  if (composites && job.picture.lattice == Lattice::kPixel) {
+  if (drawsSlabs(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
     out.least_slabs = slabBytes(job, kLeastSweep);

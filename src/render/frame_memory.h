@@ -12,7 +12,7 @@ namespace kiln {
 
 /// unit: bytes.
 struct FrameMemory {
-  std::uint64_t image = 0;       // RGBA in floats and AOVs, of the pixels that are drawn
+  std::uint64_t image = 0;       // RGBA in floats and what goes with it, of the pixels that are drawn
   std::uint64_t band = 0;        // of sub-pixels: as many rows as are drawn at a time; 0 where a pixel is one sample
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it

@@ -30,16 +30,20 @@ class BlockLayer {
     for (int y = 0; y < b_.height; ++y) {
       for (int x = 0; x < b_.width; x += lanes) {
         float* const pixels = b_.pixels + y * b_.stride + 4 * x;
+        CoveredPixel* const covered = b_.covered + y * (b_.stride / 4) + x;
         if (x + lanes <= b_.width) {
-          lay(x, y, pixels);
+          lay(x, y, pixels, covered);
           continue;
         }
         // Fewer than a vector.
         alignas(64) float some[4 * kBlockEdge] = {};
         const auto count = static_cast<std::size_t>(4 * (b_.width - x));
         std::copy_n(pixels, count, some);
-        lay(x, y, some);
+        CoveredPixel some_covered[kBlockEdge] = {};
+        std::copy_n(covered, count / 4, some_covered);
+        lay(x, y, some, some_covered);
         std::copy_n(some, count, pixels);
+        std::copy_n(some_covered, count / 4, covered);
       }
     }
     return out_;
@@ -47,7 +51,7 @@ class BlockLayer {
 
  private:
   // As many pixels of row y as a vector has lanes, from x on.
-  void lay(int x, int y, float* pixels) {
+  void lay(int x, int y, float* pixels, CoveredPixel* covered) {
     const DI di;
     const auto row = static_cast<std::size_t>(y);
     std::int32_t* const filled = b_.filled + y * b_.columns + x;
@@ -58,12 +62,13 @@ class BlockLayer {
     const unsigned takes = static_cast<unsigned>(b_.takes[row]) >> x;
     const VI bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
     const auto taking = hn::Ne(hn::And(hn::Set(di, static_cast<std::int32_t>(takes)), bit), hn::Zero(di));
-    if (!hn::AllFalse(di, taking)) add(x, row, sums, fill, taking, pixels);
+    if (!hn::AllFalse(di, taking)) add(x, row, sums, fill, taking, pixels, covered);
     for (std::size_t i = 0; i < 4; ++i) hn::StoreU(hn::Zero(di), di, sums + i * hn::Lanes(di));
   }
 
   template <class Mask>
-  HWY_INLINE void add(int x, std::size_t row, const std::int32_t* sums, VI fill, Mask taking, float* pixels) {
+  HWY_INLINE void add(int x, std::size_t row, const std::int32_t* sums, VI fill, Mask taking, float* pixels,
+                      CoveredPixel* covered) {
     const D d;
     const DI di;
     VI light[4];
@@ -72,8 +77,8 @@ class BlockLayer {
     V r, g, b, a;
     hn::LoadInterleaved4(d, pixels, r, g, b, a);
     const V full = hn::ConvertTo(d, fill);
-    const V open = hn::Sub(hn::Set(d, 1.0f), a);
-    const V share = hn::Div(hn::Mul(open, covered(hn::Div(full, hn::Set(d, Sheet::kOne)))), full);
+    const V part = partOf(hn::Div(full, hn::Set(d, Sheet::kOne)), hn::Div(hn::ConvertTo(d, light[3]), full));
+    const V share = hn::Div(seen(part, a, changed, covered), full);
     const auto sum = [&](V before, VI of) {
       return hn::IfThenElse(changed, hn::Add(before, hn::Mul(share, hn::ConvertTo(d, of))), before);
     };
@@ -87,14 +92,34 @@ class BlockLayer {
                             &(*pixels_)[row * kBlockEdge + static_cast<std::size_t>(x)].before);
   }
 
-  // What of a pixel's area a slab covers whose samples fill `filled` of it. Samples fill a pixel at an edge a little in
-  // every slab, which together would close it, half a pixel beyond the edge: a steep step leaves 0.3 of that. It turns
-  // about one half, so that what is split over two slabs is as much as before.
-  static HWY_INLINE V covered(V filled) {
+  // What of a pixel's area a slab covers whose samples fill `filled` of it with `opacity`: a steep step, for a
+  // footprint is wider than a pixel.
+  V partOf(V filled, V opacity) const {
     const D d;
-    const V f = hn::Min(filled, hn::Set(d, 1.0f));
-    const V step = hn::Sub(hn::Mul(hn::Set(d, 6.0f), f), hn::Set(d, 15.0f));
-    return hn::Mul(hn::Mul(hn::Mul(f, f), f), hn::Add(hn::Set(d, 10.0f), hn::Mul(f, step)));
+    const V one = hn::Set(d, 1.0f);
+    const V clear = hn::Sub(one, opacity);
+    const V two_slabs = hn::Mul(clear, clear);
+    const V erosion = hn::Mul(hn::Set(d, b_.erosion), hn::Sub(one, hn::Mul(two_slabs, two_slabs)));  // erosionOf
+    const V empty = hn::Sub(one, hn::Min(filled, one));
+    const V f = hn::Max(hn::Sub(one, hn::Mul(empty, hn::Add(one, erosion))), hn::Zero(d));
+    return hn::Mul(hn::Mul(f, f), hn::Sub(hn::Set(d, 3.0f), hn::Add(f, f)));
+  }
+
+  // Of a pixel's area, what sees a slab that covers `part` of it. What slabs in front cover has the pixel's `alpha`;
+  // what they do not cover is clear.
+  template <class Mask>
+  static HWY_INLINE V seen(V part, V alpha, Mask changed, CoveredPixel* covered) {
+    const D d;
+    const DI di;
+    const hn::Rebind<CoveredPixel, D> dc;
+    const V all = hn::Set(d, 255.0f);
+    const V before = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(dc, covered)));
+    const V after = hn::IfThenElse(changed, hn::Max(before, hn::Ceil(hn::Mul(part, all))), before);
+    hn::StoreU(hn::DemoteTo(dc, hn::ConvertTo(di, after)), dc, covered);
+    // Where nothing is covered, alpha is nothing, too.
+    const V in_front = hn::Mul(before, hn::Set(d, 1.0f / 255));
+    const V density = hn::Min(hn::Div(alpha, hn::Max(in_front, hn::Set(d, 1.0f / 255))), hn::Set(d, 1.0f));
+    return hn::Sub(part, hn::Mul(hn::Min(part, in_front), density));
   }
 
   template <class Mask>

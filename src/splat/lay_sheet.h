@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "splat/coverage.h"
 #include "splat/tile_windows.h"
 
 namespace kiln {
@@ -18,8 +19,10 @@ struct SheetBlock {
   std::int32_t* sums = nullptr;    // of the sheet: RGBA. shape: rows `columns` pixels apart
   std::int32_t* filled = nullptr;  // the same, one a pixel
   std::ptrdiff_t stride = 0, columns = 0;
-  int width = 0, height = 0;  // at most kBlockEdge
-  BlockBits takes{};          // the pixels that take light from the slab
+  CoveredPixel* covered = nullptr;  // of the image. shape: rows stride / 4 apart
+  float erosion = 0;                // of pixels at edges, at most
+  int width = 0, height = 0;        // at most kBlockEdge
+  BlockBits takes{};                // the pixels that take light from the slab
   float opaque_at = 1;
 };
 

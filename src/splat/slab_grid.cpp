@@ -23,6 +23,9 @@ constexpr double kSigma = 0.42;
 constexpr double kThinnest = 0.5;
 // A lattice finer than half a pixel, where there is no coarser level, is smoothed no less than this. unit: pixels.
 constexpr double kLeastSigma = 0.15;
+// How much a pixel at an edge covers less where samples are refined, which are no thinner than the detail between them:
+// one sample a voxel has none, two some, three and more the most.
+constexpr float kErosion = 0.0625f, kMostErosion = 0.25f;
 constexpr int kZonesOfOctave = 8;
 
 double shortest(const VolumeGeometry& geometry) {
@@ -66,6 +69,8 @@ SlabZone latticeAt(double scale, const Manifest& volume, std::optional<int> leve
     widest = std::max(widest, edge / n);
   }
   out.sigma_px = std::max(kSigma * widest, kLeastSigma);
+  const int beside = *std::min_element(out.refinement.begin(), out.refinement.end()) - 1;
+  out.erosion = std::min(kErosion * static_cast<float>(beside * beside), kMostErosion);
   out.thickness = std::max(kThinnest, widest) / scale;
   return out;
 }

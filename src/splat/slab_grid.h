@@ -25,6 +25,7 @@ struct SlabZone {
   int level = 0;  // of the pyramid
   std::array<int, 3> refinement{1, 1, 1};
   double sigma_px = 0.3;  // of a footprint
+  float erosion = 0;      // of pixels at edges, at most: splat/coverage.h
   /// Whether there are samples between voxels.
   bool refined() const { return refinement != std::array<int, 3>{1, 1, 1}; }
 

@@ -17,12 +17,13 @@ float hitOf(const SlabLayer& layer, float x) {
   return std::min(std::log((1 - layer.before) / (1 - kHitAlpha)) / x, layer.filled);
 }
 
-// Where the layer begins, from the slab's middle. A slab in front that was filled less than half was the edge of what
-// fills this one, a surface that lies where the filling passes one half on the way from middle to middle. unit: slabs.
+// Where the layer begins, from the slab's middle. A slab in front that did not cover half the pixel was the edge of
+// what fills this one, a surface that lies where the filling passes one half on the line through both middles. unit:
+// slabs.
 float beginOf(const SlabLayer& layer, float filled_before) {
-  if (filled_before >= 0.5f) return -0.5f;
-  if (layer.filled < 0.5f) return layer.place - 0.5f * layer.filled;
-  return (0.5f - filled_before) / (layer.filled - filled_before) - 1;
+  if (filled_before >= layer.turn) return -0.5f;
+  if (layer.filled < 0.5f || layer.filled <= filled_before) return layer.place - 0.5f * layer.filled;
+  return std::max((0.5f - filled_before) / (layer.filled - filled_before), -0.5f) - 1;
 }
 
 }  // namespace

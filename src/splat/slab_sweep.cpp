@@ -343,6 +343,8 @@ class Sweep {
       in.filled = sheet.filledAt(area.x0, area.y0);
       in.stride = tile_.stride;
       in.columns = sheet.stride() / 4;
+      in.covered = tile_.covered + tile_.placeOf(area.x0, area.y0);
+      in.erosion = zone_.erosion;
       in.width = area.width(), in.height = area.height();
       in.takes = takesOf(block, area, slab);
       in.opaque_at = opaque_at_;
@@ -393,6 +395,7 @@ class Sweep {
     layer.closes = laid.before + layer.added >= opaque_at_;
     layer.opacity = opacity / laid.filled;
     layer.filled = std::min(laid.filled / Sheet::kOne, 1.0f);
+    layer.turn = fillingOfHalf(erosionOf(layer.opacity, zone_.erosion));
     layer.place = std::clamp(static_cast<float>(sum[3]) / opacity, -0.5f, 0.5f);
     layer.middle = zone_.near + (slab + 0.5) * zone_.thickness;
     layer.thickness = zone_.thickness;

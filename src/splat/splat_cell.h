@@ -8,6 +8,7 @@
 #include "scene/clip_region.h"
 #include "splat/aov_pixels.h"
 #include "splat/classifier.h"
+#include "splat/coverage.h"
 #include "splat/gradient_opacity.h"
 #include "splat/projector.h"
 #include "splat/shade.h"
@@ -38,11 +39,13 @@ struct SplatFrame {
   bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
 };
 
-/// The pixels of one tile. shape: `rgba` points at pixel (rect.x0, rect.y0), rows `stride` floats apart.
+/// The pixels of one tile. shape: `rgba` points at pixel (rect.x0, rect.y0), rows `stride` floats apart; so does
+/// `covered`, rows stride / 4 apart.
 struct TilePixels {
   PixelRect rect;
   float* rgba = nullptr;
   std::ptrdiff_t stride = 0;
+  CoveredPixel* covered = nullptr;  // null in the voxel lattice
   AovPixels aovs;
 
   /// Of pixel (x, y), counted from the first one. requires: in `rect`.
@@ -50,7 +53,7 @@ struct TilePixels {
   /// Those of `part` alone. requires: inside of `rect`.
   TilePixels of(const PixelRect& part) const {
     const std::ptrdiff_t first = placeOf(part.x0, part.y0);
-    return {part, rgba + 4 * first, stride, aovs.from(first)};
+    return {part, rgba + 4 * first, stride, covered == nullptr ? nullptr : covered + first, aovs.from(first)};
   }
 };
 

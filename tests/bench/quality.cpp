@@ -1,8 +1,9 @@
 // How good Kiln's pictures of real volumes are: each beside the reference renderer's (16 rays a pixel, steps of a tenth
 // of a voxel), with what a ray caster of one ray a pixel reaches in the same scene, with steps of a whole voxel (VTK's
 // default) and of half a voxel. Pictures smaller than the volume are also compared with a reference of the level of the
-// pyramid that they show. Prints a line a scene and averages a magnification; leaves the pictures (Kiln's, the
-// reference, the difference) and a contact sheet a volume in the output folder.
+// pyramid that they show, and that one with the volume's: what a level can show at best. Prints a line a scene and
+// averages a magnification; leaves the pictures (Kiln's, the reference, the difference) and a contact sheet a volume in
+// the output folder.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -88,7 +89,7 @@ bool among(const std::vector<T>& values, const T& value) {
 struct Measured {
   double px_per_voxel = 1;
   ImageDifference kiln, voxel_steps, half_steps;
-  std::optional<ImageDifference> same_level;
+  std::optional<ImageDifference> same_level, level_itself;
   int level = 0;
   double frame_s = 0;
 };
@@ -131,8 +132,9 @@ class Studio {
     out.level = mostDrawn(statistics);
     if (out.level > 0) {
       request.level = out.level;
-      out.same_level =
-          compareImages(referenceOf(levelReferences(out.level), request, kTruth), drawn(request, statistics));
+      const Image level_reference = referenceOf(levelReferences(out.level), request, kTruth);
+      out.same_level = compareImages(level_reference, drawn(request, statistics));
+      out.level_itself = compareImages(reference, level_reference);
     }
     triple = {image, reference, differenceImage(image, reference)};
     return out;
@@ -185,8 +187,10 @@ class Studio {
 };
 
 void printScene(const std::string& scene, const Measured& m) {
-  const std::string level =
-      m.same_level ? fmt::format("{:5.2f} (level {})", m.same_level->foreground_psnr_db, m.level) : "";
+  const std::string level = m.same_level
+                                ? fmt::format("{:5.2f} (level {}, itself {:5.2f})", m.same_level->foreground_psnr_db,
+                                              m.level, m.level_itself->foreground_psnr_db)
+                                : "";
   fmt::print("{:<40} {:>5} px {:6.2f} dB {:6.2f} {:6.2f}  {:+6.2f} %  {:6.0f} ms  {}\n", scene, m.px_per_voxel,
              m.kiln.foreground_psnr_db, m.voxel_steps.foreground_psnr_db, m.half_steps.foreground_psnr_db,
              100 * (m.kiln.mean_brightness_ratio - 1), 1e3 * m.frame_s, level);

@@ -57,7 +57,9 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const auto visibility = makeMaskVisibility(request.view.size.width, request.view.size.height);
   const BrickBlock block = store.read({0, {0, 0, 0}});
   Image image(request.view.size.width, request.view.size.height);
-  const TilePixels tile{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, {}};
+  std::vector<CoveredPixel> covered(image.rgba.size() / 4);
+  const TilePixels tile{
+      {0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, covered.data(), {}};
   SweepMemory memory;
   SplatCounts counts;
   const Projector& projector = levels.projector(0);

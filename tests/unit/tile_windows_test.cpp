@@ -15,7 +15,7 @@ namespace {
 class Definition {
  public:
   explicit Definition(const PixelRect& rect) : rect_(rect), rgba_(std::size_t{4} * kSweepEdge * kSweepEdge) {}
-  TilePixels tile() { return {rect_, rgba_.data(), std::ptrdiff_t{4} * kSweepEdge, {}}; }
+  TilePixels tile() { return {rect_, rgba_.data(), std::ptrdiff_t{4} * kSweepEdge, nullptr, {}}; }
   bool open(int x, int y) const { return rgba_[indexOf(x, y)] != 1; }
   void close(int x, int y) { rgba_[indexOf(x, y)] = 1; }
 
