@@ -1,6 +1,7 @@
 // What a run of a suite leaves: every number that the reports show, and the pictures as the bytes of their files.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -106,5 +107,9 @@ struct Measurements {
   VisibilityCosts costs;
   std::vector<ScalingPoint> scaling;  // as the suite has the volumes
 };
+
+inline bool hasMethod(const Measurements& m, VisibilityMethod method) {
+  return std::find(m.suite.methods.begin(), m.suite.methods.end(), method) != m.suite.methods.end();
+}
 
 }  // namespace kiln

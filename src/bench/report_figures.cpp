@@ -37,10 +37,6 @@ std::string figure(std::string_view number, std::string_view caption, const std:
 
 char letterOf(std::size_t i) { return static_cast<char>('a' + i % 26); }
 
-bool hasMethod(const Measurements& m, VisibilityMethod method) {
-  return std::find(m.suite.methods.begin(), m.suite.methods.end(), method) != m.suite.methods.end();
-}
-
 // A line for each method but octree only, of what `points` finds for it.
 template <class Points>
 std::vector<ChartLine> methodLines(const Measurements& m, Points points) {

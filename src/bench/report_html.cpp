@@ -22,10 +22,6 @@
 namespace kiln {
 namespace {
 
-bool hasMethod(const Measurements& m, VisibilityMethod method) {
-  return std::find(m.suite.methods.begin(), m.suite.methods.end(), method) != m.suite.methods.end();
-}
-
 std::string section(std::string_view id, std::string_view title, const std::string& content) {
   return fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, title, content);
 }

@@ -9,7 +9,7 @@
 namespace kiln {
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 14;
+constexpr std::size_t kHeaderStepBytes = 1 << 14;
 constexpr std::size_t kMaxLineBytes = 1 << 20;
 constexpr std::uint64_t kMaxHeaderBytes = 16u << 20;
 
@@ -54,9 +54,9 @@ bool HeaderLines::refill() {
   }
   buffer_.erase(0, std::exchange(used_, 0));
   const std::size_t held = buffer_.size();
-  buffer_.resize(held + kChunkBytes);
+  buffer_.resize(held + kHeaderStepBytes);
   const std::size_t got =
-      file_.readSomeAt(offset_ + held, std::as_writable_bytes(std::span(buffer_.data() + held, kChunkBytes)));
+      file_.readSomeAt(offset_ + held, std::as_writable_bytes(std::span(buffer_.data() + held, kHeaderStepBytes)));
   buffer_.resize(held + got);
   return got > 0;
 }

@@ -22,7 +22,7 @@ namespace kiln {
 namespace {
 
 // No codec that is read makes more of a byte (Zstandard's runs: 128 KiB of 4 bytes).
-constexpr std::uint64_t kMaxExpansion = 40000;
+constexpr std::uint64_t kMostUnpacking = 40000;
 
 }  // namespace
 
@@ -173,7 +173,7 @@ void TiffFile::readPage() {
   page_.resolution_unit = h.field<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
 
   const std::uint64_t size = h.file.size(), bytes = page_.bytes();
-  if (page_.packed ? bytes / kMaxExpansion > size : bytes > size) {
+  if (page_.packed ? bytes / kMostUnpacking > size : bytes > size) {
     fail(fmt::format("is {} x {} of {}, more than the file's {} bytes can hold", page.width, page.height,
                      nameOf(page.type), size));
   }
@@ -208,7 +208,7 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   const char* const kind = page_.tiled ? "tile" : "strip";
   const std::uint64_t stored = TIFFGetStrileByteCountWithErr(handle_->tiff, index, &failed), needed = rowsBytes(block);
   if (failed != 0) fail(fmt::format("the length of {} {} cannot be read", kind, block));
-  if (stored > handle_->file.size() || needed / kMaxExpansion > stored) {
+  if (stored > handle_->file.size() || needed / kMostUnpacking > stored) {
     fail(fmt::format("{} {} has {} bytes in the file, which cannot be the {} of its pixels", kind, block, stored,
                      needed));
   }

@@ -9,8 +9,6 @@ namespace {
 
 using Shapes = std::vector<ShapeSpec>;
 
-void append(Shapes& to, const Shapes& more) { to.insert(to.end(), more.begin(), more.end()); }
-
 PartSpec cranium() {
   Shapes shapes = {
       ellipsoid({0, 14, 1762}, {71.5, 91, 84}).shell(1.8),

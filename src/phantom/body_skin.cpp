@@ -7,8 +7,6 @@ namespace {
 
 using Shapes = std::vector<ShapeSpec>;
 
-void append(Shapes& to, const Shapes& more) { to.insert(to.end(), more.begin(), more.end()); }
-
 Shapes trunk() {
   Shapes out = {
       // Rib cage, lower chest, belly, pelvis, shoulder girdle, upper chest.

@@ -40,6 +40,9 @@ using PartList = std::vector<PartSpec>;
 void addPair(PartList& parts, const std::string& name, const Layers& layers, const std::vector<ShapeSpec>& shapes);
 /// The shapes and their mirror images.
 std::vector<ShapeSpec> bothSides(const std::vector<ShapeSpec>& shapes);
+inline void append(std::vector<ShapeSpec>& to, const std::vector<ShapeSpec>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
 
 struct Part {
   std::string name;

@@ -85,9 +85,9 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
 }
 
 // Takes the file's part out of the image, and puts it back.
-class Part {
+class FilePart {
  public:
-  Part(Image& whole, const OutputFile& file, const Aovs& aovs) : whole_(whole) {
+  FilePart(Image& whole, const OutputFile& file, const Aovs& aovs) : whole_(whole) {
     part_.width = whole.width;
     part_.height = whole.height;
     if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
@@ -96,12 +96,12 @@ class Part {
     std::move(whole.planes.begin(), others, std::back_inserter(part_.planes));
     whole.planes.erase(whole.planes.begin(), others);
   }
-  ~Part() {
+  ~FilePart() {
     if (!part_.rgba.empty()) part_.rgba.swap(whole_.rgba);
     std::move(part_.planes.begin(), part_.planes.end(), std::back_inserter(whole_.planes));
   }
-  Part(const Part&) = delete;
-  Part& operator=(const Part&) = delete;
+  FilePart(const FilePart&) = delete;
+  FilePart& operator=(const FilePart&) = delete;
   const Image& image() const { return part_; }
 
  private:
@@ -190,7 +190,7 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store) {
   const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
-    const Part part(drawn.image, file, aovsOf(job, file));
+    const FilePart part(drawn.image, file, aovsOf(job, file));
     const bool as_float = job.output.exr_float || drawsPart(job.picture);
     writeImage(part.image(), metadataOf(job, file, drawn, store),
                {as_float, job.output.png_bits, job.output.exr_compression}, file.path);

@@ -111,13 +111,13 @@ TEST(RenderJob, SrgbColoursAreDecoded) {
   EXPECT_EQ(function.unit, 0);
 }
 
-struct Wrong {
+struct WrongJob {
   const char* body;  // beside the volume
   ErrorCode code;
   const char* message;  // a part of it
 };
 
-const Wrong kWrong[] = {
+const WrongJob kWrongJobs[] = {
     {R"("camera": {"fvo": 60})", ErrorCode::kUsage, "job.json: line 1, camera.fvo: unknown key; did you mean 'fov'?"},
     {R"("camera": {"fov": "wide"})", ErrorCode::kUsage,
      "job.json: line 1, camera.fov: expected a number of degrees in (0, 180), found \"wide\""},
@@ -215,7 +215,7 @@ const Wrong kWrong[] = {
 };
 
 TEST(RenderJob, EachMistakeNamesItsKey) {
-  for (const Wrong& wrong : kWrong) {
+  for (const WrongJob& wrong : kWrongJobs) {
     try {
       parseJob(std::string(R"({"volume": "a.kiln", )") + wrong.body + "}", "job.json");
       ADD_FAILURE() << "not refused: " << wrong.body;
