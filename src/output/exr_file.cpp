@@ -188,6 +188,27 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   return image;
 }
 
+// Of a file whose rows were read already.
+void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const std::filesystem::path& path,
+                Image& image) {
+  const Imath::Box2i window = file.header().dataWindow();
+  for (const std::string& name : names) {
+    const Imf::Channel* const channel = file.header().channels().findChannel(name);
+    if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)
+      throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing, or is not of every pixel");
+    image.planes.push_back({name, std::vector<float>(image.rgba.size() / 4)});
+  }
+  Imf::FrameBuffer buffer;
+  const std::size_t row = static_cast<std::size_t>(image.width) * sizeof(float);
+  for (Plane& plane : image.planes) {
+    char* const base = reinterpret_cast<char*>(plane.values.data()) - std::ptrdiff_t{window.min.x} * 4 -
+                       std::ptrdiff_t{window.min.y} * static_cast<std::ptrdiff_t>(row);
+    buffer.insert(plane.name, Imf::Slice(Imf::FLOAT, base, sizeof(float), row));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+}
+
 }  // namespace
 
 bool looksLikeExr(std::span<const std::byte> data) {
@@ -214,11 +235,14 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
   }
 }
 
-Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path) {
+Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
+                std::span<const std::string> planes) {
   return reading(path, [&] {
     MemoryReader stream(data);
     Imf::InputFile file(stream, 0);
-    return readRows(file, data.size(), path);
+    Image image = readRows(file, data.size(), path);
+    if (!planes.empty()) readPlanes(file, planes, path, image);
+    return image;
   });
 }
 

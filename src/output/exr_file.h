@@ -16,13 +16,15 @@ namespace kiln {
 bool looksLikeExr(std::span<const std::byte> data);
 
 /// One scanline part, channels R G B A where the image has colours, and of each plane a channel of its name, which is
-/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is for
-/// errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
+/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is
+/// for errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
-/// The data window of the first part, without planes. throws: Error kFormat, kUnsupported, naming `path`.
-Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path);
+/// The data window of the first part, with the planes that are named. throws: Error kFormat, kUnsupported, naming
+/// `path`.
+Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
+                std::span<const std::string> planes = {});
 /// Reads every channel of every row. throws: Error kFormat where a part of the file is damaged or missing.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path);
 std::map<std::string, std::string> decodeExrText(std::span<const std::byte> data, const std::filesystem::path& path);

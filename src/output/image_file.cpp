@@ -41,9 +41,10 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
                                          : encodePng(image, options.png_bits, path, metadata.text));
 }
 
-Image readImage(const std::filesystem::path& path) {
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes) {
   const std::vector<std::byte> data = readFile(path);
-  if (looksLikeExr(data)) return decodeExr(data, path);
+  if (looksLikeExr(data)) return decodeExr(data, path, planes);
+  if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
   if (looksLikePng(data)) return decodePng(data, path);
   throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
 }

@@ -6,6 +6,7 @@
 #include <glm/mat4x4.hpp>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "base/file.h"
@@ -48,7 +49,7 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes = fals
 /// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; which, its first
 /// bytes say.
 /// throws: Error kFormat, kNotFound, kUnsupported.
-Image readImage(const std::filesystem::path& path);
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {});
 /// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
 void checkImage(const std::filesystem::path& path);
 /// The string attributes of an EXR, the texts of a PNG. throws: as readImage.

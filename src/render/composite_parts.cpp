@@ -123,13 +123,19 @@ void requireDisjoint(const std::vector<Part>& parts) {
   }
 }
 
+// As slabs are laid behind each other (splat/lay_sheet.cpp): what the parts in front do not cover of a pixel is clear.
 // A pixel that reaches the threshold is divided by its alpha and closed, as when it is drawn.
-void layBehind(const Image& part, float opaque_at, Image& image) {
+void layBehind(const Image& part, float opaque_at, Image& image, std::vector<float>& covered) {
+  const std::vector<float>& covers = part.planes.front().values;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
     float* const pixel = &image.rgba[i];
-    if (pixel[3] == 1.0f) continue;
-    const float open = 1.0f - pixel[3];
-    for (std::size_t c = 0; c < 4; ++c) pixel[c] += open * part.rgba[i + c];
+    float& in_front = covered[i / 4];
+    const float behind = covers[i / 4];
+    if (pixel[3] == 1.0f || !(behind > 0)) continue;
+    const float density = in_front > 0 ? std::min(pixel[3] / in_front, 1.0f) : 0.0f;
+    const float seen = (behind - std::min(behind, in_front) * density) / behind;
+    for (std::size_t c = 0; c < 4; ++c) pixel[c] += seen * part.rgba[i + c];
+    in_front = std::max(in_front, behind);
     if (pixel[3] < opaque_at) continue;
     for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
     pixel[3] = 1.0f;
@@ -175,17 +181,19 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   CompositedParts out;
   out.metadata = metadataOf(parts.front().job, camera, view);
   out.image = Image(pixels.width(), pixels.height());
+  std::vector<float> covered(out.image.rgba.size() / 4);
+  const std::vector<std::string> planes = {kCoveragePlane};
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0;
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), raysOf(view, volume))) {
     progress.throwIfCancelled("compositing");
-    const Image image = readImage(part.path);
+    const Image image = readImage(part.path, planes);
     if (image.width != pixels.width() || image.height != pixels.height())
       throw Error(
           ErrorCode::kFormat, part.path, "dataWindow",
           fmt::format("{} x {} pixels, expected {} x {}", image.width, image.height, pixels.width(), pixels.height()));
-    layBehind(image, opaque_at, out.image);
+    layBehind(image, opaque_at, out.image, covered);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());
   }

@@ -13,6 +13,10 @@
 
 namespace kiln {
 
+/// The plane of a partial image that says what of each pixel's area its slabs cover (splat/coverage.h): parts of one
+/// body lie behind each other there, too.
+inline constexpr const char* kCoveragePlane = "coverage";
+
 /// What a partial image's header says of its volume, beside the job: which it is, and where it is in the world.
 std::string partOriginText(const Manifest& volume);
 

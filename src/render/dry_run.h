@@ -22,7 +22,8 @@ struct DryRun {
   std::uint64_t budget_bytes = 0;
 };
 
-/// Of the job's first frame. throws: Error kUsage, kNotFound, kFormat, kDamaged (manifest and index); not kBudget: the answer says what works.
+/// Of the job's first frame. throws: Error kUsage, kNotFound, kFormat, kDamaged (manifest and index); not kBudget: the
+/// answer says what works.
 DryRun dryRun(const RenderJob& job);
 
 /// JSON for `--stats`: the keys of a render's statistics where they mean the same.

@@ -1,5 +1,6 @@
 #include "render/frame_drawing.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "frame/make_visibility.h"
 #include "frame/tile_walk.h"
 #include "render/aov_planes.h"
+#include "render/composite_parts.h"
 
 namespace kiln {
 namespace {
@@ -129,6 +131,11 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
     drawBlock(*block, tiles);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
+  if (!request_.clipping.part || !plan_.pixel) return;
+  Plane coverage{kCoveragePlane, std::vector<float>(covered.size())};
+  std::transform(covered.begin(), covered.end(), coverage.values.begin(),
+                 [](CoveredPixel part) { return static_cast<float>(part) / 255; });
+  image.planes.push_back(std::move(coverage));
 }
 
 std::vector<PixelRect> FrameDrawing::tilesOf(const PixelRect& drawn, const PixelRect& rect) const {

@@ -26,9 +26,10 @@ bool drawsSlabs(const RenderJob& job) {
   return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
 }
 
-// Where it is drawn, also what slabs cover of it.
+// Where it is drawn, also what slabs cover of it; a partial image's file has that, too.
 std::uint64_t drawnPixelBytes(const RenderJob& job) {
-  return pixelBytes(job) + (drawsSlabs(job) ? sizeof(CoveredPixel) : 0);
+  const std::size_t coverage = sizeof(CoveredPixel) + (drawsPart(job.picture) ? sizeof(float) : 0);
+  return pixelBytes(job) + (drawsSlabs(job) ? coverage : 0);
 }
 
 // The octree above bricks has some 12 bytes a brick and a seventh.

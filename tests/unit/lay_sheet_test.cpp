@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "splat/sheet.h"
@@ -14,12 +15,13 @@ namespace kiln::test {
 namespace {
 
 constexpr int kColumns = 20;  // of the sheet and of the image
-constexpr float kOpaqueAt = 0.9f;
+constexpr float kOpaqueAt = 0.9f, kErosion = 0.2f;
 
 struct Planes {
   std::vector<float> pixels = std::vector<float>(4 * kColumns * kBlockEdge);
   std::vector<std::int32_t> sums = std::vector<std::int32_t>(pixels.size()),
                             filled{std::vector<std::int32_t>(pixels.size() / 4)};
+  std::vector<CoveredPixel> covered = std::vector<CoveredPixel>(filled.size());
   BlockBits takes{};
 
   explicit Planes(std::uint64_t seed) {
@@ -31,17 +33,23 @@ struct Planes {
         sums[4 * i + c] = static_cast<std::int32_t>(fill * opacity * (c < 3 ? unit() : 1) * Sheet::kOne);
         pixels[4 * i + c] = 0.8f * unit();
       }
+      covered[i] = static_cast<CoveredPixel>(255 * unit());
     }
     for (std::uint8_t& row : takes) row = static_cast<std::uint8_t>(255 * unit());
   }
 };
 
 // Lays one pixel; whether it changes.
-bool layPixel(float* pixel, const std::int32_t* sum, std::int32_t filled) {
+bool layPixel(float* pixel, const std::int32_t* sum, std::int32_t filled, CoveredPixel& covered) {
   if (sum[3] == 0) return false;
   const auto full = static_cast<float>(filled);
-  const float f = std::min(full / Sheet::kOne, 1.0f);
-  const float share = (1.0f - pixel[3]) * (f * f * f * (10 + f * (6 * f - 15))) / full;
+  const float erosion = erosionOf(static_cast<float>(sum[3]) / full, kErosion);
+  const float f = std::max(1 - (1 - std::min(full / Sheet::kOne, 1.0f)) * (1 + erosion), 0.0f);
+  const float part = f * f * (3 - (f + f));
+  const float in_front = static_cast<float>(covered) * (1.0f / 255);
+  const float density = std::min(pixel[3] / std::max(in_front, 1.0f / 255), 1.0f);
+  const float share = (part - std::min(part, in_front) * density) / full;
+  covered = std::max(covered, static_cast<CoveredPixel>(std::ceil(part * 255)));
   for (int c = 0; c < 4; ++c) pixel[c] += share * static_cast<float>(sum[c]);
   return true;
 }
@@ -56,6 +64,8 @@ TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
     block.sums = planes.sums.data(), block.filled = planes.filled.data(), block.columns = kColumns;
     block.width = width, block.height = height;
     block.takes = planes.takes;
+    block.covered = planes.covered.data();
+    block.erosion = kErosion;
     block.opaque_at = kOpaqueAt;
     LaidPixels pixels;
     const LaidBlock laid = laySheet(block, &pixels);
@@ -66,8 +76,9 @@ TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
         float* const pixel = &truth.pixels[4 * i];
         const float before = pixel[3];
         const bool takes = inside && (truth.takes[row] >> x & 1) != 0;
-        const bool changed = takes && layPixel(pixel, &truth.sums[4 * i], truth.filled[i]);
+        const bool changed = takes && layPixel(pixel, &truth.sums[4 * i], truth.filled[i], truth.covered[i]);
         EXPECT_TRUE(std::equal(pixel, pixel + 4, &planes.pixels[4 * i])) << x << ", " << y;
+        EXPECT_EQ(planes.covered[i], truth.covered[i]) << x << ", " << y;
         if (inside) {
           EXPECT_EQ(planes.filled[i], 0);
         }
