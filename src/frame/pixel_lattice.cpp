@@ -73,16 +73,10 @@ bool PixelLattice::anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::
     return !bounds.empty() && test(bounds.rect);
   };
   if (!entry.sub_ranges) return passes(reach);
-  std::size_t i = 0;
-  for (std::int64_t z = 0; z < kSubBricks; ++z) {
-    for (std::int64_t y = 0; y < kSubBricks; ++y) {
-      for (std::int64_t x = 0; x < kSubBricks; ++x, ++i) {
-        if (!frame.interesting(entry.sub_ranges->at(i, entry.support))) continue;
-        if (passes(samplesOf(subBrickOf(core, brick_size, {x, y, z}), core, reach))) return true;
-      }
-    }
-  }
-  return false;
+  return anySubBrick([&](std::size_t i, const VoxelCoord& at) {
+    return frame.interesting(entry.sub_ranges->at(i, entry.support)) &&
+           passes(samplesOf(subBrickOf(core, brick_size, at), core, reach));
+  });
 }
 
 SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,

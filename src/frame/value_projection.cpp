@@ -110,18 +110,12 @@ bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& va
   if (!shows(rangeOf(entry), brick.rect)) return true;
   if (!entry.sub_ranges) return false;
   const VoxelBox core = coreOf(brick.key);
-  std::size_t i = 0;
-  for (std::int64_t z = 0; z < kSubBricks; ++z) {
-    for (std::int64_t y = 0; y < kSubBricks; ++y) {
-      for (std::int64_t x = 0; x < kSubBricks; ++x, ++i) {
-        const ValueRange range = entry.sub_ranges->at(i, entry.support);
-        if (range.empty()) continue;
-        const VoxelBox box = dilated(subBrickOf(core, store_.manifest().brick_size, {x, y, z}), kGhosts);
-        if (shows(range, intersection(levels_.projector(brick.key.level).bounds(box), brick.rect))) return false;
-      }
-    }
-  }
-  return true;
+  return !anySubBrick([&](std::size_t i, const VoxelCoord& at) {
+    const ValueRange range = entry.sub_ranges->at(i, entry.support);
+    if (range.empty()) return false;
+    const VoxelBox box = dilated(subBrickOf(core, store_.manifest().brick_size, at), kGhosts);
+    return shows(range, intersection(levels_.projector(brick.key.level).bounds(box), brick.rect));
+  });
 }
 
 void ValueProjection::drawTile(const BrickInView& brick, const BrickBlock* block, double bound, const PixelRect& rect,

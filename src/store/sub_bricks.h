@@ -25,6 +25,20 @@ std::int64_t subBrickSize(std::int64_t brick_size);
 /// The voxels of sub-brick (x, y, z) of a brick. Empty where the brick ends before it.
 VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, const VoxelCoord& at);
 
+/// Whether test(i, at) is true of any sub-brick `at` of a brick, the i-th of its ranges; asks no further then.
+template <class Test>
+bool anySubBrick(Test&& test) {
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < kSubBricks; ++z) {
+    for (std::int64_t y = 0; y < kSubBricks; ++y) {
+      for (std::int64_t x = 0; x < kSubBricks; ++x, ++i) {
+        if (test(i, VoxelCoord{x, y, z})) return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// The range of each sub-brick's voxels, of those within kSubBrickReach, and, where it ends with the brick, of the
 /// apron: of all that is interpolated or classified in it, and in the apron beside it. shape: as boxRanges, kSubBricks³
 /// of them; empty ranges where there is no voxel.
