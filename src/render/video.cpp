@@ -60,15 +60,16 @@ void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& optio
       fs::remove(path, ignored);
     }
   } const remove_what_is_left{temporary};
-  const Image first = readImage(pictures.front());
-  FedProcess encoder(options.encoder, encoderArguments(options, first.width, first.height, temporary));
+  Image image = readImage(pictures.front());
+  const int width = image.width, height = image.height;
+  FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     progress.throwIfCancelled("making the video");
-    const Image image = readImage(pictures[i]);
-    if (image.width != first.width || image.height != first.height)
+    if (i > 0) image = readImage(pictures[i]);
+    if (image.width != width || image.height != height)
       throw Error(ErrorCode::kUsage, pictures[i], "",
                   fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
-                              first.width, first.height));
+                              width, height));
     encoder.write(overBlack(image));
     progress.advance("making the video", "frames", i + 1, pictures.size());
   }
