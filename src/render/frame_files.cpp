@@ -21,22 +21,6 @@ constexpr const char* kHashKey = "kiln:jobHash";
 constexpr const char* kDamageKey = "kiln:damagedBricks";
 constexpr const char* kJobKey = "kiln:job";
 
-Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
-  switch (file.content) {
-    case Content::kPicture:
-      return job.picture.aovs;
-    case Content::kColor:
-      return {};
-    case Content::kDepth:
-      return {true, false};
-    case Content::kNormal:
-      return {false, true};
-    case Content::kValue:
-      return {false, false, true};
-  }
-  return {};
-}
-
 bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 
 bool isOf(const Plane& plane, const Aovs& aovs) {

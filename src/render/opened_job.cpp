@@ -27,12 +27,29 @@ BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
 
 }  // namespace
 
+Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
+  switch (file.content) {
+    case Content::kPicture:
+      return job.picture.aovs;
+    case Content::kColor:
+      return {};
+    case Content::kDepth:
+      return {true, false};
+    case Content::kNormal:
+      return {false, true};
+    case Content::kValue:
+      return {false, false, true};
+  }
+  return {};
+}
+
 Aovs drawnAovs(const RenderJob& job) {
   Aovs out = job.picture.aovs;
   for (const OutputFile& file : job.output.files) {
-    out.depth = out.depth || file.content == Content::kDepth;
-    out.normal = out.normal || file.content == Content::kNormal;
-    out.value = out.value || file.content == Content::kValue;
+    const Aovs held = aovsOf(job, file);
+    out.depth = out.depth || held.depth;
+    out.normal = out.normal || held.normal;
+    out.value = out.value || held.value;
   }
   return out;
 }

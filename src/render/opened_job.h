@@ -53,6 +53,9 @@ class OpenedJob {
 /// Says how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);
 
+/// The planes that a file of the job's holds.
+Aovs aovsOf(const RenderJob& job, const OutputFile& file);
+
 /// What is drawn beside colours so that each of the job's files has what it holds.
 Aovs drawnAovs(const RenderJob& job);
 
