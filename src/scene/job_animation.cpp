@@ -34,6 +34,17 @@ std::vector<Key<T>> keysFrom(const JobObject& owner, Ease ease, const ValueOf& v
   return out;
 }
 
+// Of an object that has nothing else.
+template <class T, class ValueOf>
+std::vector<Key<T>> onlyKeysFrom(const JobObject& owner, JobKeys owner_keys, JobKeys key_keys,
+                                 const ValueOf& value_of) {
+  owner.requireKnown(owner_keys);
+  return keysFrom<T>(owner, Ease::kLinear, [&](const JobObject& key) {
+    key.requireKnown(key_keys);
+    return value_of(key);
+  });
+}
+
 Turntable turntableFrom(const JobObject& object) {
   object.requireKnown(job_keys::kTurntable);
   Turntable out;
@@ -116,14 +127,13 @@ void readTransferFunction(const JobObject& root, RenderJob& job) {
     if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
     return;
   }
-  const JobObject owner = *root.object("transferFunction");
-  owner.requireKnown(job_keys::kFunctionKeys);
-  job.animation.functions = keysFrom<TransferFunctionChoice>(owner, Ease::kLinear, [](const JobObject& key) {
-    key.requireKnown(job_keys::kFunctionKey);
+  const auto function = [](const JobObject& key) {
     const auto choice = transferFunctionChoiceFrom(key, "function");
     if (!choice) key.complain("function", "is missing; a key has a preset, a file or a function");
     return *choice;
-  });
+  };
+  job.animation.functions = onlyKeysFrom<TransferFunctionChoice>(
+      *root.object("transferFunction"), job_keys::kFunctionKeys, job_keys::kFunctionKey, function);
 }
 
 void readLights(const JobObject& root, RenderJob& job) {
@@ -133,12 +143,11 @@ void readLights(const JobObject& root, RenderJob& job) {
     return;
   }
   const JobObject owner = *root.object("lights");
-  owner.requireKnown(job_keys::kLightsKeys);
-  job.animation.lights = keysFrom<std::vector<Light>>(owner, Ease::kLinear, [](const JobObject& key) {
-    key.requireKnown(job_keys::kLightsKey);
+  const auto lights = [](const JobObject& key) {
     if (!key.has("lights")) key.complain("lights", "is missing; a key has a list of lights");
     return lightsFrom(key);
-  });
+  };
+  job.animation.lights = onlyKeysFrom<std::vector<Light>>(owner, job_keys::kLightsKeys, job_keys::kLightsKey, lights);
   requireAlike(owner, job.animation.lights, "lights", [](const Light& a, const Light& b) {
     return a.kind == b.kind && (a.kind != LightKind::kDirectional || mayMix(a.place, b.place));
   });
@@ -154,12 +163,11 @@ void readClipping(const JobObject& root, RenderJob& job) {
     return;
   }
   const JobObject owner = *root.object("clip");
-  owner.requireKnown(job_keys::kClipKeys);
-  job.animation.clip = keysFrom<std::vector<ClipPlane>>(owner, Ease::kLinear, [](const JobObject& key) {
-    key.requireKnown(job_keys::kClipKey);
+  const auto planes = [](const JobObject& key) {
     if (!key.has("planes")) key.complain("planes", "is missing; a key has a list of planes");
     return planesFrom(key, "planes");
-  });
+  };
+  job.animation.clip = onlyKeysFrom<std::vector<ClipPlane>>(owner, job_keys::kClipKeys, job_keys::kClipKey, planes);
   requireAlike(owner, job.animation.clip, "planes",
                [](const ClipPlane& a, const ClipPlane& b) { return mayMix(a.normal, b.normal); });
 }
