@@ -7,49 +7,29 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 
-#include <cstring>
 #include <filesystem>
 
 #include "base/parallel.h"
 #include "convert/convert.h"
 #include "ingest/volume_source.h"
 #include "store/manifest.h"
+#include "support/procedural.h"
 
 namespace kiln {
 namespace {
 namespace fs = std::filesystem;
 
-class MemorySource : public VolumeSource {
- public:
-  explicit MemorySource(VolumeSource& from) : info_(from.info()) {
-    const VoxelBox all = boxOf(info_.geometry.dims);
-    voxels_.resize(static_cast<std::size_t>(all.count()) * sizeOf(info_.type));
-    from.read(all, voxels_);
-  }
-  const SourceInfo& info() const override { return info_; }
-  ReadOrder order() const override { return ReadOrder::kAnyBox; }
-  void read(const VoxelBox& box, std::span<std::byte> out) override {
-    const Extent3 n = info_.geometry.dims;
-    const auto row = static_cast<std::size_t>(box.extent().x) * sizeOf(info_.type);
-    std::size_t at = 0;
-    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, at += row) {
-        const auto from = static_cast<std::size_t>((z * n.y + y) * n.x + box.lo.x) * sizeOf(info_.type);
-        std::memcpy(out.data() + at, voxels_.data() + from, row);
-      }
-    }
-  }
-
- private:
-  SourceInfo info_;
-  std::vector<std::byte> voxels_;
-};
-
-MemorySource& head() {
-  static MemorySource source = [] {
+// From memory, so that only converting is timed.
+VolumeSource& head() {
+  static const test::DenseVolume volume = [] {
     const auto phantom = openSource("phantom:head:512x512x512", {});
-    return MemorySource(*phantom);
+    test::DenseVolume out{phantom->info().geometry, phantom->info().type, {}};
+    const VoxelBox all = boxOf(out.geometry.dims);
+    out.voxels.resize(static_cast<std::size_t>(all.count()) * sizeOf(out.type));
+    phantom->read(all, out.voxels);
+    return out;
   }();
+  static test::DenseSource source(volume);
   return source;
 }
 
