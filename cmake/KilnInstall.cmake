@@ -10,6 +10,10 @@ install(TARGETS kiln EXPORT kilnTargets FILE_SET HEADERS DESTINATION ${CMAKE_INS
 file(RELATIVE_PATH kiln_lib_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 set_target_properties(kiln_tool PROPERTIES INSTALL_RPATH $ORIGIN/${kiln_lib_from_bin})
 install(TARGETS kiln_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET kiln_mpi)
+  set_target_properties(kiln_mpi PROPERTIES INSTALL_RPATH $ORIGIN)
+  install(TARGETS kiln_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 install(DIRECTORY ${PROJECT_BINARY_DIR}/tools/kiln/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 install(EXPORT kilnTargets NAMESPACE kiln:: DESTINATION ${kiln_config_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kilnConfig.cmake.in ${PROJECT_BINARY_DIR}/kilnConfig.cmake

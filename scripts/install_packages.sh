@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|test|bench|demo ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -8,6 +8,7 @@ build=(g++ cmake ninja-build pkg-config
        libopenvdb-dev libtbb-dev libboost-iostreams-dev libblosc-dev zlib1g-dev
        libopenexr-dev libimath-dev libpng-dev libtiff-dev libgdcm-dev libxxhash-dev libhwy-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
+mpi=(libopenmpi-dev openmpi-bin)
 test=(libgtest-dev)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
@@ -17,10 +18,11 @@ wanted=()
 for group in "$@"; do
   case $group in
     build) wanted+=("${build[@]}") ;;
+    mpi) wanted+=("${mpi[@]}") ;;
     test) wanted+=("${test[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build test bench demo" >&2; exit 2 ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo" >&2; exit 2 ;;
   esac
 done
 

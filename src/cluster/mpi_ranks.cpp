@@ -1,0 +1,328 @@
+// Ranks by MPI (written against Open MPI 4.1, and MPI 3.1's standard). All calls are serialised by one mutex, and every
+// wait is a test, a short sleep and another test: a rank that waits leaves its core to those that work, which counts
+// where there are more ranks than cores. A thread looks in every millisecond, so that messages and one-sided operations
+// go on while this rank draws: over TCP they do only while the target is inside of MPI.
+#define OMPI_SKIP_MPICXX 1
+#include <mpi.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+#include "cluster/ranks.h"
+
+namespace kiln {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Tags of Kiln's own are below; this one is the collectives'.
+constexpr int kGatherTag = Ranks::kTags;
+// What one call of a collective moves at most: MPI counts in int.
+constexpr std::size_t kLargestCall = std::size_t{1} << 30;
+
+// A user's operation has no argument of its own; calls are serialised, so that one place is enough.
+const Ranks::Combine* combine_now = nullptr;
+
+void combineElements(void* front, void* behind, int* count, MPI_Datatype* /*type*/) {
+  (*combine_now)(static_cast<const std::byte*>(front), static_cast<std::byte*>(behind),
+                 static_cast<std::size_t>(*count));
+}
+
+class MpiRanks : public Ranks {
+ public:
+  MpiRanks() {
+    int level = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level);
+    if (level < MPI_THREAD_SERIALIZED)
+      throw Error(ErrorCode::kUnsupported, "this MPI may not be called from more than one thread; use another build");
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &count_);
+    failures_ = makeCounters(1);
+    service_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+  }
+
+  ~MpiRanks() override {
+    barrier();
+    waitUntil([this] { return outgoingDone(); });
+    service_ = {};
+    failures_.reset();
+    if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
+    MPI_Finalize();
+  }
+
+  int rank() const override { return rank_; }
+  int count() const override { return count_; }
+
+  void barrier() override {
+    MPI_Request request;
+    locked([&] { MPI_Ibarrier(MPI_COMM_WORLD, &request); });
+    wait(request);
+  }
+
+  void send(int to, int tag, std::vector<std::byte> bytes) override {
+    requireSize(bytes.size());
+    locked([&] {
+      traffic_.sent_bytes += bytes.size();
+      Outgoing& out = outgoing_.emplace_back();
+      out.bytes = std::move(bytes);
+      MPI_Isend(out.bytes.data(), static_cast<int>(out.bytes.size()), MPI_BYTE, to, tag, MPI_COMM_WORLD, &out.request);
+    });
+  }
+
+  RankMessage receive(int tag, std::optional<int> from) override {
+    std::optional<Incoming> incoming;
+    waitUntil([&] { return (incoming = begin(tag, from)).has_value(); });
+    return finish(std::move(*incoming));
+  }
+
+  std::optional<RankMessage> poll(int tag) override {
+    std::optional<Incoming> incoming;
+    locked([&] { incoming = begin(tag, std::nullopt); });
+    if (!incoming) return std::nullopt;
+    return finish(std::move(*incoming));
+  }
+
+  std::vector<std::vector<std::byte>> gather(std::vector<std::byte> bytes) override {
+    std::vector<std::vector<std::byte>> out;
+    if (!first()) {
+      send(0, kGatherTag, std::move(bytes));
+      return out;
+    }
+    out.push_back(std::move(bytes));
+    for (int from = 1; from < count_; ++from) out.push_back(receive(kGatherTag, from).bytes);
+    return out;
+  }
+
+  void broadcast(std::vector<std::byte>& bytes) override {
+    std::uint64_t size = bytes.size();
+    broadcastBytes(std::as_writable_bytes(std::span(&size, 1)));
+    bytes.resize(size);
+    broadcastBytes(bytes);
+  }
+
+  void reduce(std::span<std::byte> elements, std::size_t element_bytes, const Combine& combine,
+              std::span<const int> order) override {
+    // All begin together, so that nobody spins while another still draws.
+    barrier();
+    const Clock::time_point begin = Clock::now();
+    locked([&] {
+      const MPI_Comm world = inOrder(order);
+      MPI_Datatype element;
+      MPI_Type_contiguous(static_cast<int>(element_bytes), MPI_BYTE, &element);
+      MPI_Type_commit(&element);
+      MPI_Op op;
+      MPI_Op_create(combineElements, 0, &op);
+      combine_now = &combine;
+      const auto root = static_cast<int>(std::find(order.begin(), order.end(), 0) - order.begin());
+      const std::size_t count = elements.size() / element_bytes, step = kLargestCall / element_bytes;
+      for (std::size_t i = 0; i < count; i += step) {
+        std::byte* const at = elements.data() + i * element_bytes;
+        const auto some = static_cast<int>(std::min(step, count - i));
+        if (first())
+          MPI_Reduce(MPI_IN_PLACE, at, some, element, op, root, world);
+        else
+          MPI_Reduce(at, nullptr, some, element, op, root, world);
+      }
+      MPI_Op_free(&op);
+      MPI_Type_free(&element);
+      // MPI does not tell what its tree moves; but each rank except one hands its elements on, once.
+      if (!first()) traffic_.sent_bytes += elements.size();
+      traffic_.waited_s += seconds(begin);
+    });
+  }
+
+  std::unique_ptr<SharedCounters> makeCounters(std::size_t count) override;
+
+  RankTraffic traffic() const override {
+    const std::scoped_lock lock(mutex_);
+    return traffic_;
+  }
+
+  bool claimFailure() override {
+    // Where the first rank is gone there is no answer: mpirun ends this one before it waits for long.
+    return failures_->add(0, 1) == 0;
+  }
+
+  [[noreturn]] void abort(int exit_code) override {
+    MPI_Abort(MPI_COMM_WORLD, exit_code);
+    std::_Exit(exit_code);
+  }
+
+ private:
+  friend class MpiCounters;
+  struct Outgoing {
+    std::vector<std::byte> bytes;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+  struct Incoming {
+    RankMessage message;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+
+  static double seconds(Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); }
+
+  static void requireSize(std::size_t bytes) {
+    if (bytes > static_cast<std::size_t>(INT32_MAX))
+      throw Error(ErrorCode::kUsage, "a message of 2 GiB or more between ranks; draw a smaller image, or more tiles");
+  }
+
+  template <class Body>
+  void locked(const Body& body) {
+    const std::scoped_lock lock(mutex_);
+    body();
+  }
+
+  // Asks at once, then for some time without sleeping, then ever more rarely, up to every half millisecond.
+  template <class Done>
+  void waitUntil(const Done& done) {
+    const Clock::time_point begin = Clock::now();
+    bool is_done = false;
+    auto sleep = std::chrono::microseconds(20);
+    for (int tries = 0;; ++tries) {
+      locked([&] { is_done = done(); });
+      if (is_done) break;
+      if (tries < 20) {
+        std::this_thread::yield();
+        continue;
+      }
+      std::this_thread::sleep_for(sleep);
+      sleep = std::min(2 * sleep, std::chrono::microseconds(500));
+    }
+    locked([&] { traffic_.waited_s += seconds(begin); });
+  }
+
+  void wait(MPI_Request& request) {
+    waitUntil([&] {
+      int done = 0;
+      MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+      return done != 0;
+    });
+  }
+
+  // Requires the lock, as the next two do. Matched by probing, so that no other thread takes the same message.
+  std::optional<Incoming> begin(int tag, std::optional<int> from) {
+    int there = 0;
+    MPI_Message handle;
+    MPI_Status status;
+    MPI_Improbe(from.value_or(MPI_ANY_SOURCE), tag, MPI_COMM_WORLD, &there, &handle, &status);
+    if (there == 0) return std::nullopt;
+    int bytes = 0;
+    MPI_Get_count(&status, MPI_BYTE, &bytes);
+    Incoming out;
+    out.message.from = status.MPI_SOURCE;
+    out.message.bytes.resize(static_cast<std::size_t>(bytes));
+    MPI_Imrecv(out.message.bytes.data(), bytes, MPI_BYTE, &handle, &out.request);
+    traffic_.received_bytes += out.message.bytes.size();
+    return out;
+  }
+
+  bool outgoingDone() {
+    outgoing_.remove_if([](Outgoing& out) {
+      int done = 0;
+      MPI_Test(&out.request, &done, MPI_STATUS_IGNORE);
+      return done != 0;
+    });
+    return outgoing_.empty();
+  }
+
+  RankMessage finish(Incoming incoming) {
+    wait(incoming.request);
+    return std::move(incoming.message);
+  }
+
+  void broadcastBytes(std::span<std::byte> bytes) {
+    for (std::size_t i = 0; i < bytes.size(); i += kLargestCall) {
+      const std::span<std::byte> some = bytes.subspan(i, std::min(kLargestCall, bytes.size() - i));
+      MPI_Request request;
+      locked([&] {
+        MPI_Ibcast(some.data(), static_cast<int>(some.size()), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+        (first() ? traffic_.sent_bytes : traffic_.received_bytes) += some.size();
+      });
+      wait(request);
+    }
+  }
+
+  // Of the order that was asked for last: a camera that moves slowly keeps it.
+  MPI_Comm inOrder(std::span<const int> order) {
+    if (ordered_ != MPI_COMM_NULL && std::equal(order.begin(), order.end(), order_.begin(), order_.end()))
+      return ordered_;
+    if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
+    order_.assign(order.begin(), order.end());
+    const auto place = std::find(order_.begin(), order_.end(), rank_) - order_.begin();
+    MPI_Comm_split(MPI_COMM_WORLD, 0, static_cast<int>(place), &ordered_);
+    return ordered_;
+  }
+
+  void serve(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      locked([&] {
+        int there = 0;
+        MPI_Iprobe(MPI_ANY_SOURCE, kGatherTag, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
+        outgoingDone();
+      });
+    }
+  }
+
+  int rank_ = 0, count_ = 1;
+  mutable std::mutex mutex_;  // guards MPI and all below
+  RankTraffic traffic_;
+  std::list<Outgoing> outgoing_;
+  std::vector<int> order_;
+  MPI_Comm ordered_ = MPI_COMM_NULL;
+  std::unique_ptr<SharedCounters> failures_;
+  std::jthread service_;
+};
+
+// One-sided, in a window of the first rank's memory: no rank answers for another. Where all ranks are on one machine an
+// addition is an atomic instruction on shared memory; else the first rank's service thread lets it happen.
+class MpiCounters : public SharedCounters {
+ public:
+  MpiCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
+    const std::scoped_lock lock(ranks.mutex_);
+    const std::size_t bytes = ranks.first() ? count * sizeof(std::uint64_t) : 0;
+    void* memory = nullptr;
+    MPI_Win_allocate(static_cast<MPI_Aint>(bytes), sizeof(std::uint64_t), MPI_INFO_NULL, MPI_COMM_WORLD, &memory,
+                     &window_);
+    if (bytes > 0) std::memset(memory, 0, bytes);
+    MPI_Win_lock_all(0, window_);
+    MPI_Win_sync(window_);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  ~MpiCounters() override {
+    // Freeing is collective and without a wait of its own that sleeps.
+    ranks_.barrier();
+    const std::scoped_lock lock(ranks_.mutex_);
+    MPI_Win_unlock_all(window_);
+    MPI_Win_free(&window_);
+  }
+
+  std::uint64_t add(std::size_t counter, std::uint64_t amount) override {
+    const std::scoped_lock lock(ranks_.mutex_);
+    std::uint64_t before = 0;
+    MPI_Fetch_and_op(&amount, &before, MPI_UINT64_T, 0, static_cast<MPI_Aint>(counter), MPI_SUM, window_);
+    MPI_Win_flush(0, window_);
+    return before;
+  }
+
+ private:
+  MpiRanks& ranks_;
+  MPI_Win window_ = MPI_WIN_NULL;
+};
+
+std::unique_ptr<SharedCounters> MpiRanks::makeCounters(std::size_t count) {
+  return std::make_unique<MpiCounters>(*this, count);
+}
+
+}  // namespace
+}  // namespace kiln
+
+extern "C" __attribute__((visibility("default"))) kiln::Ranks* kilnMakeMpiRanks() { return new kiln::MpiRanks(); }
