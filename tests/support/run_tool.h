@@ -15,6 +15,8 @@ struct ToolOptions {
   double seconds = 120;
   /// The largest file the child may write: a full disk for one process. unit: bytes.
   std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
+  /// Under mpirun with so many ranks, on this machine; 0 without. requires: canRunRanks().
+  int ranks = 0;
   /// Asked every millisecond; once it says true the child gets SIGINT.
   std::function<bool()> interrupt_when;
 };
@@ -28,6 +30,9 @@ struct ToolResult {
   /// shape: the lines of `err`, without those a slow machine adds: progress, one every ten seconds.
   std::vector<std::string> errorLines() const;
 };
+
+/// Whether Kiln is built with MPI and mpirun is there.
+bool canRunRanks();
 
 /// Runs KILN_TOOL with `arguments` and waits for its end. throws: std::runtime_error where no child can be started.
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options = {});

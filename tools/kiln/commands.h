@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "cluster/ranks.h"
 #include "terminal_progress.h"
 
 namespace kiln::tool {
@@ -13,6 +14,8 @@ struct Context {
   TerminalProgress progress;
   std::string command_line;      // for the manifest
   std::function<void()> action;  // what the chosen command does
+  Ranks* ranks = nullptr;        // under mpirun several; else one
+  bool by_all_ranks = false;     // the action is for every rank; else for the first, while the others wait
 };
 
 void addConvert(CLI::App& app, Context& context);

@@ -1,19 +1,64 @@
 // The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
-// 0 done, 1 data or I/O, 2 command line.
+// 0 done, 1 data or I/O, 2 command line. Started by mpirun it is one of several ranks: one of them speaks, and one that
+// fails ends all.
 #include <cstdio>
+#include <cstdlib>
 #include <new>
+#include <thread>
 
 #include "base/error.h"
 #include "commands.h"
 
 namespace {
 
-int run(int argc, char** argv) {
+// Open MPI's mpirun, and other launchers (srun --mpi=pmix, Hydra) by what they tell a process of its rank.
+bool startedAsRank() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"}) {
+    if (std::getenv(name) != nullptr) return true;
+  }
+  return false;
+}
+
+// What all ranks are told by their command line, one says.
+int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const kiln::Ranks& ranks) {
+  if (!ranks.first()) return 2;
+  if (app.get_subcommands().empty() && !app.remaining().empty()) {
+    std::fprintf(stderr, "kiln: there is no command or option '%s'; run 'kiln --help'\n",
+                 app.remaining().front().c_str());
+    return 2;
+  }
+  std::fprintf(stderr, "kiln: %s; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
+  return 2;
+}
+
+std::string unexpected(const std::exception& error) {
+  return std::string("unexpected: ") + error.what() + "; this is a defect, please report it";
+}
+
+// One rank says why, and all end; it may be the others that notice next.
+[[noreturn]] void endAll(kiln::Ranks& ranks, const std::string& sentence, int exit_code) {
+  if (ranks.claimFailure())
+    std::fprintf(stderr, "kiln: rank %d of %d: %s\n", ranks.rank(), ranks.count(), sentence.c_str());
+  else
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+  ranks.abort(exit_code);
+}
+
+int fail(kiln::tool::Context& context, const std::string& sentence, int exit_code) {
+  context.progress.clear();
+  if (!context.ranks->alone()) endAll(*context.ranks, sentence, exit_code);
+  std::fprintf(stderr, "kiln: %s\n", sentence.c_str());
+  return exit_code;
+}
+
+int run(int argc, char** argv, kiln::Ranks& ranks) {
   using namespace kiln::tool;
   CLI::App app("Kiln renders scalar volumes larger than memory, on CPUs, from the command line.", "kiln");
   app.set_version_flag("--version", std::string("kiln ") + KILN_VERSION);
   app.require_subcommand(1);
   Context context;
+  context.ranks = &ranks;
+  if (!ranks.first()) context.progress.speakAsRank(ranks.rank());
   for (int i = 0; i < argc; ++i) context.command_line += (i == 0 ? "" : " ") + std::string(i == 0 ? "kiln" : argv[i]);
   addConvert(app, context);
   addInfo(app, context);
@@ -30,28 +75,20 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
-    return app.exit(asked);
+    return ranks.first() ? app.exit(asked) : 0;
   } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty() && !app.remaining().empty()) {
-      std::fprintf(stderr, "kiln: there is no command or option '%s'; run 'kiln --help'\n",
-                   app.remaining().front().c_str());
-      return 2;
-    }
-    std::fprintf(stderr, "kiln: %s; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
-    return 2;
+    return refuseCommandLine(app, error, ranks);
   }
   installInterruptHandler();
   try {
-    context.action();
+    if (ranks.first() || context.by_all_ranks) context.action();
     return 0;
   } catch (const kiln::Error& error) {
-    context.progress.clear();
-    std::fprintf(stderr, "kiln: %s\n", error.what());
-    return error.exitCode();
+    return fail(context, error.what(), error.exitCode());
   } catch (const std::bad_alloc&) {
-    context.progress.clear();
-    std::fprintf(stderr, "kiln: the machine has no more memory to give; lower --memory or the image's size\n");
-    return 1;
+    return fail(context, "the machine has no more memory to give; lower --memory or the image's size", 1);
+  } catch (const std::exception& error) {
+    return fail(context, unexpected(error), 1);
   }
 }
 
@@ -59,9 +96,13 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
+    return run(argc, argv, *ranks);
+  } catch (const kiln::Error& error) {
+    std::fprintf(stderr, "kiln: %s\n", error.what());
+    return error.exitCode();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kiln: unexpected: %s; this is a defect, please report it\n", error.what());
+    std::fprintf(stderr, "kiln: %s\n", unexpected(error).c_str());
     return 1;
   }
 }

@@ -80,7 +80,12 @@ void TerminalProgress::show(const std::string& line) {
 
 void TerminalProgress::note(const std::string& sentence) {
   clear();
-  fmt::print(stderr, "kiln: {}\n", sentence);
+  fmt::print(stderr, "{}{}\n", speaker_, sentence);
+}
+
+void TerminalProgress::speakAsRank(int rank) {
+  silent_ = true;
+  speaker_ = fmt::format("kiln: rank {}: ", rank);
 }
 
 void TerminalProgress::clear() {

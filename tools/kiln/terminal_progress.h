@@ -21,6 +21,8 @@ class TerminalProgress : public Progress {
   void show(const std::string& line);
   /// Shows no progress from here on, or plain lines also on a terminal.
   void silence() { silent_ = true; }
+  /// As `silence`, and notes say whose they are.
+  void speakAsRank(int rank);
   void plain() { terminal_ = false; }
   /// Ends a line that is being drawn over.
   void clear();
@@ -29,6 +31,7 @@ class TerminalProgress : public Progress {
   using Clock = std::chrono::steady_clock;
   bool terminal_;
   bool silent_ = false;
+  std::string speaker_ = "kiln: ";
   std::string step_;
   Clock::time_point begin_, last_;
   std::uint64_t done_before_ = 0;
