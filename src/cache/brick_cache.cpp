@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "base/memory.h"
+#include "base/span.h"
+#include "base/trace.h"
 
 namespace kiln {
 BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers, SkipHandler skip)
@@ -96,6 +98,7 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
 
 std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
   const auto begun = std::chrono::steady_clock::now();
+  const Span span(Activity::kWait);
   Lock lock(mutex_);
   // The turn of those before it has passed: they became hidden.
   const auto due = std::find(announced_.begin(), announced_.end(), key);
@@ -159,6 +162,7 @@ void BrickCache::settle() {
 // A reader's life: the first announced brick that is not there, as soon as there is room for it and nobody waits for
 // some. What it took then would have to make room for the brick that is due, and be read again.
 void BrickCache::readAhead() {
+  Trace::nameThread("reads");
   Lock lock(mutex_);
   while (!closing_) {
     const auto next =

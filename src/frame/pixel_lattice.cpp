@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "frame/tile_span.h"
 
 namespace kiln {
 namespace {
@@ -25,6 +26,11 @@ VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& rea
     if (sub_brick.hi[axis] == core.hi[axis]) sub_brick.hi[axis] = reach.hi[axis];
   }
   return sub_brick;
+}
+
+std::vector<SlabCell> interestingCellsOf(const SlabFrame& frame, const BrickBlock& block) {
+  const Span span(Activity::kCells);
+  return interestingCells(frame, block);
 }
 
 }  // namespace
@@ -94,9 +100,10 @@ SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePi
 SplatCounts PixelLattice::drawZone(const SlabFrame& frame, const BrickBlock& block,
                                    const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
                                    float opaque_at) {
-  const std::vector<SlabCell> cells = interestingCells(frame, block);
+  const std::vector<SlabCell> cells = interestingCellsOf(frame, block);
   std::vector<SplatCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) {
+    const TileSpan span(block.key, tiles[i].rect, counts[i]);
     std::unique_ptr<SweepMemory> memory = takeMemory();
     std::vector<const SlabCell*> touching;
     for (const TilePixels& square : squaresOf(tiles[i], sweep_px_)) {

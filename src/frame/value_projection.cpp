@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/parallel.h"
+#include "frame/tile_span.h"
 
 namespace kiln {
 namespace {
@@ -135,7 +136,9 @@ SplatCounts ValueProjection::draw(const BrickInView& brick, const BrickBlock* bl
   std::vector<SplatCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) {
     const PixelRect rect = intersection(tiles[i], brick.rect);
-    if (!rect.empty()) drawTile(brick, block, bound, rect, values, counts[i]);
+    if (rect.empty()) return;
+    const TileSpan span(brick.key, rect, counts[i]);
+    drawTile(brick, block, bound, rect, values, counts[i]);
   });
   SplatCounts total;
   for (const SplatCounts& tile : counts) total.add(tile);

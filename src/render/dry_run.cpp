@@ -60,6 +60,7 @@ std::string dryRunText(const DryRun& run) {
                                         {"framebuffer_bytes", run.memory.image + run.memory.band},
                                         {"visibility_bytes", run.memory.visibility},
                                         {"slabs_bytes", run.memory.slabs},
+                                        {"trace_bytes", run.memory.trace},
                                         {"index_bytes", run.memory.index},
                                         {"brick_bytes", run.memory.brick}}}};
   return out.dump(1) + "\n";

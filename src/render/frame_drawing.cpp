@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/span.h"
 #include "frame/lookahead.h"
 #include "frame/make_visibility.h"
+#include "frame/tile_span.h"
 #include "frame/tile_walk.h"
 #include "render/aov_planes.h"
 #include "render/composite_parts.h"
+#include "store/store_writer.h"
 
 namespace kiln {
 namespace {
@@ -43,7 +46,10 @@ SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifie
 SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
                       NodeLog* log) {
   std::vector<SplatCounts> counts(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t i) { walkTile(frame, block, tiles[i], counts[i], log); });
+  parallelFor(tiles.size(), [&](std::size_t i) {
+    const TileSpan span(block.key, tiles[i].rect, counts[i]);
+    walkTile(frame, block, tiles[i], counts[i], log);
+  });
   SplatCounts total;
   for (const SplatCounts& tile : counts) total.add(tile);
   return total;
@@ -61,6 +67,13 @@ BrickWalk::AnyPart inPart(const FrameLevels& levels, BrickWalk::AnyPart any_part
   };
 }
 
+Image emptyImage(const PixelRect& pixels, const Aovs& aovs) {
+  const Span span(Activity::kPlan);
+  Image out(pixels.width(), pixels.height());
+  addAovPlanes(aovs, out);
+  return out;
+}
+
 Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
   return Classifier(request.transfer_function, opacityUnit(store, request), store.manifest().type,
                     store.manifest().range);
@@ -71,6 +84,7 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
 FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
     : levels(store.manifest(), request.level, request.view, request.visibility.area, request.clipping),
       classifier(classifierFor(store, request)) {
+  const Span span(Activity::kPlan);
   if (request.mode != Mode::kComposite) {
     projection.emplace(store, levels, request.view, request.level, request.mode,
                        request.visibility.method != VisibilityMethod::kNone);
@@ -97,8 +111,7 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
 }
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
-  Image image(pixels.width(), pixels.height());
-  addAovPlanes(request_.aovs, image);
+  Image image = emptyImage(pixels, request_.aovs);
   if (plan_.projection)
     project(pixels, image);
   else
@@ -107,6 +120,7 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 }
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
+  const Span span(Activity::kWalk);
   std::vector<CoveredPixel> covered(plan_.pixel ? image.rgba.size() / 4 : 0);
   std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, plan_.pixel ? covered.data() : nullptr,
@@ -150,6 +164,8 @@ std::vector<PixelRect> FrameDrawing::tilesOf(const PixelRect& drawn, const Pixel
 }
 
 void FrameDrawing::drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles) {
+  Span span(Activity::kBrick);
+  if (span.traced()) span.note("brick", brickPath(block.key).native());
   count(block.key, plan_.pixel ? plan_.pixel->draw(block, tiles, *visibility_, frame_.test_samples, frame_.opaque_at)
                                : drawBrick(frameOfLevel(block.key.level), block, tiles, request_.node_log));
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/hash.h"
+#include "base/span.h"
 #include "output/image_file.h"
 #include "render/composite_parts.h"
 #include "scene/frame_list.h"
@@ -175,6 +176,8 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store) {
   const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
+    Span span(Activity::kWrite);
+    if (span.traced()) span.note("file", file.path.filename().native());
     const FilePart part(drawn.image, file, aovsOf(job, file));
     const bool as_float = job.output.exr_float || drawsPart(job.picture);
     writeImage(part.image(), metadataOf(job, file, drawn, store),

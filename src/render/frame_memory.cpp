@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/trace.h"
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
 #include "render/aov_planes.h"
@@ -74,6 +75,7 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   if (composites)
     out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
   out.index = store.index().bytes() + store.index().size() * (kWalkBytes + sizeof(BrickInView));
+  out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
   out.brick = store.largestReadBytes();
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
   if (drawsSlabs(job)) {
@@ -95,12 +97,14 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
 
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store) {
   if (memory.smallest() > budget_bytes) {
-    throw Error(ErrorCode::kBudget, store, "--memory",
-                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
-                            "of index, {} of slabs, {} to read one brick)",
-                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
-                            formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
-                            formatBytes(memory.index), formatBytes(memory.least_slabs), formatBytes(memory.brick)));
+    throw Error(
+        ErrorCode::kBudget, store, "--memory",
+        fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
+                    "of index, {} of slabs, {}{} to read one brick)",
+                    formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
+                    formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
+                    formatBytes(memory.index), formatBytes(memory.least_slabs),
+                    memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick)));
   }
   return budget_bytes - memory.besideBricks();
 }

@@ -17,6 +17,7 @@ struct FrameMemory {
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
+  std::uint64_t trace = 0;       // the trace, where one is kept
   std::uint64_t brick = 0;       // reading one, the largest of the store
 
   std::uint64_t least_slabs = 0;  // with the smallest squares
@@ -24,7 +25,7 @@ struct FrameMemory {
   int sweep_px = 64;              // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
   int band_px = 64;               // height of the band: at most a quarter of the budget, and bricks get no less
 
-  std::uint64_t besideBricks() const { return image + band + visibility + index + slabs; }
+  std::uint64_t besideBricks() const { return image + band + visibility + index + slabs + trace; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs - band + least_band + brick; }
 };

@@ -1,6 +1,7 @@
 // The part of a frame's drawing that is its own where values are projected: bricks come in an order of values, and a
 // pixel's value becomes a colour when all are there.
 #include "base/parallel.h"
+#include "base/span.h"
 #include "frame/lookahead.h"
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
@@ -29,6 +30,7 @@ void putColors(const ProjectedValues& values, const TransferFunction& transfer_f
 
 void FrameDrawing::project(const PixelRect& pixels, Image& image) {
   const ValueProjection& projection = *plan_.projection;
+  const Span span(Activity::kWalk);
   ProjectedValues values = projection.begin(pixels);
   const std::vector<BrickInView> bricks = projection.ordered(plan_.bricks->inView(pixels, walked_));
   std::vector<BrickInView> with_file;
@@ -52,6 +54,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
         continue;
       }
     }
+    const Span drawing(Activity::kBrick);
     count(brick.key, projection.draw(brick, block.get(), tilesOf(pixels, brick.rect), values));
   }
   putColors(values, request_.transfer_function, valuePlane(request_.aovs, image), image);

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/span.h"
 #include "render/render_job_run.h"
 
 namespace kiln {
@@ -64,6 +65,8 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress)
       scenes_(drawn_job_, store_.manifest()) {}
 
 DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
+  Span span(Activity::kFrame);
+  if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
   out.scene = sceneAt(frame);
   FrameRequest request = frameRequest(out.scene.picture, job_.speed, out.scene.camera, out.scene.transfer_function);
@@ -94,6 +97,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.visibility_bytes = memory_.visibility;
   statistics.index_bytes = memory_.index;
   statistics.slabs_bytes = memory_.slabs;
+  statistics.trace_bytes = memory_.trace;
 }
 
 }  // namespace kiln

@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "base/parallel.h"
+#include "base/span.h"
 #include "render/aov_planes.h"
 #include "render/background.h"
 #include "render/frame_drawing.h"
@@ -43,6 +44,7 @@ PixelRect subPixelsOf(const PixelRect& pixels, int edge) {
 
 // Writes the means of edge × edge sub-pixels into the image's rows from `row` on.
 void putMeans(const Image& sub_pixels, int edge, Image& image, int row) {
+  const Span span(Activity::kFinish);
   const float share = 1.0f / static_cast<float>(edge * edge);
   parallelFor(static_cast<std::size_t>(sub_pixels.height / edge), [&](std::size_t i) {
     const int first = static_cast<int>(i);
@@ -77,6 +79,7 @@ Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, const 
 
 Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequest& request) {
   Image image = drawing.draw(pixels);
+  const Span span(Activity::kFinish);
   putAovs(request.aovs, request.view, image, 1, image, 0);
   return image;
 }
@@ -93,6 +96,7 @@ std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameReque
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics) {
   const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
   requireRequest(store, request);
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   const int edge = subPixelsAlongEdge(request.samples);
@@ -100,7 +104,12 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
   FrameDrawing drawing(store, cache, of_sub_pixels, progress);
   Image image = edge == 1 ? drawPixels(drawing, pixels, request) : drawMeans(drawing, pixels, edge, request);
   statistics = drawing.finish();
-  layOverBackground(image, pixels.y0, request.view.size.height, request.background);
+  {
+    const Span span(Activity::kFinish);
+    layOverBackground(image, pixels.y0, request.view.size.height, request.background);
+  }
+  statistics.busy = BusyTimes::now().since(before);
+  statistics.threads = ThreadLimit::active();
   statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return image;
 }

@@ -1,6 +1,9 @@
 #include "render/render_job_run.h"
 
+#include <optional>
+
 #include "base/parallel.h"
+#include "base/trace.h"
 #include "render/frame_files.h"
 #include "render/opened_job.h"
 #include "render/sequence.h"
@@ -45,6 +48,8 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   requirePart(job);
   requireOutputs(job, 1);
   const ThreadLimit threads(job.speed.threads);
+  std::optional<Trace> trace;
+  if (!job.trace.empty()) trace.emplace(job.trace);
   const int number = framesOf(job).front();
   OpenedJob opened(jobAtFrame(job, number), progress);
   RenderResult result;
@@ -61,6 +66,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   result.image = std::move(drawn.image);
   result.camera = drawn.scene.camera;
   result.transfer_function = drawn.scene.transfer_function;
+  if (trace) trace->finish();
   return result;
 }
 

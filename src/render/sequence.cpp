@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/trace.h"
 #include "render/video.h"
 #include "scene/frame_list.h"
 
@@ -155,7 +156,11 @@ RenderJob jobAtFrame(const RenderJob& job, int frame) {
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener) {
   const ThreadLimit threads(job.speed.threads);
-  return Sequence(job, options, progress, listener).run();
+  std::optional<Trace> trace;
+  if (!job.trace.empty()) trace.emplace(job.trace);
+  SequenceResult result = Sequence(job, options, progress, listener).run();
+  if (trace) trace->finish();
+  return result;
 }
 
 }  // namespace kiln

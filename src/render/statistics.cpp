@@ -24,6 +24,19 @@ nlohmann::ordered_json readToContributing(const FrameStatistics& frame) {
   return static_cast<double>(frame.bricks_read_bytes) / static_cast<double>(frame.bricks_contributing_bytes);
 }
 
+nlohmann::ordered_json threadsOf(const FrameStatistics& frame) {
+  const BusyTimes& busy = frame.busy;
+  const double rest = busy.of(Activity::kPlan) + busy.of(Activity::kFinish);
+  return {{"threads", frame.threads},
+          {"utilisation", frame.utilisation()},
+          {"busy",
+           {{"read_s", busy.of(Activity::kRead)},
+            {"decode_s", busy.of(Activity::kDecode)},
+            {"walk_s", busy.of(Activity::kWalk) + busy.of(Activity::kCells)},
+            {"draw_s", busy.of(Activity::kTile)},
+            {"other_s", rest}}}};
+}
+
 nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
   return {{"voxels", {{"visited", frame.voxels_visited}, {"splats", frame.voxels_splats}}},
           {"nodes", {{"tested", frame.nodes_tested}, {"hidden", frame.nodes_hidden}}},
@@ -56,6 +69,7 @@ std::string statisticsText(const RenderStatistics& s) {
   for (const FrameStatistics& frame : s.frames) {
     nlohmann::ordered_json entry = {
         {"frame", frame.frame}, {"wall_s", frame.wall_s}, {"load_s", frame.load_s}, {"output_s", frame.output_s}};
+    entry.update(threadsOf(frame));
     entry.update(countsOf(frame));
     entry["memory"] = {{"peak_cache_bytes", frame.peak_cache_bytes}, {"peak_rss_bytes", frame.peak_rss_bytes}};
     frames.push_back(entry);
@@ -63,12 +77,13 @@ std::string statisticsText(const RenderStatistics& s) {
   nlohmann::ordered_json out = {{"frames", frames}};
   if (!s.kept.empty()) out["kept"] = s.kept;
   if (!s.failed.empty()) out["failed"] = s.failed;
+  if (!s.frames.empty()) out.update(threadsOf(s.frames.back()));
   if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
   out["memory"] = {{"budget_bytes", s.budget_bytes},         {"cache_bytes", s.cache_bytes},
                    {"peak_cache_bytes", s.peak_cache_bytes}, {"framebuffer_bytes", s.framebuffer_bytes},
                    {"visibility_bytes", s.visibility_bytes}, {"index_bytes", s.index_bytes},
                    {"slabs_bytes", s.slabs_bytes},           {"peak_slabs_bytes", s.peak_slabs_bytes},
-                   {"peak_rss_bytes", s.peak_rss_bytes}};
+                   {"trace_bytes", s.trace_bytes},           {"peak_rss_bytes", s.peak_rss_bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
   return out.dump(1) + "\n";
 }

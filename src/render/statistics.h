@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/span.h"
+
 namespace kiln {
 
 /// What a frame drew of one level; `add` is told of each brick.
@@ -33,6 +35,10 @@ struct FrameStatistics {
   std::uint64_t slab_bytes = 0;                            // that the threads swept with, at the most
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and those before it
   std::vector<LevelStatistics> levels;                     // of the store, 0 first
+  unsigned threads = 1;  // that draw; as many read beside them, where there are several
+  BusyTimes busy;        // of what was done within wall_s
+  /// The part of the drawing threads' time for which there was work, above 1 where readers have cores of their own.
+  double utilisation() const { return wall_s > 0 ? busy.total() / (wall_s * threads) : 0; }
   void addContributing(std::uint64_t file_bytes) {
     ++bricks_contributing;
     bricks_contributing_bytes += file_bytes;
@@ -43,6 +49,7 @@ struct RenderStatistics {
   std::vector<FrameStatistics> frames;
   std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
+  std::uint64_t trace_bytes = 0;                        // of the trace, where one is kept
   std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;

@@ -48,6 +48,7 @@ constexpr JobKey kRootKeys[] = {
     {"threads", R"({"type": "integer", "minimum": 0, "maximum": 4096, "description": "0 takes all"})"},
     {"tile",
      R"({"type": "integer", "minimum": 0, "maximum": 65536, "description": "a power of two from 64 on, or 0"})"},
+    {"trace", R"({"$ref": "text", "description": "a file for what each thread did when, in Chrome's trace format"})"},
     {"exr", R"({"$ref": "exr"})"},
     {"png", R"({"$ref": "png"})"},
 };

@@ -254,6 +254,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   readOutput(root, job.output);
+  if (const auto trace = root.text("trace", "a file name")) job.trace = besideJob(*trace, path);
   return job;
 }
 

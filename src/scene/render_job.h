@@ -163,6 +163,7 @@ struct RenderJob {
   std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
   SpeedOptions speed;
   OutputOptions output;
+  std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
 };
 
 /// The frames that the job draws: those it names, else the animation's.

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/span.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -70,13 +71,21 @@ BrickFrame StoreReader::frame(const BrickKey& key) const {
 
 std::vector<std::byte> StoreReader::readFileOf(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
+  Span span(Activity::kRead);
+  if (span.traced()) {
+    span.note("brick", brickPath(key).native());
+    span.note("bytes", entry.file_bytes);
+  }
   return readChecked(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 BrickBlock StoreReader::read(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   if (entry.constant) return constantBrick(frame(key), entry.core.lo);
-  return decodeBrick(frame(key), readFileOf(key), directory_ / brickPath(key));
+  const std::vector<std::byte> file = readFileOf(key);
+  Span span(Activity::kDecode);
+  if (span.traced()) span.note("brick", brickPath(key).native());
+  return decodeBrick(frame(key), file, directory_ / brickPath(key));
 }
 
 std::size_t StoreReader::readBytes(const BrickKey& key) const {

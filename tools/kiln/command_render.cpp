@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct RenderArguments {
-  std::string input, output, stats, progress = "auto";
+  std::string input, output, stats, trace, progress = "auto";
   std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
       interpolation, level, memory, exr_type, compression, owner, comments, part, stereo, window;
   std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold;
@@ -200,6 +200,7 @@ RenderJob jobOf(const RenderArguments& a) {
   applySpeed(a, job.speed);
   applyFrames(a, job);
   applyOutput(a, job.output);
+  if (!a.trace.empty()) job.trace = a.trace;
   requirePart(job);
   requireOutputs(job, framesOf(job).size());
   return job;
@@ -220,8 +221,9 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
   if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
-  fmt::print("{} of visibility, {} of index, {} of slabs, {} to read one brick\n", formatBytes(memory.visibility),
-             formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.brick));
+  fmt::print("{} of visibility, {} of index, {} of slabs, {}{} to read one brick\n", formatBytes(memory.visibility),
+             formatBytes(memory.index), formatBytes(memory.slabs),
+             memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick));
   fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
@@ -391,6 +393,10 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--threads", a->threads, "threads; 0 takes all");
   command->add_flag("--dry-run", a->dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
   command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
+  command
+      ->add_option("--trace", a->trace,
+                   "write what each thread did when, in Chrome's trace format, for Perfetto or chrome://tracing")
+      ->type_name("FILE");
   command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")
       ->capture_default_str();
   command->add_option("--exr-type", a->exr_type, "half or float");

@@ -1,0 +1,112 @@
+#include "base/trace.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <span>
+
+#include "base/file.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// The longest event is far below the second, so that the first is never grown.
+constexpr std::size_t kFlushedBytes = Trace::kMemoryBytes - (std::size_t{64} << 10);
+
+std::atomic<Trace*> kept = nullptr;
+std::atomic<std::uint64_t> traces = 0;
+
+struct ThreadTrack {
+  const char* name = "draws";
+  std::uint64_t trace = 0;
+  int track = 0;
+};
+thread_local ThreadTrack own_track;
+
+fs::path writtenFor(const fs::path& path) {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  return fs::is_character_file(status) || fs::is_fifo(status) ? path : fs::path(path.string() + ".tmp");
+}
+
+std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+}  // namespace
+
+Trace::Trace(const fs::path& path)
+    : path_(path), written_(writtenFor(path)), begin_(std::chrono::steady_clock::now()), number_(++traces) {
+  waiting_.reserve(kMemoryBytes);
+  FileSystem::real().writeFile(written_, bytesOf("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
+                               WriteMode::kUnsynced);
+  own_track.name = "frame";
+  waiting_ = R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"kiln"}})";
+  kept = this;
+}
+
+Trace::~Trace() {
+  kept = nullptr;
+  if (finished_ || written_ == path_) return;
+  std::error_code ignored;
+  fs::remove(written_, ignored);
+}
+
+void Trace::finish() {
+  kept = nullptr;
+  const std::lock_guard lock(mutex_);
+  waiting_ += "\n]}\n";
+  if (!failure_) flush();
+  if (failure_) std::rethrow_exception(failure_);
+  if (written_ != path_) FileSystem::real().rename(written_, path_);
+  finished_ = true;
+}
+
+Trace* Trace::active() noexcept { return kept.load(std::memory_order_acquire); }
+
+std::int64_t Trace::nowNs() const noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+void Trace::add(const TracedSpan& span, std::string_view notes) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (failure_) return;
+  try {
+    const auto us = [](std::int64_t ns) { return 1e-3 * static_cast<double>(ns); };
+    put(fmt::format(
+        R"({{"name":"{}","cat":"{}","ph":"X","pid":1,"tid":{},"ts":{:.3f},"dur":{:.3f},"args":{{"busy_us":{:.3f}{}}}}})",
+        nameOf(span.activity), works(span.activity) ? "work" : "rest", trackOfThread(), us(span.begin_ns),
+        us(span.end_ns - span.begin_ns), us(span.busy_ns), notes));
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+void Trace::nameThread(const char* name) noexcept { own_track.name = name; }
+
+// A thread's first span names its track.
+int Trace::trackOfThread() {
+  if (own_track.trace != number_) {
+    own_track.trace = number_;
+    own_track.track = ++tracks_;
+    put(fmt::format(R"({{"name":"thread_name","ph":"M","pid":1,"tid":{0},"args":{{"name":"{1} {0}"}}}})",
+                    own_track.track, own_track.name));
+  }
+  return own_track.track;
+}
+
+void Trace::put(std::string_view event) {
+  waiting_ += ",\n";
+  waiting_ += event;
+  if (waiting_.size() >= kFlushedBytes) flush();
+}
+
+void Trace::flush() {
+  try {
+    FileSystem::real().appendFile(written_, bytesOf(waiting_));
+    waiting_.clear();
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+}  // namespace kiln
