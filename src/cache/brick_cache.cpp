@@ -100,9 +100,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
   const auto begun = std::chrono::steady_clock::now();
   const Span span(Activity::kWait);
   Lock lock(mutex_);
-  // The turn of those before it has passed: they became hidden.
-  const auto due = std::find(announced_.begin(), announced_.end(), key);
-  if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
+  passTurnsUpTo(key);
   auto slot = slots_.find(key);
   if (slot != slots_.end()) {
     ++counts_.hits;
@@ -129,6 +127,23 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
   const bool first = !std::exchange(slot->second.asked_for, true);
   counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return slot->second.state == State::kFailed ? skip(slot->second, first, lock) : slot->second.block;
+}
+
+// The turn of those before a brick that is asked for has passed: they became hidden.
+void BrickCache::passTurnsUpTo(const BrickKey& key) {
+  const auto due = std::find(announced_.begin(), announced_.end(), key);
+  if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
+}
+
+std::shared_ptr<const BrickBlock> BrickCache::find(const BrickKey& key) {
+  const Lock lock(mutex_);
+  const auto slot = slots_.find(key);
+  if (slot == slots_.end() || slot->second.state != State::kReady) return nullptr;
+  passTurnsUpTo(key);
+  ++counts_.hits;
+  recency_.splice(recency_.begin(), recency_, slot->second.recency);
+  slot->second.asked_for = true;
+  return slot->second.block;
 }
 
 std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool first, Lock& lock) {

@@ -49,6 +49,10 @@ class BrickCache {
   /// throws: Error kBudget where held bricks leave no room, and what StoreReader::read throws.
   std::shared_ptr<const BrickBlock> get(const BrickKey& key);
 
+  /// The same where it is in memory already, and nothing otherwise: it neither waits nor reads nor fails. thread: as
+  /// `get`.
+  std::shared_ptr<const BrickBlock> find(const BrickKey& key);
+
   /// Says which bricks will be asked for next, in that order: they are read as far as there is room beside what is held
   /// and announced. What was announced before and is not now is dropped, if its reading has not begun, and so is what
   /// stands before a brick that is asked for. A brick that cannot be read is no error before it is asked for. thread:
@@ -85,6 +89,7 @@ class BrickCache {
   void read(Slots::iterator slot, Lock& lock);
   std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
   void erase(Slots::iterator slot);
+  void passTurnsUpTo(const BrickKey& key);
   void readAhead();
 
   const StoreReader& store_;

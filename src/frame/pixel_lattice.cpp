@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "base/parallel.h"
 #include "frame/tile_span.h"
 
 namespace kiln {
@@ -26,11 +25,6 @@ VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& rea
     if (sub_brick.hi[axis] == core.hi[axis]) sub_brick.hi[axis] = reach.hi[axis];
   }
   return sub_brick;
-}
-
-std::vector<SlabCell> interestingCellsOf(const SlabFrame& frame, const BrickBlock& block) {
-  const Span span(Activity::kCells);
-  return interestingCells(frame, block);
 }
 
 }  // namespace
@@ -85,40 +79,41 @@ bool PixelLattice::anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::
   });
 }
 
-SplatCounts PixelLattice::draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
-                               bool test_samples, float opaque_at) {
+std::vector<PixelLattice::ZoneCells> PixelLattice::cellsOf(const BrickBlock& block) const {
+  const Span span(Activity::kCells);
   const DepthZones::Depths depths = zones_.depthsOf(block.key.level, block.core);
-  SplatCounts total;
+  std::vector<ZoneCells> out;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
-    if (zone.level == block.key.level && DepthZones::reaches(depths, zone))
-      total.add(drawZone(*frames_[i], block, tiles, visibility, test_samples, opaque_at));
+    if (zone.level != block.key.level || !DepthZones::reaches(depths, zone)) continue;
+    out.push_back({frames_[i].get(), interestingCells(*frames_[i], block)});
   }
-  return total;
+  return out;
 }
 
-SplatCounts PixelLattice::drawZone(const SlabFrame& frame, const BrickBlock& block,
-                                   const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
-                                   float opaque_at) {
-  const std::vector<SlabCell> cells = interestingCellsOf(frame, block);
-  std::vector<SplatCounts> counts(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t i) {
-    const TileSpan span(block.key, tiles[i].rect, counts[i]);
-    std::unique_ptr<SweepMemory> memory = takeMemory();
-    std::vector<const SlabCell*> touching;
-    for (const TilePixels& square : squaresOf(tiles[i], sweep_px_)) {
+// A brick lies in two zones, or in three where the eye is near.
+std::uint64_t PixelLattice::cellBytes(std::int64_t brick_size) {
+  const auto edge = static_cast<std::uint64_t>(brick_size / kCellSize);
+  return 2 * edge * edge * edge * sizeof(SlabCell);
+}
+
+void PixelLattice::drawTile(const BrickBlock& block, const std::vector<ZoneCells>& zones, const TilePixels& tile,
+                            Visibility& visibility, bool test_samples, float opaque_at, SplatCounts& counts) {
+  const TileSpan span(block.key, tile.rect, counts);
+  std::unique_ptr<SweepMemory> memory = takeMemory();
+  const std::vector<TilePixels> squares = squaresOf(tile, sweep_px_);
+  std::vector<const SlabCell*> touching;
+  for (const ZoneCells& zone : zones) {
+    for (const TilePixels& square : squares) {
       touching.clear();
-      for (const SlabCell& cell : cells) {
+      for (const SlabCell& cell : zone.cells) {
         if (!intersection(cell.bounds.rect, square.rect).empty()) touching.push_back(&cell);
       }
-      sweepSlabs(frame, block, touching, square, visibility, test_samples, opaque_at, *memory, counts[i]);
+      sweepSlabs(*zone.frame, block, touching, square, visibility, test_samples, opaque_at, *memory, counts);
     }
-    const std::lock_guard lock(mutex_);
-    memory_.push_back(std::move(memory));
-  });
-  SplatCounts total;
-  for (const SplatCounts& tile : counts) total.add(tile);
-  return total;
+  }
+  const std::lock_guard lock(mutex_);
+  memory_.push_back(std::move(memory));
 }
 
 std::uint64_t PixelLattice::bytes() const {

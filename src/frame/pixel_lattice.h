@@ -24,9 +24,20 @@ class PixelLattice {
   /// Parts are sub-bricks (store/sub_bricks.h), in each zone of their level. requires: this outlives the result.
   BrickWalk::AnyPart anyPart() const;
 
-  /// Draws what the tiles show of what the brick owns, its zones from near to far, tiles in parallel.
-  SplatCounts draw(const BrickBlock& block, const std::vector<TilePixels>& tiles, Visibility& visibility,
-                   bool test_samples, float opaque_at);
+  /// What of a brick may be seen in one zone.
+  struct ZoneCells {
+    const SlabFrame* frame;
+    std::vector<SlabCell> cells;
+  };
+  /// Those of a brick, from near to far. requires: this outlives the result. thread: safe.
+  std::vector<ZoneCells> cellsOf(const BrickBlock& block) const;
+  /// Of all of them, at the most. unit: bytes.
+  static std::uint64_t cellBytes(std::int64_t brick_size);
+
+  /// Draws what the tile shows of what the brick owns. requires: `zones` are the brick's. thread: of one tile, bricks
+  /// one after the other, from front to back.
+  void drawTile(const BrickBlock& block, const std::vector<ZoneCells>& zones, const TilePixels& tile,
+                Visibility& visibility, bool test_samples, float opaque_at, SplatCounts& counts);
 
   /// What its threads have needed so far. unit: bytes.
   std::uint64_t bytes() const;
@@ -34,8 +45,6 @@ class PixelLattice {
  private:
   static bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                         const BrickWalk::PartTest& test);
-  SplatCounts drawZone(const SlabFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
-                       Visibility& visibility, bool test_samples, float opaque_at);
   std::unique_ptr<SweepMemory> takeMemory();
 
   const std::int64_t brick_size_;

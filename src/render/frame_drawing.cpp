@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <utility>
 
 #include "base/parallel.h"
@@ -12,7 +13,6 @@
 #include "frame/tile_walk.h"
 #include "render/aov_planes.h"
 #include "render/composite_parts.h"
-#include "store/store_writer.h"
 
 namespace kiln {
 namespace {
@@ -43,16 +43,12 @@ SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifie
   return out;
 }
 
-SplatCounts drawBrick(const SplatFrame& frame, const BrickBlock& block, const std::vector<TilePixels>& tiles,
-                      NodeLog* log) {
-  std::vector<SplatCounts> counts(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t i) {
-    const TileSpan span(block.key, tiles[i].rect, counts[i]);
-    walkTile(frame, block, tiles[i], counts[i], log);
-  });
-  SplatCounts total;
-  for (const SplatCounts& tile : counts) total.add(tile);
-  return total;
+// One thread gains nothing by several bricks at a time, and its statistics repeat; what is drawn sequentially is to be
+// asked about in its order; and the quadtree's answers are as wrong as their time has it.
+std::size_t drawnTogether(const FrameRequest& request) {
+  const bool in_turn =
+      ThreadLimit::active() == 1 || request.tile_px == 0 || request.visibility.method == VisibilityMethod::kQuadtree;
+  return in_turn ? 1 : FrameDrawing::kDrawnTogether;
 }
 
 double opacityUnit(const StoreReader& store, const FrameRequest& request) {
@@ -106,7 +102,8 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       plan_(store, request),
       visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
       frame_(splatFrameOf(request, plan_.classifier, *visibility_)),
-      before_(cache.counts()) {
+      before_(cache.counts()),
+      drawn_together_(drawnTogether(request)) {
   statistics_.levels.assign(store.manifest().levels.size(), {});
 }
 
@@ -134,17 +131,13 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");
-    const std::shared_ptr<const BrickBlock> block = cache_.get(key);
+    std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
     if (lookahead) cache_.announce(lookahead->after(key, kAnnounced));
-    if (!block) {
-      damaged_.insert(key);
-      return;
-    }
-    std::vector<TilePixels> tiles;
-    for (const PixelRect& tile : tilesOf(pixels, rect)) tiles.push_back(all.of(tile));
-    drawBlock(*block, tiles);
+    if (block) due_.push_back({std::move(block), rect, {}, {}, {}});
+    if (due_.size() == drawn_together_) drawDue(all);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
+  drawDue(all);
   if (!request_.clipping.part || !plan_.pixel) return;
   Plane coverage{kCoveragePlane, std::vector<float>(covered.size())};
   std::transform(covered.begin(), covered.end(), coverage.values.begin(),
@@ -163,11 +156,66 @@ std::vector<PixelRect> FrameDrawing::tilesOf(const PixelRect& drawn, const Pixel
   return out;
 }
 
-void FrameDrawing::drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles) {
+std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick, const TilePixels& all) {
+  if (!due_.empty()) {
+    if (std::shared_ptr<const BrickBlock> block = cache_.find(brick.key)) return block;
+    // While it is read, those that are due are drawn; they may hide it.
+    drawDue(all);
+    if (plan_.bricks->hidden(brick, *visibility_)) {
+      ++walked_.hidden;
+      return nullptr;
+    }
+  }
+  std::shared_ptr<const BrickBlock> block = cache_.get(brick.key);
+  if (!block) damaged_.insert(brick.key);
+  return block;
+}
+
+std::vector<FrameDrawing::DueTile> FrameDrawing::dueTiles(const PixelRect& drawn) const {
+  std::map<std::pair<int, int>, std::size_t> places;
+  std::vector<DueTile> out;
+  for (std::size_t i = 0; i < due_.size(); ++i) {
+    for (const PixelRect& tile : tilesOf(drawn, due_[i].rect)) {
+      const auto [place, is_new] = places.try_emplace({tile.x0, tile.y0}, out.size());
+      if (is_new) out.push_back({tile, {}, {}});
+      out[place->second].bricks.push_back(i);
+    }
+  }
+  for (DueTile& tile : out) tile.counts.resize(tile.bricks.size());
+  return out;
+}
+
+void FrameDrawing::drawDue(const TilePixels& all) {
+  if (due_.empty()) return;
   Span span(Activity::kBrick);
-  if (span.traced()) span.note("brick", brickPath(block.key).native());
-  count(block.key, plan_.pixel ? plan_.pixel->draw(block, tiles, *visibility_, frame_.test_samples, frame_.opaque_at)
-                               : drawBrick(frameOfLevel(block.key.level), block, tiles, request_.node_log));
+  if (span.traced()) span.note("bricks", due_.size());
+  parallelFor(due_.size(), [&](std::size_t i) {
+    DueBrick& brick = due_[i];
+    if (plan_.pixel)
+      brick.zones = plan_.pixel->cellsOf(*brick.block);
+    else
+      brick.frame = frameOfLevel(brick.block->key.level);
+  });
+  std::vector<DueTile> tiles = dueTiles(all.rect);
+  parallelFor(tiles.size(), [&](std::size_t i) {
+    DueTile& tile = tiles[i];
+    for (std::size_t k = 0; k < tile.bricks.size(); ++k)
+      drawTile(due_[tile.bricks[k]], all.of(tile.rect), tile.counts[k]);
+  });
+  for (const DueTile& tile : tiles) {
+    for (std::size_t k = 0; k < tile.bricks.size(); ++k) due_[tile.bricks[k]].counts.add(tile.counts[k]);
+  }
+  for (const DueBrick& brick : due_) count(brick.block->key, brick.counts);
+  due_.clear();
+}
+
+void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, SplatCounts& counts) {
+  if (plan_.pixel) {
+    plan_.pixel->drawTile(*brick.block, brick.zones, tile, *visibility_, frame_.test_samples, frame_.opaque_at, counts);
+    return;
+  }
+  const TileSpan span(brick.block->key, tile.rect, counts);
+  walkTile(brick.frame, *brick.block, tile, counts, request_.node_log);
 }
 
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {

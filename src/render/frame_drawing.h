@@ -34,6 +34,8 @@ class FrameDrawing {
  public:
   /// Bricks announced to the cache at a time: enough to keep every reader busy while one brick is drawn.
   static constexpr std::size_t kAnnounced = 8;
+  /// Bricks drawn at a time, where several are in memory.
+  static constexpr std::size_t kDrawnTogether = 4;
 
   /// requires: all outlive this; nobody else uses the cache.
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
@@ -50,7 +52,26 @@ class FrameDrawing {
   void project(const PixelRect& pixels, Image& image);
   /// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
   std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const;
-  void drawBlock(const BrickBlock& block, const std::vector<TilePixels>& tiles);
+  /// A brick whose turn has come, what of the image it can touch, and what its tiles share.
+  struct DueBrick {
+    std::shared_ptr<const BrickBlock> block;
+    PixelRect rect;
+    std::vector<PixelLattice::ZoneCells> zones;  // of the pixel lattice
+    SplatFrame frame;                            // of the voxel lattice
+    SplatCounts counts;
+  };
+  /// A tile and, front to back, the bricks that are drawn into it, by their places among those that are due.
+  struct DueTile {
+    PixelRect rect;
+    std::vector<std::size_t> bricks;
+    std::vector<SplatCounts> counts;
+  };
+  /// The brick if it may be drawn with those that are due, else, when these are drawn and it is still seen, from disk.
+  std::shared_ptr<const BrickBlock> blockOf(const BrickInView& brick, const TilePixels& all);
+  /// Draws the bricks that are due, tiles in parallel.
+  void drawDue(const TilePixels& all);
+  std::vector<DueTile> dueTiles(const PixelRect& drawn) const;
+  void drawTile(const DueBrick& brick, const TilePixels& tile, SplatCounts& counts);
   /// Adds what drawing a brick has cost.
   void count(const BrickKey& key, const SplatCounts& drawn);
   /// What the voxel lattice's kernels are told.
@@ -68,6 +89,8 @@ class FrameDrawing {
   SplatCounts counts_;
   BrickWalkCounts walked_;
   std::set<BrickKey> contributing_, damaged_;
+  const std::size_t drawn_together_;
+  std::vector<DueBrick> due_;
 };
 
 }  // namespace kiln

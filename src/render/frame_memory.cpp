@@ -11,6 +11,7 @@
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
 #include "render/aov_planes.h"
+#include "render/frame_drawing.h"
 #include "splat/coverage.h"
 #include "splat/projected_values.h"
 
@@ -50,11 +51,12 @@ constexpr std::uint64_t kUnitBytes = 512u << 10;
 // In smaller squares, units that touch several are refined too often. unit: pixels.
 constexpr int kLeastSweep = 16;
 
-std::uint64_t slabBytes(const RenderJob& job, int edge) {
+std::uint64_t slabBytes(const RenderJob& job, int edge, std::int64_t brick_size) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
   const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
-  return threads * (padded * padded * of_pixel + kUnitBytes);
+  const std::uint64_t together = threads > 1 ? FrameDrawing::kDrawnTogether : 1;
+  return threads * (padded * padded * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
 std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
@@ -81,9 +83,10 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   if (drawsSlabs(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
-    out.least_slabs = slabBytes(job, kLeastSweep);
-    out.slabs = slabBytes(job, out.sweep_px);
-    while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2);
+    const std::int64_t brick_size = store.manifest().brick_size;
+    out.least_slabs = slabBytes(job, kLeastSweep, brick_size);
+    out.slabs = slabBytes(job, out.sweep_px, brick_size);
+    while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2, brick_size);
   }
   if (edge > 1) {
     const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() - out.band + out.brick;

@@ -62,6 +62,31 @@ TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
   }
 }
 
+TEST_F(BrickCacheTest, FindsWhatIsInMemoryAndReadsNothing) {
+  BrickCache cache(*store_, 3 * largest_);
+  EXPECT_EQ(cache.find(keys_[0]), nullptr);
+  EXPECT_EQ(cache.counts().reads, 0u);
+  const auto block = cache.get(keys_[0]);
+  EXPECT_EQ(cache.find(keys_[0]), block);
+  EXPECT_EQ(cache.find(keys_[1]), nullptr);
+  // It counts as asked for, so that it is not the one that makes room.
+  cache.get(keys_[1]);
+  cache.find(keys_[0]);
+  for (std::size_t i = 2; i < keys_.size(); ++i) {
+    cache.find(keys_[0]);
+    cache.get(keys_[i]);
+  }
+  EXPECT_EQ(cache.find(keys_[1]), nullptr);
+  EXPECT_EQ(cache.find(keys_[0]), block);
+}
+
+TEST_F(BrickCacheTest, FindsNothingThatIsDamaged) {
+  std::ofstream(path_ / "bricks/0/0_0_0.vdb", std::ios::binary | std::ios::app) << "more";
+  BrickCache cache(*store_, 3 * largest_, 0, [](const Error&) {});
+  EXPECT_EQ(cache.get(keys_[0]), nullptr);
+  EXPECT_EQ(cache.find(keys_[0]), nullptr);
+}
+
 // Known because what becomes hidden is announced and never asked for: whether or not it was read ahead, the bricks
 // behind it make it go, and its turn does not come again.
 TEST_F(BrickCacheTest, ReadsNothingAgainThatBecameHidden) {
