@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo|peers ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -12,6 +12,8 @@ mpi=(libopenmpi-dev openmpi-bin)
 test=(libgtest-dev)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
+# Other renderers, to compare with.
+peers=(libvolpack1-dev libopenvdb-tools python3-vtk9 python3-numpy xvfb xauth libgl1-mesa-dri)
 
 [ $# -gt 0 ] || set -- build
 wanted=()
@@ -22,7 +24,8 @@ for group in "$@"; do
     test) wanted+=("${test[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo" >&2; exit 2 ;;
+    peers) wanted+=("${peers[@]}") ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo peers" >&2; exit 2 ;;
   esac
 done
 
