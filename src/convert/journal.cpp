@@ -5,6 +5,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "base/byte_record.h"
 #include "base/error.h"
 #include "base/hash.h"
 
@@ -19,74 +20,45 @@ struct RecordHead {
   Hash128 hash;
 };
 
-template <class T>
-void append(std::vector<std::byte>& out, const T& value) {
-  const auto* bytes = reinterpret_cast<const std::byte*>(&value);
-  out.insert(out.end(), bytes, bytes + sizeof value);
-}
-
 void appendRecord(std::vector<std::byte>& out, std::span<const std::byte> payload) {
-  append(out, static_cast<std::uint32_t>(payload.size()));
-  append(out, hashOf(payload));
+  appendValue(out, static_cast<std::uint32_t>(payload.size()));
+  appendValue(out, hashOf(payload));
   out.insert(out.end(), payload.begin(), payload.end());
 }
 
-// Takes values from the front of a payload; `ok` stays false once there was too little.
-struct Taker {
-  std::span<const std::byte> left;
-  bool ok = true;
-
-  template <class T>
-  T take() {
-    T value{};
-    if (left.size() < sizeof value) return ok = false, value;
-    std::memcpy(&value, left.data(), sizeof value);
-    left = left.subspan(sizeof value);
-    return value;
-  }
-  std::string text() {
-    const auto* first = reinterpret_cast<const char*>(left.data());
-    const std::size_t length = strnlen(first, left.size());
-    if (length == left.size()) return ok = false, std::string();
-    left = left.subspan(length + 1);
-    return std::string(first, length);
-  }
-};
-
 std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
   std::vector<std::byte> out;
-  for (const std::string* text : {&identity.volume, &identity.command, &identity.time}) {
-    const auto bytes = std::as_bytes(std::span(text->c_str(), text->size() + 1));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  }
+  for (const std::string* text : {&identity.volume, &identity.command, &identity.time}) appendText(out, *text);
   return out;
 }
 
 std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payload) {
-  Taker taker{payload};
+  ByteTaker taker{payload};
   ConversionIdentity out;
-  out.volume = taker.text();
-  out.command = taker.text();
-  out.time = taker.text();
+  out.volume = taker.takeText();
+  out.command = taker.takeText();
+  out.time = taker.takeText();
   return taker.ok ? std::optional(out) : std::nullopt;
 }
 
-std::vector<std::byte> brickPayload(const FinishedBrick& brick) {
+}  // namespace
+
+std::vector<std::byte> bytesOf(const FinishedBrick& brick) {
   std::vector<std::byte> out;
-  append(out, static_cast<std::int32_t>(brick.key.level));
-  append(out, brick.key.brick);
+  appendValue(out, static_cast<std::int32_t>(brick.key.level));
+  appendValue(out, brick.key.brick);
   appendEntry(out, brick.entry);
-  append(out, brick.counts.nan_count);
-  append(out, static_cast<std::uint32_t>(brick.counts.keys.size()));
+  appendValue(out, brick.counts.nan_count);
+  appendValue(out, static_cast<std::uint32_t>(brick.counts.keys.size()));
   for (const auto& [key, count] : brick.counts.keys) {
-    append(out, key);
-    append(out, count);
+    appendValue(out, key);
+    appendValue(out, count);
   }
   return out;
 }
 
-std::optional<FinishedBrick> brickFrom(std::span<const std::byte> payload) {
-  Taker taker{payload};
+std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes) {
+  ByteTaker taker{bytes};
   FinishedBrick out;
   out.key.level = taker.take<std::int32_t>();
   out.key.brick = taker.take<BrickCoord>();
@@ -102,22 +74,20 @@ std::optional<FinishedBrick> brickFrom(std::span<const std::byte> payload) {
   return taker.ok && taker.left.empty() ? std::optional(std::move(out)) : std::nullopt;
 }
 
-}  // namespace
-
 fs::path Journal::pathIn(const fs::path& directory) { return directory / "journal.bin"; }
 
 Journal::Journal(const fs::path& directory, const JournalContent& content, FileSystem& disk)
     : path_(pathIn(directory)), disk_(disk) {
   std::vector<std::byte> file;
-  for (const char c : kMagic) kiln::append(file, c);
+  for (const char c : kMagic) appendValue(file, c);
   appendRecord(file, identityPayload(content.identity));
-  for (const FinishedBrick& brick : content.bricks) appendRecord(file, brickPayload(brick));
+  for (const FinishedBrick& brick : content.bricks) appendRecord(file, bytesOf(brick));
   disk_.writeAtomic(path_, file, WriteMode::kUnsynced);
 }
 
 void Journal::append(const FinishedBrick& brick) {
   std::vector<std::byte> record;
-  appendRecord(record, brickPayload(brick));
+  appendRecord(record, bytesOf(brick));
   const std::scoped_lock lock(mutex_);
   disk_.appendFile(path_, record);
 }
@@ -150,7 +120,7 @@ std::optional<JournalContent> Journal::read(const fs::path& directory) {
       out.identity = *identity;
       continue;
     }
-    std::optional<FinishedBrick> brick = brickFrom(payload);
+    std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
     if (!brick) break;
     out.bricks.push_back(std::move(*brick));
   }

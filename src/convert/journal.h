@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct FinishedBrick {
   BrickEntry entry;
   ValueCounts counts;  // of the core's voxels; empty above level 0
 };
+
+/// A brick as bytes, and back; nothing where they are none.
+std::vector<std::byte> bytesOf(const FinishedBrick& brick);
+std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes);
 
 struct JournalContent {
   ConversionIdentity identity;

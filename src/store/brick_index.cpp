@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "base/byte_record.h"
 #include "base/error.h"
 
 namespace kiln {
@@ -23,12 +24,6 @@ struct RawEntry {
   std::uint8_t checksum[16];
 };
 static_assert(sizeof(RawEntry) == 64);
-
-template <class T>
-void append(std::vector<std::byte>& out, const T& value) {
-  const auto* bytes = reinterpret_cast<const std::byte*>(&value);
-  out.insert(out.end(), bytes, bytes + sizeof value);
-}
 
 // Whether that many bytes can hold an entry for every brick: asked before memory is taken for what a manifest claims.
 bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
@@ -56,8 +51,8 @@ void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
                entry.file_bytes,
                {}};
   std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
-  append(out, raw);
-  if (entry.sub_ranges) append(out, *entry.sub_ranges);
+  appendValue(out, raw);
+  if (entry.sub_ranges) appendValue(out, *entry.sub_ranges);
 }
 
 std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes) {
@@ -112,10 +107,10 @@ std::uint64_t BrickIndex::bytes() const {
 std::vector<std::byte> BrickIndex::encode() const {
   std::vector<std::byte> out;
   out.reserve(12 + lattices_.size() * 24 + entries_.size() * (sizeof(RawEntry) + sizeof(SubRanges)));
-  for (const char c : kMagic) append(out, c);
-  append(out, static_cast<std::uint32_t>(lattices_.size()));
+  for (const char c : kMagic) appendValue(out, c);
+  appendValue(out, static_cast<std::uint32_t>(lattices_.size()));
   for (std::size_t level = 0; level < lattices_.size(); ++level) {
-    append(out, lattices_[level]);
+    appendValue(out, lattices_[level]);
     const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
     for (std::size_t i = first_[level]; i < first_[level] + count; ++i) appendEntry(out, entries_[i]);
   }

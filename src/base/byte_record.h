@@ -1,0 +1,56 @@
+// Values one after the other in a row of bytes, as this machine has them: journals, entries, messages between
+// processes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kiln {
+
+/// Adds the bytes of a value. requires: T is trivially copyable and has no padding.
+template <class T>
+void appendValue(std::vector<std::byte>& out, const T& value) {
+  const std::size_t at = out.size();
+  out.resize(at + sizeof value);
+  std::memcpy(out.data() + at, &value, sizeof value);
+}
+
+/// Adds a text and the 0 that ends it. requires: there is none in it.
+inline void appendText(std::vector<std::byte>& out, const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text.c_str(), text.size() + 1));
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+/// Takes values from the front of bytes; `ok` stays false once there was too little.
+struct ByteTaker {
+  std::span<const std::byte> left;
+  bool ok = true;
+
+  template <class T>
+  T take() {
+    T value{};
+    if (left.size() < sizeof value) return ok = false, value;
+    std::memcpy(&value, left.data(), sizeof value);
+    left = left.subspan(sizeof value);
+    return value;
+  }
+  std::span<const std::byte> takeBytes(std::uint64_t count) {
+    if (left.size() < count) return ok = false, std::span<const std::byte>();
+    const std::span<const std::byte> out = left.first(count);
+    left = left.subspan(count);
+    return out;
+  }
+  std::string takeText() {
+    const auto* first = reinterpret_cast<const char*>(left.data());
+    const std::size_t length = strnlen(first, left.size());
+    if (length == left.size()) return ok = false, std::string();
+    left = left.subspan(length + 1);
+    return std::string(first, length);
+  }
+};
+
+}  // namespace kiln
