@@ -73,13 +73,23 @@ void StoreWriter::write(const EncodedBrick& brick) {
   if (!brick.entry.constant) disk_.writeAtomic(directory_ / brickPath(brick.key), brick.file, brick_mode_);
 }
 
-void StoreWriter::keep(const BrickKey& key, const BrickEntry& entry) {
-  const std::scoped_lock lock(mutex_);
-  LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
-  if (!entry.constant) ++level.stored_bricks;
-  level.stored_bytes += entry.file_bytes;
-  if (key.level == 0) manifest_.range.include(entry.core);
-  index_.at(key) = entry;
+// In the order of the index, so that nothing depends on which brick came first.
+ValueRange StoreWriter::range() const {
+  ValueRange out;
+  const Extent3& lattice = manifest_.levels.front().bricks;
+  for (std::int64_t i = 0; i < lattice.count(); ++i) out.include(index_.at({0, brickAt(lattice, i)}).core);
+  return out;
+}
+
+void StoreWriter::countStored() {
+  for (int l = 0; l < index_.levels(); ++l) {
+    LevelInfo& level = manifest_.levels[static_cast<std::size_t>(l)];
+    for (std::int64_t i = 0; i < level.bricks.count(); ++i) {
+      const BrickEntry& entry = index_.at({l, brickAt(level.bricks, i)});
+      if (!entry.constant) ++level.stored_bricks;
+      level.stored_bytes += entry.file_bytes;
+    }
+  }
 }
 
 std::uint64_t StoreWriter::storedBricks() const {
@@ -99,6 +109,8 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   disk_.writeAtomic(directory_ / "index.bin", index);
   // Nothing the manifest vouches for may reach the disk after it.
   disk_.syncAll(directory_);
+  countStored();
+  manifest_.range = range();
   manifest_.index_bytes = index.size();
   manifest_.index_checksum = hashOf(index);
   manifest_.histogram = histogram;

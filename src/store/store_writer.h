@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -34,29 +33,30 @@ class StoreWriter {
   EncodedBrick encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges);
   /// thread: safe for different keys. throws: Error kNoSpace, kIo.
   void write(const EncodedBrick& brick);
-  /// Takes a brick that an earlier writer wrote as it is. requires: its file is there and is what `entry` says.
-  void keep(const BrickKey& key, const BrickEntry& entry);
+  /// Enters a brick that another writer has written, or is writing: an earlier one, or one of another process. thread:
+  /// safe for different keys.
+  void keep(const BrickKey& key, const BrickEntry& entry) { index_.at(key) = entry; }
   BrickFrame frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
   /// requires: the brick was encoded or kept. thread: safe beside encoding other bricks.
   const BrickEntry& entry(const BrickKey& key) const { return index_.at(key); }
 
+  /// The range of all voxels, NaN aside. requires: every brick is entered.
+  ValueRange range() const;
   /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was written.
   void finish(const ValueHistogram& histogram, std::uint64_t nan_count);
 
-  /// The range of all voxels so far, NaN aside. thread: not while bricks are being encoded.
-  const ValueRange& range() const { return manifest_.range; }
-  /// Brick files so far, of all levels, and their bytes. thread: as range.
+  /// Brick files of all levels, and their bytes. requires: finished.
   std::uint64_t storedBricks() const;
   std::uint64_t bytesWritten() const;
 
  private:
+  void countStored();
   std::filesystem::path directory_;
   Manifest manifest_;
   FileSystem& disk_;
   const WriteMode brick_mode_;
   BrickIndex index_;
-  std::mutex mutex_;
 };
 
 /// bricks/L/X_Y_Z.vdb
