@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
+
+#include "base/byte_record.h"
+#include "base/error.h"
 
 namespace kiln {
 namespace {
@@ -114,6 +118,13 @@ class Halver {
 // The cells that hold the voxels of a box.
 VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
 
+// The fixed part of its bytes; voxels and cells follow.
+struct PartHead {
+  VoxelBox box, cell_box;
+  ValueRange support;
+  std::uint64_t voxel_bytes = 0;
+};
+
 CoarsePart emptyPart(const BrickFrame& fine, const Extent3& by) {
   CoarsePart part;
   part.box = coarseBox(fine.core(), by);
@@ -174,6 +185,57 @@ CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& b
   });
   part.support = {value, value};
   std::fill(part.cells.begin(), part.cells.end(), part.support);
+  return part;
+}
+
+void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
+                const VoxelBox& to_box, std::size_t voxel_bytes) {
+  const VoxelBox common = intersection(from_box, to_box);
+  if (common.empty()) return;
+  const auto at = [&](const VoxelBox& box, std::int64_t y, std::int64_t z) {
+    const Extent3 n = box.extent();
+    return static_cast<std::size_t>(((z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (common.lo.x - box.lo.x)) *
+           voxel_bytes;
+  };
+  for (std::int64_t z = common.lo.z; z < common.hi.z; ++z) {
+    for (std::int64_t y = common.lo.y; y < common.hi.y; ++y) {
+      std::memcpy(to.data() + at(to_box, y, z), from.data() + at(from_box, y, z),
+                  static_cast<std::size_t>(common.extent().x) * voxel_bytes);
+    }
+  }
+}
+
+CoarsePart cropped(CoarsePart part, const VoxelBox& box) {
+  const VoxelBox common = intersection(part.box, box);
+  if (common == part.box) return part;
+  const auto voxel_bytes = part.voxels.size() / static_cast<std::size_t>(part.box.count());
+  CoarsePart out{common, {}, {}, {}, part.support};
+  out.voxels.resize(static_cast<std::size_t>(common.count()) * voxel_bytes);
+  copyCommon(part.voxels, part.box, out.voxels, common, voxel_bytes);
+  return out;
+}
+
+std::vector<std::byte> bytesOf(const CoarsePart& part) {
+  const PartHead head{part.box, part.cell_box, part.support, part.voxels.size()};
+  const auto cells = std::as_bytes(std::span(part.cells));
+  std::vector<std::byte> out;
+  out.reserve(sizeof head + part.voxels.size() + cells.size());
+  appendValue(out, head);
+  out.insert(out.end(), part.voxels.begin(), part.voxels.end());
+  out.insert(out.end(), cells.begin(), cells.end());
+  return out;
+}
+
+CoarsePart partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place) {
+  ByteTaker taker{bytes};
+  const auto head = taker.take<PartHead>();
+  CoarsePart part{head.box, {}, head.cell_box, {}, head.support};
+  const std::span<const std::byte> voxels = taker.takeBytes(head.voxel_bytes);
+  if (!taker.ok || taker.left.size() != static_cast<std::uint64_t>(part.cell_box.count()) * sizeof(ValueRange))
+    throw Error(ErrorCode::kDamaged, place, "", "is no part of a brick; run the conversion again");
+  part.voxels.assign(voxels.begin(), voxels.end());
+  part.cells.resize(taker.left.size() / sizeof(ValueRange));
+  std::memcpy(part.cells.data(), taker.left.data(), taker.left.size());
   return part;
 }
 

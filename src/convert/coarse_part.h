@@ -1,6 +1,7 @@
 // What one brick gives to the next coarser level: its voxels at half resolution, and what its ranges say.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,18 @@ CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxel
 
 /// The part of a brick that has one value.
 CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by);
+
+/// What of a part lies in `box`; with all of its voxels it keeps its cells, else it has none: who needs those needs
+/// all.
+CoarsePart cropped(CoarsePart part, const VoxelBox& box);
+
+/// As bytes, for a file or another process of the same machine type, and back. throws: Error kDamaged naming `place`.
+std::vector<std::byte> bytesOf(const CoarsePart& part);
+CoarsePart partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place);
+
+/// Copies the voxels that two boxes have in common. shape: each span covers its box, x fastest, `voxel_bytes` each.
+void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
+                const VoxelBox& to_box, std::size_t voxel_bytes);
 
 /// The coarse voxels that a box of fine ones makes.
 VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by);

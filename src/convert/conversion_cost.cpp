@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "base/elapsed.h"
+#include "cluster/ranks.h"
 #include "grid/pyramid.h"
 #include "store/brick_codec.h"
 #include "store/brick_index.h"
@@ -16,7 +18,6 @@ constexpr std::int64_t kSamples = 8;
 constexpr double kStreamSeconds = 2;
 
 using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 Extent3 latticeOf(const Extent3& dims, std::int64_t brick_size) {
   return {(dims.x + brick_size - 1) / brick_size, (dims.y + brick_size - 1) / brick_size,
@@ -136,8 +137,9 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
   const double lanes_s = samples.seconds * all_to_samples;
   const double stream_s =
       stream ? samples.slices_s * static_cast<double>(info.geometry.dims.z) / static_cast<double>(samples.slices) : 0;
-  // One thread at a time reads a stream.
-  out.seconds = std::max(stream_s, (stream_s + lanes_s) / static_cast<double>(out.plan.lanes));
+  // One thread at a time reads a stream, on each rank all of it.
+  const double ranks = options.ranks != nullptr ? options.ranks->count() : 1;
+  out.seconds = std::max(stream_s, (stream_s + lanes_s / ranks) / static_cast<double>(out.plan.lanes));
   return out;
 }
 

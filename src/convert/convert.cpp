@@ -3,21 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <chrono>
-#include <mutex>
 #include <optional>
 
-#include "base/parallel.h"
+#include "base/elapsed.h"
+#include "cluster/ranks.h"
+#include "convert/beginning.h"
+#include "convert/conversion.h"
 #include "convert/destination.h"
 #include "convert/foreign_cache.h"
-#include "convert/forward_window.h"
-#include "convert/journal.h"
-#include "convert/plan.h"
-#include "convert/pyramid_builder.h"
-#include "convert/value_counter.h"
-#include "convert/write_behind.h"
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
@@ -45,185 +40,6 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   return manifest;
 }
 
-// What bricks are made of, as text: the same text gives the same bricks.
-std::string identityOf(const SourceInfo& info, Manifest draft) {
-  draft.source.command.clear();
-  draft.source.time.clear();
-  std::string out = containerVersion() + "\n";
-  for (const fs::path& file : info.files) {
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) continue;
-    out += fmt::format("{} {} {}\n", file.string(), fs::is_directory(file, ignored) ? 0 : fs::file_size(file, ignored),
-                       fs::last_write_time(file, ignored).time_since_epoch().count());
-  }
-  return out + manifestText(draft);
-}
-
-// The lanes take bricks in the order of the lattice as they come free, and build the coarser bricks that a finished one
-// makes possible.
-class Conversion {
- public:
-  Conversion(VolumeSource& source, StoreWriter& writer, const fs::path& directory, const JournalContent& earlier,
-             const ConversionPlan& plan, bool half, FileSystem& disk, Progress& progress)
-      : source_(source),
-        writer_(writer),
-        directory_(directory),
-        progress_(progress),
-        pyramid_(writer, directory / "parts", plan.parts_bytes, disk, half),
-        boxes_(plan.lanes),
-        counters_(plan.lanes, ValueCounter(source.info().type)),
-        totals_(counters_),
-        unwritten_bricks_(plan.unwritten_bricks) {
-    if (plan.window_slices > 0) {
-      const SourceInfo& info = source.info();
-      window_.emplace(source,
-                      plan.window_on_disk ? sliceRingOnDisk(info, plan.window_slices, directory, disk)
-                                          : sliceRingInMemory(info, plan.window_slices),
-                      writer.manifest().brick_size, progress);
-    }
-    for (const LevelInfo& level : writer.manifest().levels)
-      finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
-    JournalContent kept{earlier.identity, wholeBricksOf(earlier)};
-    journal_.emplace(directory, kept, disk);
-  }
-
-  void run() {
-    WriteBehind disk(unwritten_bricks_, [this](const UnwrittenBrick& brick) { write(brick); });
-    takeUp(disk);
-    const Extent3 lattice = writer_.manifest().levels.front().bricks;
-    std::atomic<std::int64_t> next = 0;
-    parallelFor(counters_.size(), [&](std::size_t lane) {
-      const auto convertBrick = [&](std::int64_t i) {
-        if (!finished_[0][static_cast<std::size_t>(i)]) build(brick({0, brickAt(lattice, i)}, lane, disk), disk);
-      };
-      if (window_) return window_->work(convertBrick);
-      for (std::int64_t i = next++; i < lattice.count(); i = next++) {
-        progress_.throwIfCancelled("converting");
-        convertBrick(i);
-      }
-    });
-    disk.finish();
-    source_.finish();
-    for (std::size_t lane = 1; lane < totals_.size(); ++lane) totals_[0].add(totals_[lane].take());
-  }
-
-  const ValueCounter& counter() const { return totals_.front(); }
-  double halfError() const { return pyramid_.largestError(); }
-  std::uint64_t finishedBricks() const { return finished_bricks_; }
-
- private:
-  // Of the bricks that an earlier conversion noted, those whose files are whole on the disk.
-  std::vector<FinishedBrick> wholeBricksOf(const JournalContent& earlier) {
-    std::vector<char> whole(earlier.bricks.size());
-    parallelFor(earlier.bricks.size(), [&](std::size_t i) {
-      progress_.throwIfCancelled("looking at what is finished");
-      const FinishedBrick& brick = earlier.bricks[i];
-      const fs::path path = directory_ / brickPath(brick.key);
-      std::error_code ignored;
-      whole[i] = brick.entry.constant || (fs::file_size(path, ignored) == brick.entry.file_bytes &&
-                                          hashOf(readFile(path)) == brick.entry.checksum);
-    });
-    std::vector<FinishedBrick> out;
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-      const FinishedBrick& brick = earlier.bricks[i];
-      if (!whole[i]) continue;
-      char& finished = finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)];
-      if (std::exchange(finished, 1) != 0) continue;
-      writer_.keep(brick.key, brick.entry);
-      totals_[0].add(brick.counts);
-      if (brick.key.level == 0) done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
-      ++finished_bricks_;
-      out.push_back(brick);
-    }
-    return out;
-  }
-
-  // The coarser levels go on from where the earlier conversion left them.
-  void takeUp(WriteBehind& disk) {
-    if (finished_bricks_ == 0) return;
-    const std::vector<BrickKey> ready =
-        pyramid_.takeUp([&](const BrickKey& key) { return isFinished(key); },
-                        [&](const BrickKey& key) {
-                          progress_.throwIfCancelled("taking up the coarser levels");
-                          const BrickFrame frame = writer_.frame(key);
-                          const fs::path path = directory_ / brickPath(key);
-                          const BrickBlock block = decodeBrick(frame, readFile(path), path);
-                          const BrickEntry& entry = writer_.entry(key);
-                          const auto cells = block.octree.cells();
-                          pyramid_.addFinished(key, block.voxels, block.extent,
-                                               {{cells.begin(), cells.end()}, entry.core, entry.support, {}});
-                        });
-    build(ready, disk);
-  }
-
-  bool isFinished(const BrickKey& key) const {
-    return finished_[static_cast<std::size_t>(key.level)][placeOf(key)] != 0;
-  }
-
-  std::size_t placeOf(const BrickKey& key) const {
-    const Extent3& n = writer_.manifest().levels[static_cast<std::size_t>(key.level)].bricks;
-    return static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
-  }
-
-  // Makes a brick of level 0; returns the coarser ones that can be built now.
-  std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane, WriteBehind& disk) {
-    const BrickFrame frame = writer_.frame(key);
-    const VoxelBox box = frame.stored();
-    std::vector<std::byte>& voxels = boxes_[lane];
-    voxels.resize(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
-    if (window_) {
-      window_->copy(box, voxels);
-    } else {
-      source_.read(box, voxels);
-    }
-    counters_[lane].count(voxels, box, frame.core());
-    ValueCounts counts = counters_[lane].take();
-    totals_[lane].add(counts);
-    const BrickRanges ranges = rangesOf(frame, voxels);
-    disk.add({writer_.encode(key, voxels, ranges), std::move(counts)});
-    return pyramid_.add(key, voxels, box, ranges);
-  }
-
-  // A brick is finished when its file is there and its journal says so.
-  void write(const UnwrittenBrick& unwritten) {
-    const auto& [brick, counts] = unwritten;
-    writer_.write(brick);
-    journal_->append({brick.key, brick.entry, counts});
-    const std::scoped_lock lock(mutex_);
-    ++finished_bricks_;
-    if (brick.key.level > 0) return;
-    done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
-    progress_.advance("converting", "voxels", done_, static_cast<std::uint64_t>(source_.info().geometry.dims.count()));
-  }
-
-  void build(std::vector<BrickKey> ready, WriteBehind& disk) {
-    while (!ready.empty()) {
-      progress_.throwIfCancelled("converting");
-      const BrickKey key = ready.back();
-      ready.pop_back();
-      // Where only a brick below it was damaged, a coarser one is finished already.
-      if (isFinished(key)) continue;
-      PyramidBuilder::Built built = pyramid_.build(key);
-      disk.add({std::move(built.brick), {}});
-      ready.insert(ready.end(), built.ready.begin(), built.ready.end());
-    }
-  }
-
-  VolumeSource& source_;
-  StoreWriter& writer_;
-  const fs::path directory_;
-  Progress& progress_;
-  PyramidBuilder pyramid_;
-  std::optional<ForwardWindow> window_;
-  std::vector<std::vector<std::byte>> boxes_;    // by lane, for its brick of level 0: one memory for all
-  std::vector<ValueCounter> counters_, totals_;  // of a brick, and of all; by lane
-  std::vector<std::vector<char>> finished_;      // by level and brick: what an earlier conversion left
-  const std::size_t unwritten_bricks_;
-  std::optional<Journal> journal_;
-  std::mutex mutex_;
-  std::uint64_t done_ = 0, finished_bricks_ = 0;
-};
-
 std::uint64_t brickCount(const Manifest& manifest) {
   std::uint64_t out = 0;
   for (const LevelInfo& level : manifest.levels) out += static_cast<std::uint64_t>(level.bricks.count());
@@ -233,22 +49,6 @@ std::uint64_t brickCount(const Manifest& manifest) {
 // Whether the finished bricks are worth keeping: the same conversion may succeed later.
 bool mayBeResumed(ErrorCode code) {
   return code == ErrorCode::kCancelled || code == ErrorCode::kNoSpace || code == ErrorCode::kIo;
-}
-
-// What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
-std::optional<JournalContent> resumable(Destination& destination, const SourceInfo& info, const Manifest& draft,
-                                        const ConvertOptions& options) {
-  std::optional<JournalContent> found = Journal::read(destination.building());
-  if (found && found->identity.volume != identityOf(info, draft)) {
-    if (!options.overwrite) {
-      throw Error(ErrorCode::kExists, destination.building(), "",
-                  "was begun from another source, an older state of it, or with other options; give --overwrite to "
-                  "begin anew");
-    }
-    found.reset();
-  }
-  if (!found) destination.clear();
-  return found;
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
@@ -269,82 +69,145 @@ void finishEarlier(Destination& destination, const fs::path& out, const SourceIn
   report.nan_count = reader.manifest().nan_count;
 }
 
-void run(VolumeSource& source, const Manifest& draft, const JournalContent& earlier, const ConversionPlan& plan,
-         Destination& destination, const ConvertOptions& options, Progress& progress, FileSystem& disk,
-         ConvertReport& report) {
-  std::optional<StoreWriter> begun;
-  std::optional<Conversion> conversion;
-  try {
-    StoreWriter& writer = begun.emplace(destination.building(), draft, disk);
-    conversion.emplace(source, writer, destination.building(), earlier, plan, options.half, disk, progress);
-    report.bricks = brickCount(writer.manifest());
-    if (conversion->finishedBricks() > 0) {
-      progress.note(fmt::format("{} of {} bricks are finished already", conversion->finishedBricks(), report.bricks));
+// The bricks that a failed conversion of one process leaves are kept where they are worth it. Where others still write
+// nothing can be removed.
+void tidyUp(Destination& destination, const Error& error, std::uint64_t finished, std::uint64_t bricks,
+            const ConvertOptions& options, Progress& progress) {
+  if (finished == 0 || !mayBeResumed(error.code())) return destination.abandon();
+  destination.keepForResuming();
+  progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished, bricks,
+                            destination.building().string(),
+                            options.overwrite && options.resume ? "run again" : "run again with --resume"));
+}
+
+// Makes the bricks; on the first rank, then, a store of them.
+class Making {
+ public:
+  Making(const Beginning& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
+         VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
+      : beginning_(beginning),
+        draft_(draft),
+        plan_(plan),
+        options_(options),
+        source_(source),
+        ranks_(ranks),
+        disk_(disk),
+        progress_(progress) {}
+
+  void run(ConvertReport& report) {
+    StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_);
+    Conversion& conversion = conversion_.emplace(
+        Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
+        beginning_.earlier);
+    const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
+    if (earlier > 0 && ranks_.first())
+      progress_.note(fmt::format("{} of {} bricks are finished already", earlier, bricks));
+    conversion.run();
+    if (ranks_.first()) {
+      writer.finish(conversion.counter().histogram(writer.range()), conversion.counter().nanCount());
+      report.bricks = bricks;
+      report.stored_bricks = writer.storedBricks();
+      report.stored_bytes = writer.bytesWritten();
+      const double share = 1 - static_cast<double>(earlier) / static_cast<double>(bricks);
+      report.voxels = static_cast<std::uint64_t>(share * static_cast<double>(draft_.geometry().dims.count()));
+      report.nan_count = conversion.counter().nanCount();
+      report.half_error = conversion.halfError();
+      report.ranks = conversion.rankReports();
     }
-    const double share = 1 - static_cast<double>(conversion->finishedBricks()) / static_cast<double>(report.bricks);
-    conversion->run();
-    writer.finish(conversion->counter().histogram(writer.range()), conversion->counter().nanCount());
-    report.stored_bricks = writer.storedBricks();
-    report.stored_bytes = writer.bytesWritten();
-    report.voxels = static_cast<std::uint64_t>(share * static_cast<double>(draft.geometry().dims.count()));
-    report.nan_count = conversion->counter().nanCount();
-    report.half_error = conversion->halfError();
-    conversion.reset();
+    conversion_.reset();
+  }
+
+  /// What the disk has after a failure. cost: the lanes' memory is freed.
+  std::uint64_t bricksLeft() {
+    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : 0;
+    conversion_.reset();
+    return out;
+  }
+  std::uint64_t bricks() const { return writer_ ? brickCount(writer_->manifest()) : 0; }
+
+ private:
+  const Beginning& beginning_;
+  const Manifest& draft_;
+  const ConversionPlan& plan_;
+  const ConvertOptions& options_;
+  VolumeSource& source_;
+  Ranks& ranks_;
+  FileSystem& disk_;
+  Progress& progress_;
+  std::optional<StoreWriter> writer_;
+  std::optional<Conversion> conversion_;
+};
+
+void runAlone(Making& making, Destination& destination, const ConvertOptions& options, Progress& progress,
+              ConvertReport& report) {
+  try {
+    making.run(report);
     destination.commit();
   } catch (const Error& error) {
-    const std::uint64_t finished = conversion ? conversion->finishedBricks() : report.stored_bricks;
-    conversion.reset();
-    if (finished == 0 || !mayBeResumed(error.code())) {
-      destination.abandon();
-      throw;
-    }
-    destination.keepForResuming();
-    progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished,
-                              brickCount(begun->manifest()), destination.building().string(),
-                              options.overwrite && options.resume ? "run again" : "run again with --resume"));
+    const std::uint64_t left = std::max(making.bricksLeft(), report.stored_bricks);
+    tidyUp(destination, error, left, making.bricks(), options, progress);
     throw;
   } catch (...) {
-    conversion.reset();
+    making.bricksLeft();
     destination.abandon();
     throw;
   }
+}
+
+void runTogether(Making& making, Destination* destination, Ranks& ranks, const fs::path& out, ConvertReport& report) {
+  try {
+    making.run(report);
+    if (destination != nullptr) destination->commit();
+  } catch (const Error& error) {
+    throw Error(error.code(), std::string(error.what()) + "; the finished bricks of " + out.string() +
+                                  " are kept, and the same command with --resume goes on");
+  }
+  // Nobody says that it is done before there is a store.
+  ranks.barrier();
 }
 
 }  // namespace
 
 ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOptions& options, Progress& progress,
                       FileSystem& disk) {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto started = std::chrono::steady_clock::now();
   if (options.brick_size < kCellSize || options.brick_size > (1 << 12) ||
       !std::has_single_bit(static_cast<std::uint64_t>(options.brick_size))) {
     throw Error(ErrorCode::kUsage,
                 "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
   }
+  const std::unique_ptr<Ranks> alone = oneRank();
+  Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
   const SourceInfo& info = source.info();
-  for (const std::string& note : info.notes) progress.note(note);
+  if (ranks.first()) {
+    for (const std::string& note : info.notes) progress.note(note);
+    if (!ranks.alone() && source.order() == ReadOrder::kForward)
+      progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
+  }
   const ConversionPlan plan = planConversion(source, options);
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;
-  Destination destination(out, options.overwrite, options.resume, disk);
   Manifest draft = draftOf(info, options);
-  JournalContent earlier;
-  if (destination.finished()) {
-    finishEarlier(destination, out, info, progress, report);
+  requireSameSource(info, draft, ranks);
+  std::optional<Destination> destination;
+  Beginning beginning;
+  if (ranks.first()) {
+    destination.emplace(out, options.overwrite, options.resume, disk);
+    beginning = beginAt(*destination, info, draft, options, ranks, disk);
+  }
+  share(beginning, ranks);
+  draft.source.command = beginning.earlier.identity.command;
+  draft.source.time = beginning.earlier.identity.time;
+  Making making(beginning, draft, plan, options, source, ranks, disk, progress);
+  if (beginning.finished) {
+    if (destination) finishEarlier(*destination, out, info, progress, report);
+  } else if (ranks.alone()) {
+    runAlone(making, *destination, options, progress, report);
   } else {
-    if (options.resume) {
-      if (std::optional<JournalContent> found = resumable(destination, info, draft, options))
-        earlier = *std::move(found);
-    }
-    if (earlier.identity.volume.empty()) {
-      earlier.identity = {identityOf(info, draft), options.command, options.time};
-    } else {
-      draft.source.command = earlier.identity.command;
-      draft.source.time = earlier.identity.time;
-    }
-    run(source, draft, earlier, plan, destination, options, progress, disk, report);
+    runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
   }
   report.buffer_bytes = plan.total();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.seconds = secondsSince(started);
   return report;
 }
 

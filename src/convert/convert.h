@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "base/file.h"
 #include "base/progress.h"
@@ -11,6 +12,8 @@
 #include "store/manifest.h"
 
 namespace kiln {
+
+class Ranks;
 
 struct ConvertOptions {
   /// A power of two from 8.
@@ -30,6 +33,19 @@ struct ConvertOptions {
   int most_levels = std::numeric_limits<int>::max();
   /// What the manifest says of its making.
   std::string command, time;
+  /// The processes that share the work, each of which calls `convert` alike, with a source of its own of the same
+  /// volume and the same directory to write to; this one alone where null. The store has the same bytes for any number.
+  Ranks* ranks = nullptr;
+};
+
+/// What one process has done.
+struct RankConversion {
+  std::uint64_t lanes = 0;
+  std::uint64_t bricks = 0;         // of all levels
+  std::uint64_t read_bytes = 0;     // of voxels, as the source gave them
+  std::uint64_t written_bytes = 0;  // of brick files
+  std::uint64_t sent_bytes = 0;     // to other ranks
+  double busy_s = 0, idle_s = 0;    // of all its lanes together
 };
 
 struct ConvertReport {
@@ -40,11 +56,14 @@ struct ConvertReport {
   std::uint64_t buffer_bytes = 0;  // the most the conversion planned to hold
   double half_error = 0;           // the largest change of a mean by `half`. unit: the volume's values
   double seconds = 0;
+  std::vector<RankConversion> ranks;  // by rank
 };
 
 /// Converts `source` to a store at `out`. On any error nothing that could be taken for a store is left at `out`, and a
 /// store that was there before is untouched. After an interrupt, a full disk or a failing one the finished bricks are
-/// kept for `resume`, and a note says where; after any other error nothing is left.
+/// kept for `resume`, and a note says where; after any other error nothing is left. Of several processes one that fails
+/// is to end all (cluster/ranks.h), and what they left is kept for `resume` whatever the error was. The report is the
+/// first rank's; on the others it is empty.
 /// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size), and what the source and
 /// the disk throw.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,

@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
@@ -17,27 +18,37 @@ namespace kiln {
 
 class ForwardWindow {
  public:
+  /// The next brick (brickAt) to be cut, in rising order; nothing after the last.
+  using Next = std::function<std::optional<std::int64_t>()>;
+
   /// shape: bricks of `brick_size` with their aprons. requires: the ring holds at least `slicesOfLayer`; nothing has
   /// been read from `source`, and nobody else reads from it.
-  ForwardWindow(VolumeSource& source, std::unique_ptr<SliceRing> ring, std::int64_t brick_size, Progress& progress);
+  ForwardWindow(VolumeSource& source, std::unique_ptr<SliceRing> ring, std::int64_t brick_size, Next next,
+                Progress& progress);
 
   /// The most slices that one layer of bricks covers, aprons included.
   static std::int64_t slicesOfLayer(const Extent3& dims, std::int64_t brick_size);
 
-  /// Takes part until all bricks are taken: reads, and calls brick(i) for the i-th brick of the lattice (brickAt),
-  /// whose box may be copied meanwhile; each brick once, over all calls. thread: any number of calls at once, one
-  /// suffices. throws: what source, ring and `brick` throw, Error kCancelled; all other calls then return.
+  /// Takes part until all bricks are taken: reads, and calls brick(i) for each that `next` gives, whose box may be
+  /// copied meanwhile; each once, over all calls. thread: any number of calls at once, one suffices. throws: what
+  /// source, ring, `next` and `brick` throw, Error kCancelled; all other calls then return.
   void work(const std::function<void(std::int64_t)>& brick);
   /// shape: as VolumeSource::read. requires: inside of a brick's stored box, in its turn. thread: safe.
   void copy(const VoxelBox& box, std::span<std::byte> out) const { ring_->copy(box, out); }
+  /// Whether the source was read to its end, as it is by whoever takes a brick of the last layer. requires: no call of
+  /// `work` is under way. So does `waitedSeconds`, how long calls of it waited for slices, together.
+  bool readAll() const { return read_to_.z == source_.info().geometry.dims.z; }
+  double waitedSeconds() const { return waited_s_; }
 
  private:
   struct Layer {
-    std::int64_t lo = 0, hi = 0;  // slices
-    std::int64_t bricks_left = 0;
+    std::int64_t lo = 0, hi = 0;      // slices
+    std::int64_t bricks_in_work = 0;  // taken and not finished
   };
+  const Layer& layerOf(std::int64_t brick) const { return layers_[static_cast<std::size_t>(brick / bricks_in_layer_)]; }
+  /// The first slice that a brick in work, or the next one, needs.
+  std::int64_t firstNeeded() const;
   bool mayRead() const;
-  bool ready(std::int64_t brick) const;
   VoxelBox nextStrip() const;
   void readStrip(std::unique_lock<std::mutex>& lock);
   void cut(const std::function<void(std::int64_t)>& brick, std::unique_lock<std::mutex>& lock);
@@ -51,10 +62,11 @@ class ForwardWindow {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Layer> layers_;
-  std::size_t first_unfinished_ = 0;  // of layers_
-  std::int64_t next_brick_ = 0;
+  const Next next_;
+  std::optional<std::int64_t> next_brick_;
   VoxelCoord read_to_;  // the next row
-  bool reading_ = false, failed_ = false;
+  bool begun_ = false, reading_ = false, failed_ = false;
+  double waited_s_ = 0;
 };
 
 }  // namespace kiln

@@ -30,7 +30,6 @@ class PartStore {
 
  private:
   std::filesystem::path pathOf(const BrickKey& key) const;
-  CoarsePart read(const BrickKey& key) const;
   std::filesystem::path directory_;
   FileSystem& disk_;
   mutable std::mutex mutex_;  // guards what follows

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cluster/ranks.h"
 #include "convert/coarse_part.h"
 #include "convert/forward_window.h"
 #include "grid/pyramid.h"
@@ -33,10 +34,19 @@ std::uint64_t fileBytes(const SourceInfo& info, const ConvertOptions& options) {
   return brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
 }
 
+// What a brick gives to other processes lies in pieces of its part that overlap by an apron, and one is being received.
+std::uint64_t givenBytes(const SourceInfo& info, const ConvertOptions& options) {
+  if (options.ranks == nullptr || options.ranks->alone()) return 0;
+  const Extent3 by = halvingOf(info.geometry);
+  const std::int64_t edge = options.brick_size;
+  return 2 * CoarsePart::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
+}
+
 // A lane holds the box as read or put together from parts, a part, its grids (as large as the file), the file, and the
 // counts by value.
 std::uint64_t laneBytes(const SourceInfo& info, const ConvertOptions& options) {
-  return brickVoxels(info, options) * 3 * sizeOf(info.type) + 2 * fileBytes(info, options) + (1u << 20);
+  return brickVoxels(info, options) * 3 * sizeOf(info.type) + 2 * fileBytes(info, options) +
+         2 * givenBytes(info, options) + (1u << 20);
 }
 
 // As many slices as lanes can read ahead into: the layer of bricks in the making, and the one after it.
@@ -87,6 +97,7 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   }
   const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
+  plan.given_bytes = plan.lanes * givenBytes(info, options);
   const std::uint64_t unwritten_bytes = plan.lanes * fileBytes(info, options);
   if (plan.lanes > 1 && plan.total() + unwritten_bytes <= options.memory_bytes) {
     plan.unwritten_bricks = plan.lanes;

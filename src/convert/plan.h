@@ -26,6 +26,8 @@ struct ConversionPlan {
   std::uint64_t kept_bytes = 0;
   /// Parts of bricks that wait for a parent (convert/part_store.h), in memory. unit: bytes.
   std::uint64_t parts_bytes = 0;
+  /// Within what the lanes have, pieces of bricks that may be on their way to other processes. unit: bytes.
+  std::uint64_t given_bytes = 0;
   std::uint64_t total() const { return window_bytes + lanes * lane_bytes + unwritten_bytes + kept_bytes + parts_bytes; }
 };
 

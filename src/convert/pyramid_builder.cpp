@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "convert/brick_shares.h"
 #include "convert/half_source.h"
 #include "grid/pyramid.h"
 
@@ -21,28 +22,21 @@ void forEachBrick(const VoxelBox& bricks, F&& f) {
   }
 }
 
-// Copies what `from` and `to` have in common. shape: each covers its box, x fastest, elements of `bytes`.
-void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
-                const VoxelBox& to_box, std::size_t bytes) {
-  const VoxelBox common = intersection(from_box, to_box);
-  if (common.empty()) return;
-  const auto at = [&](const VoxelBox& box, std::int64_t y, std::int64_t z) {
-    const Extent3 n = box.extent();
-    return static_cast<std::size_t>(((z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (common.lo.x - box.lo.x)) * bytes;
-  };
-  for (std::int64_t z = common.lo.z; z < common.hi.z; ++z) {
-    for (std::int64_t y = common.lo.y; y < common.hi.y; ++y) {
-      std::memcpy(to.data() + at(to_box, y, z), from.data() + at(from_box, y, z),
-                  static_cast<std::size_t>(common.extent().x) * bytes);
-    }
+// The smallest box that holds both.
+VoxelBox bounding(const VoxelBox& a, const VoxelBox& b) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = std::min(a.lo[axis], b.lo[axis]);
+    out.hi[axis] = std::max(a.hi[axis], b.hi[axis]);
   }
+  return out;
 }
 
 }  // namespace
 
 PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, std::uint64_t parts_bytes,
-                               FileSystem& disk, bool half)
-    : writer_(writer), parts_(parts, parts_bytes, disk), half_(half) {
+                               FileSystem& disk, bool half, PyramidShare share)
+    : writer_(writer), parts_(parts, parts_bytes, disk), half_(half), share_(std::move(share)) {
   const std::vector<LevelInfo>& levels = writer.manifest().levels;
   levels_.resize(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l) levels_[l].by = halvingOf(levels[l].geometry);
@@ -53,7 +47,10 @@ PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path&
     for (std::size_t i = 0; i < count; ++i) {
       const BrickKey key{static_cast<int>(l), brickAt(levels[l].bricks, static_cast<std::int64_t>(i))};
       if (l > 0) levels_[l].awaited[i] = static_cast<std::uint16_t>(childrenOf(key).count());
-      if (hasNext(key.level)) levels_[l].parents[i] = static_cast<std::uint8_t>(parentsOf(key).count());
+      if (!hasNext(key.level)) continue;
+      forEachBrick(parentsOf(key), [&](const BrickCoord& brick) {
+        if (owns({key.level + 1, brick})) ++levels_[l].parents[i];
+      });
     }
   }
 }
@@ -86,15 +83,58 @@ VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
 // A brick of one value is known by its index entry.
 bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.level) && !writer_.entry(key).constant; }
 
-void PyramidBuilder::putPart(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
-                             const BrickRanges& ranges) {
-  parts_.put(key,
-             coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by));
+CoarsePart PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                                  const BrickRanges& ranges) const {
+  return coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by);
+}
+
+int PyramidBuilder::ownerOf(const BrickKey& key) const {
+  return kiln::ownerOf(place(key), lattice(key.level).count(), share_.ranks);
+}
+
+std::uint64_t PyramidBuilder::ownBricks() const {
+  std::uint64_t out = 0;
+  for (int level = 1; level < static_cast<int>(levels_.size()); ++level) {
+    for (std::int64_t i = 0; i < lattice(level).count(); ++i) out += owns({level, brickAt(lattice(level), i)}) ? 1 : 0;
+  }
+  return out;
+}
+
+std::map<int, VoxelBox> PyramidBuilder::takenOf(const BrickKey& key) const {
+  std::map<int, VoxelBox> out;
+  forEachBrick(parentsOf(key), [&](const BrickCoord& brick) {
+    const BrickKey parent{key.level + 1, brick};
+    const VoxelBox taken = writer_.frame(parent).stored();
+    const auto [box, is_first] = out.emplace(ownerOf(parent), taken);
+    if (!is_first) box->second = bounding(box->second, taken);
+  });
+  return out;
 }
 
 std::vector<BrickKey> PyramidBuilder::add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                           const BrickRanges& ranges) {
-  if (keepsPart(key)) putPart(key, voxels, box, ranges);
+  if (!hasNext(key.level)) return {};
+  std::optional<CoarsePart> part;
+  if (keepsPart(key)) part = partOf(key, voxels, box, ranges);
+  std::optional<VoxelBox> own;
+  for (const auto& [rank, taken] : takenOf(key)) {
+    if (rank == share_.rank) {
+      own = taken;
+    } else if (part) {
+      const CoarsePart piece = cropped(*part, taken);
+      share_.give(rank, key, &piece);
+    } else {
+      share_.give(rank, key, nullptr);
+    }
+  }
+  if (part && own) parts_.put(key, cropped(*std::move(part), *own));
+  return arrived(key);
+}
+
+std::vector<BrickKey> PyramidBuilder::addGiven(const BrickKey& key, const BrickEntry& entry,
+                                               std::optional<CoarsePart> piece) {
+  writer_.keep(key, entry);
+  if (piece) parts_.put(key, *std::move(piece));
   return arrived(key);
 }
 
@@ -105,7 +145,8 @@ std::vector<BrickKey> PyramidBuilder::arrived(const BrickKey& key) {
   const std::scoped_lock lock(mutex_);
   forEachBrick(parents, [&](const BrickCoord& brick) {
     const BrickKey parent{key.level + 1, brick};
-    if (--levels_[static_cast<std::size_t>(parent.level)].awaited[place(parent)] == 0) ready.push_back(parent);
+    if (owns(parent) && --levels_[static_cast<std::size_t>(parent.level)].awaited[place(parent)] == 0)
+      ready.push_back(parent);
   });
   return ready;
 }
@@ -186,7 +227,7 @@ std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const Bric
     for (std::int64_t i = 0; i < lattice(level).count(); ++i) {
       const BrickKey key{level, brickAt(lattice(level), i)};
       if (!finished(key)) continue;
-      if (level > 0) release(key);
+      if (level > 0 && owns(key)) release(key);
       for (const BrickKey& parent : arrived(key)) {
         if (!finished(parent)) ready.push_back(parent);
       }
@@ -204,7 +245,7 @@ std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const Bric
 
 void PyramidBuilder::addFinished(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                  const BrickRanges& ranges) {
-  putPart(key, voxels, box, ranges);
+  parts_.put(key, cropped(partOf(key, voxels, box, ranges), takenOf(key).at(share_.rank)));
 }
 
 }  // namespace kiln

@@ -41,6 +41,14 @@ std::vector<std::byte> voxelsIn(const VoxelBox& box) {
   return out;
 }
 
+// All bricks, one after the other.
+ForwardWindow::Next all(std::int64_t brick_size) {
+  return [next = std::int64_t{0},
+          count = brickLattice(volume().geometry.dims, brick_size).count()]() mutable -> std::optional<std::int64_t> {
+    return next < count ? std::optional(next++) : std::nullopt;
+  };
+}
+
 std::unique_ptr<SliceRing> ring(bool on_disk, std::int64_t slices, const fs::path& directory,
                                 FileSystem& disk = FileSystem::real()) {
   const ForwardSource source(volume());
@@ -53,7 +61,7 @@ void expectBricks(bool on_disk, std::int64_t brick_size, std::int64_t slices, st
   const fs::path directory = freshDirectory("ring");
   ForwardSource source(volume());
   Progress silent;
-  ForwardWindow window(source, ring(on_disk, slices, directory), brick_size, silent);
+  ForwardWindow window(source, ring(on_disk, slices, directory), brick_size, all(brick_size), silent);
   EXPECT_TRUE(fs::is_empty(directory));  // whatever ends the process, nothing is left
   std::vector<std::atomic<int>> taken(
       static_cast<std::size_t>(brickLattice(volume().geometry.dims, brick_size).count()));
@@ -90,7 +98,7 @@ TEST(ForwardWindow, ReadsAheadWhileABrickIsInTheMaking) {
   const std::int64_t layer = ForwardWindow::slicesOfLayer(volume().geometry.dims, kBrickSize);
   ForwardSource source(volume());
   Progress silent;
-  ForwardWindow window(source, ring(false, layer + kBrickSize, {}), kBrickSize, silent);
+  ForwardWindow window(source, ring(false, layer + kBrickSize, {}), kBrickSize, all(kBrickSize), silent);
   std::atomic<bool> ahead = false;
   const auto lane = [&] {
     window.work([&](std::int64_t brick) {
@@ -116,7 +124,7 @@ ErrorCode endOf(
   const ThreadLimit threads(3);
   try {
     const std::int64_t slices = ForwardWindow::slicesOfLayer(volume().geometry.dims, 32);
-    ForwardWindow window(source, ring(on_disk, slices, directory, disk), 32, progress);
+    ForwardWindow window(source, ring(on_disk, slices, directory, disk), 32, all(32), progress);
     parallelFor(3, [&](std::size_t) { window.work(brick); });
   } catch (const Error& error) {
     code = error.code();

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "base/byte_record.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "commands.h"
@@ -50,9 +53,41 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
   fmt::print("scratch      {}\n", scratch > 0
                                       ? fmt::format("up to {} beside it until it is finished", formatBytes(scratch))
                                       : std::string("none: what waits is in memory"));
+  if (options.ranks->count() > 1)
+    fmt::print("ranks        {}, each with that memory{}\n", options.ranks->count(),
+               cost.order == ReadOrder::kForward ? "; each reads all of the input, which comes in one order only" : "");
   fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
              static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
   fmt::print("nothing was written\n");
+}
+
+// The largest of a number that each rank has, on the first.
+double largestOf(double value, Ranks& ranks) {
+  std::vector<std::byte> bytes;
+  appendValue(bytes, value);
+  for (const std::vector<std::byte>& of_rank : ranks.gather(bytes))
+    value = std::max(value, ByteTaker{of_rank}.take<double>());
+  return value;
+}
+
+void printRanks(const ConvertReport& report) {
+  for (std::size_t i = 0; i < report.ranks.size(); ++i) {
+    const RankConversion& rank = report.ranks[i];
+    const double all_s = rank.busy_s + rank.idle_s;
+    fmt::print("rank {}: {} bricks, {} read, {} written, {} sent to others; {} thread{} busy {:.0f} % of the time\n", i,
+               rank.bricks, formatBytes(rank.read_bytes), formatBytes(rank.written_bytes), formatBytes(rank.sent_bytes),
+               rank.lanes, rank.lanes == 1 ? "" : "s", all_s > 0 ? 100 * rank.busy_s / all_s : 0.0);
+  }
+}
+
+void printReport(const ConvertArguments& a, const SourceInfo& info, const ConvertReport& report) {
+  fmt::print("{}: {}\n", a.output, firstLine(info));
+  // Of a resumed conversion, what this run did.
+  const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
+  fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
+             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds, rate,
+             formatBytes(report.buffer_bytes));
+  if (report.ranks.size() > 1) printRanks(report);
 }
 
 void run(const ConvertArguments& a, Context& context) {
@@ -75,19 +110,20 @@ void run(const ConvertArguments& a, Context& context) {
   if (a.levels > 0) options.most_levels = a.levels;
   options.command = context.command_line;
   options.time = timeNow();
-  if (a.dry_run) return printCost(a, *source, options, context);
-  const ConvertReport report = convert(*source, a.output, options, context.progress);
-  context.progress.clear();
-  fmt::print("{}: {}\n", a.output, firstLine(source->info()));
-  // Of a resumed conversion, what this run did.
-  const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
-  fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
-             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds, rate,
-             formatBytes(report.buffer_bytes));
-  if (rounded != nullptr) {
-    fmt::print("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
-               rounded->largestError(), report.half_error);
+  options.ranks = context.ranks;
+  const bool speaks = context.ranks->first();
+  if (a.dry_run) {
+    if (speaks) printCost(a, *source, options, context);
+    return;
   }
+  const ConvertReport report = convert(*source, a.output, options, context.progress);
+  const double half_error = rounded != nullptr ? largestOf(rounded->largestError(), *context.ranks) : 0;
+  context.progress.clear();
+  if (!speaks) return;
+  printReport(a, source->info(), report);
+  if (rounded != nullptr)
+    fmt::print("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
+               half_error, report.half_error);
   if (report.nan_count > 0) fmt::print("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
@@ -103,7 +139,9 @@ void addConvert(CLI::App& app, Context& context) {
                    "phantom:body:XxYxZ, head, brain or engine")
       ->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
-  command->add_option("--memory", a->memory, "the most memory for buffers")->capture_default_str()->type_name("BYTES");
+  command->add_option("--memory", a->memory, "the most memory for buffers; under mpirun of each rank")
+      ->capture_default_str()
+      ->type_name("BYTES");
   command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
   command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
       ->capture_default_str();
@@ -120,7 +158,10 @@ void addConvert(CLI::App& app, Context& context) {
                  "go on with an interrupted conversion of the same input with the same options, or begin")
       ->excludes(overwrite);
   addSourceArguments(*command, a->source);
-  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+  command->callback([a, &context] {
+    context.by_all_ranks = true;
+    context.action = [a, &context] { run(*a, context); };
+  });
 }
 
 }  // namespace kiln::tool

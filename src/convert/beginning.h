@@ -1,0 +1,34 @@
+// Where a conversion begins: with nothing, or with what an earlier one of the same volume left. One rank looks, all
+// know.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/file.h"
+#include "cluster/ranks.h"
+#include "convert/convert.h"
+#include "convert/destination.h"
+#include "convert/journal.h"
+
+namespace kiln {
+
+struct Beginning {
+  bool finished = false;  // by an earlier conversion
+  std::filesystem::path directory;
+  JournalContent earlier;  // of this conversion where there is none
+};
+
+/// Collective. Whether all ranks are about to read the same volume: a file that each finds on a disk of its own may
+/// differ. throws: Error kFormat.
+void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ranks);
+
+/// What is at the destination. On the first rank; the others get it by `share`. throws: Error kExists where an earlier
+/// conversion was of another volume.
+Beginning beginAt(Destination& destination, const SourceInfo& info, const Manifest& draft,
+                  const ConvertOptions& options, const Ranks& ranks, FileSystem& disk);
+
+/// Collective. Gives all ranks what the first has, but for the counts of bricks.
+void share(Beginning& beginning, Ranks& ranks);
+
+}  // namespace kiln

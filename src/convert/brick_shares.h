@@ -1,0 +1,47 @@
+// Which process makes which bricks. Those of level 0 lie in the order of the lattice, a share for each rank; a rank
+// that is through with its own goes on with the next one's, so that nobody is idle while another has many left. A
+// coarser brick is made by one rank that all know without asking, near its share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "cluster/ranks.h"
+#include "grid/coords.h"
+
+namespace kiln {
+
+/// The rank that makes a coarser brick, the `place`-th of `count` of its level.
+inline int ownerOf(std::size_t place, std::int64_t count, int ranks) {
+  return static_cast<int>(static_cast<std::int64_t>(place) * ranks / count);
+}
+
+class BrickShares {
+ public:
+  /// Collective. `bricks` are places in the lattice of level 0, rising, the same on all ranks. With `in_order` every
+  /// rank takes the next of all of them: for a source that is only read forwards. requires: `ranks` outlives this.
+  BrickShares(Ranks& ranks, std::vector<std::int64_t> bricks, std::int64_t brick_size, bool in_order);
+  /// The next brick of this rank; nothing once all are taken. thread: safe. cost: now and then a message there and
+  /// back.
+  std::optional<std::int64_t> next();
+  /// Where this rank fails: the numbers that all share are not freed, which would wait for the others.
+  void leaveBehind() { static_cast<void>(taken_.release()); }
+
+ private:
+  std::uint64_t first(std::size_t share) const { return share * bricks_.size() / shares_; }
+
+  Ranks& ranks_;
+  const std::vector<std::int64_t> bricks_;
+  const std::size_t shares_;
+  const std::uint64_t most_at_once_;
+  std::mutex mutex_;                       // guards what follows
+  std::unique_ptr<SharedCounters> taken_;  // of each share
+  std::size_t left_;                       // shares that have something left, as far as this rank knows
+  std::size_t share_;                      // the one that is being taken from
+  std::uint64_t at_ = 0, end_ = 0;         // what this rank has taken of it and not yet begun
+};
+
+}  // namespace kiln

@@ -1,0 +1,103 @@
+// The work of a conversion: lanes take bricks as they come free, encode them, and build the coarser ones that a
+// finished one makes possible. Several processes share it: each takes bricks of level 0 while there are any, and builds
+// its own of the coarser ones; the first keeps the journal.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "cluster/ranks.h"
+#include "convert/brick_shares.h"
+#include "convert/convert.h"
+#include "convert/exchange.h"
+#include "convert/forward_window.h"
+#include "convert/journal.h"
+#include "convert/plan.h"
+#include "convert/pyramid_builder.h"
+#include "convert/value_counter.h"
+#include "convert/write_behind.h"
+
+namespace kiln {
+
+class Conversion {
+ public:
+  /// What a conversion works with. requires: all outlive it.
+  struct Parts {
+    VolumeSource& source;
+    StoreWriter& writer;
+    const std::filesystem::path& directory;
+    const ConversionPlan& plan;
+    bool half;
+    Ranks& ranks;
+    FileSystem& disk;
+    Progress& progress;
+  };
+
+  /// Collective. `earlier` is what an earlier conversion's journal says; of its bricks, those are kept whose files are
+  /// whole. The counts of their values are of use to the first rank only.
+  Conversion(const Parts& parts, const JournalContent& earlier);
+
+  /// Collective. All bricks are made and on the disk, or on their way to it, when it returns on the first rank; there
+  /// the writer then knows all of them. throws: what source and disk throw, Error kCancelled. Other ranks are then not
+  /// waited for, and what they share is left as it is: they are to be ended.
+  void run();
+
+  /// Of all ranks, on the first, after `run`.
+  const ValueCounter& counter() const { return counters_.front(); }
+  double halfError() const { return half_error_; }
+  const std::vector<RankConversion>& rankReports() const { return reports_; }
+  /// Bricks that are finished, with those of an earlier conversion; on the first rank of all ranks.
+  std::uint64_t finishedBricks() const { return finished_bricks_; }
+
+ private:
+  void keep(const std::vector<FinishedBrick>& whole);
+  std::vector<std::int64_t> bricksToMake(bool in_order) const;
+  void takeUp();
+  void work(std::size_t lane, WriteBehind& disk);
+  void makeBrick(std::int64_t i, std::size_t lane, WriteBehind& disk);
+  std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane, WriteBehind& disk);
+  void build(const BrickKey& key, WriteBehind& disk);
+  void buildReady(WriteBehind& disk);
+  void buildRest(WriteBehind& disk);
+  std::optional<BrickKey> takeReady();
+  void addReady(const std::vector<BrickKey>& ready);
+  void write(const UnwrittenBrick& unwritten);
+  void noteFinished(const FinishedBrick& brick);
+  void heard(const FinishedBrick& brick);
+  void listen();
+  void putTogether();
+  void throwIfStopped();
+  bool isFinished(const BrickKey& key) const;
+  std::size_t placeOf(const BrickKey& key) const;
+
+  const Parts parts_;
+  StoreWriter& writer_;
+  Ranks& ranks_;
+  Progress& progress_;
+  PyramidBuilder pyramid_;
+  std::vector<std::vector<std::byte>> boxes_;      // by lane, for its brick of level 0: one memory for all
+  std::vector<ValueCounter> counters_, of_brick_;  // by lane: of all it made, and of one brick
+  std::vector<std::vector<char>> finished_;        // by level and brick: what an earlier conversion left
+  std::vector<std::vector<char>> known_;           // the same: of other ranks, what the writer has an entry of
+  std::optional<Journal> journal_;                 // on the first rank
+  std::optional<BrickShares> shares_;
+  std::optional<ForwardWindow> window_;
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable changed_;
+  std::vector<BrickKey> ready_;  // to be built
+  std::uint64_t left_to_build_ = 0;
+  bool failed_ = false;
+  std::uint64_t done_ = 0, finished_bricks_ = 0;
+  RankConversion report_;
+  double waited_s_ = 0;  // by all lanes
+  std::chrono::steady_clock::time_point began_;
+  std::vector<RankConversion> reports_;
+  double half_error_ = 0;
+  std::optional<Exchange> exchange_;  // where there are other ranks; the last to be made, and the first to go
+};
+
+}  // namespace kiln
