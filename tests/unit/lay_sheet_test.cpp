@@ -1,5 +1,5 @@
 // Against the definition, pixel by pixel and bit by bit: what a slab adds to a pixel, which pixels become opaque, and
-// that nothing is left in the block of the sheet and nothing happens beside it.
+// that nothing is left in the block of the sheet and nothing happens beside it; on every instruction set.
 #include "splat/lay_sheet.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 
 #include "splat/sheet.h"
 #include "support/procedural.h"
+#include "support/scalar_kernels.h"
 
 namespace kiln::test {
 namespace {
@@ -39,61 +40,50 @@ struct Planes {
   }
 };
 
-// Lays one pixel; whether it changes.
-bool layPixel(float* pixel, const std::int32_t* sum, std::int32_t filled, CoveredPixel& covered) {
-  if (sum[3] == 0) return false;
-  const auto full = static_cast<float>(filled);
-  const float erosion = erosionOf(static_cast<float>(sum[3]) / full, kErosion);
-  const float f = std::max(1 - (1 - std::min(full / Sheet::kOne, 1.0f)) * (1 + erosion), 0.0f);
-  const float part = f * f * (3 - (f + f));
-  const float in_front = static_cast<float>(covered) * (1.0f / 255);
-  const float density = std::min(pixel[3] / std::max(in_front, 1.0f / 255), 1.0f);
-  const float share = (part - std::min(part, in_front) * density) / full;
-  covered = std::max(covered, static_cast<CoveredPixel>(std::ceil(part * 255)));
-  for (int c = 0; c < 4; ++c) pixel[c] += share * static_cast<float>(sum[c]);
-  return true;
-}
-
 TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
   for (const int width : {1, 3, 7, 8}) {
     const int height = 9 - width;
     SCOPED_TRACE(width);
-    Planes planes(static_cast<std::uint64_t>(1000 * width)), truth = planes;
-    SheetBlock block;
-    block.pixels = planes.pixels.data(), block.stride = 4 * kColumns;
-    block.sums = planes.sums.data(), block.filled = planes.filled.data(), block.columns = kColumns;
-    block.width = width, block.height = height;
-    block.takes = planes.takes;
-    block.covered = planes.covered.data();
-    block.erosion = kErosion;
-    block.opaque_at = kOpaqueAt;
-    LaidPixels pixels;
-    const LaidBlock laid = laySheet(block, &pixels);
-    for (int y = 0; y < kBlockEdge; ++y) {
-      for (int x = 0; x < kColumns; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y * kColumns + x), row = static_cast<std::size_t>(y);
-        const bool inside = y < height && x < width;
-        float* const pixel = &truth.pixels[4 * i];
-        const float before = pixel[3];
-        const bool takes = inside && (truth.takes[row] >> x & 1) != 0;
-        const bool changed = takes && layPixel(pixel, &truth.sums[4 * i], truth.filled[i], truth.covered[i]);
-        EXPECT_TRUE(std::equal(pixel, pixel + 4, &planes.pixels[4 * i])) << x << ", " << y;
-        EXPECT_EQ(planes.covered[i], truth.covered[i]) << x << ", " << y;
-        if (inside) {
-          EXPECT_EQ(planes.filled[i], 0);
-        }
-        if (!inside && (y >= height || x >= kBlockEdge)) {
-          EXPECT_EQ(planes.filled[i], truth.filled[i]);
-        }
-        if (!inside) continue;
-        EXPECT_EQ(laid.changed[row] >> x & 1, changed ? 1 : 0);
-        EXPECT_EQ(laid.opaque[row] >> x & 1, changed && pixel[3] >= kOpaqueAt ? 1 : 0);
-        EXPECT_EQ(std::count(&planes.sums[4 * i], &planes.sums[4 * i] + 4, 0), 4);
-        if (changed) {
-          EXPECT_EQ(pixels[row * kBlockEdge + static_cast<std::size_t>(x)].before, before);
+    onEveryInstructionSet([&](std::int64_t target) {
+      SCOPED_TRACE(target);
+      Planes planes(static_cast<std::uint64_t>(1000 * width)), truth = planes;
+      SheetBlock block;
+      block.pixels = planes.pixels.data(), block.stride = 4 * kColumns;
+      block.sums = planes.sums.data(), block.filled = planes.filled.data(), block.columns = kColumns;
+      block.width = width, block.height = height;
+      block.takes = planes.takes;
+      block.covered = planes.covered.data();
+      block.erosion = kErosion;
+      block.opaque_at = kOpaqueAt;
+      LaidPixels pixels;
+      const LaidBlock laid = laySheet(block, &pixels);
+      for (int y = 0; y < kBlockEdge; ++y) {
+        for (int x = 0; x < kColumns; ++x) {
+          const std::size_t i = static_cast<std::size_t>(y * kColumns + x), row = static_cast<std::size_t>(y);
+          const bool inside = y < height && x < width;
+          float* const pixel = &truth.pixels[4 * i];
+          const float before = pixel[3];
+          const bool takes = inside && (truth.takes[row] >> x & 1) != 0;
+          const bool changed =
+              takes && layPixelScalar(pixel, &truth.sums[4 * i], truth.filled[i], kErosion, truth.covered[i]);
+          EXPECT_TRUE(std::equal(pixel, pixel + 4, &planes.pixels[4 * i])) << x << ", " << y;
+          EXPECT_EQ(planes.covered[i], truth.covered[i]) << x << ", " << y;
+          if (inside) {
+            EXPECT_EQ(planes.filled[i], 0);
+          }
+          if (!inside && (y >= height || x >= kBlockEdge)) {
+            EXPECT_EQ(planes.filled[i], truth.filled[i]);
+          }
+          if (!inside) continue;
+          EXPECT_EQ(laid.changed[row] >> x & 1, changed ? 1 : 0);
+          EXPECT_EQ(laid.opaque[row] >> x & 1, changed && pixel[3] >= kOpaqueAt ? 1 : 0);
+          EXPECT_EQ(std::count(&planes.sums[4 * i], &planes.sums[4 * i] + 4, 0), 4);
+          if (changed) {
+            EXPECT_EQ(pixels[row * kBlockEdge + static_cast<std::size_t>(x)].before, before);
+          }
         }
       }
-    }
+    });
   }
 }
 

@@ -1,0 +1,289 @@
+// Every kernel by itself, on each instruction set that this machine has and, where there is one, written plainly beside
+// it: its rate, and from what the code reads and writes the bytes and floating-point operations that it moves. Of a
+// head of 128³ voxels drawn at 1.5 pixels a voxel, from one brick, so that data is as it is in a picture. Visibility
+// has a benchmark of its own (occlusion_bench).
+#include <benchmark/benchmark.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "convert/convert.h"
+#include "frame/make_visibility.h"
+#include "frame/tile_walk.h"
+#include "ingest/volume_source.h"
+#include "render/frame_drawing.h"
+#include "scene/framing.h"
+#include "scene/presets.h"
+#include "splat/unit_load.h"
+#include "support/scalar_kernels.h"
+
+namespace kiln {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr int kPicture = 256;
+constexpr std::size_t kUnitFloats =
+    std::size_t{kUnitVoxels + 2 * kUnitMargin} * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples;
+
+fs::path madeStore() {
+  const fs::path out = fs::temp_directory_path() / "kiln_kernel_bench.kiln";
+  ConvertOptions options;
+  options.overwrite = true;
+  Progress silent;
+  const auto source = openSource("phantom:head:128x128x128", {});
+  convert(*source, out, options, silent);
+  return out;
+}
+
+FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
+  FrameRequest out;
+  const ImageSize size{kPicture, kPicture};
+  out.view = resolve(frameVolume(store.manifest().geometry(), defaultFraming(), size), size);
+  out.transfer_function = presetFor("ct-skin", store.manifest());
+  out.interpolation = interpolation;
+  out.level = 0;
+  return out;
+}
+
+// One brick as a frame has it, and units of it that the transfer function shows.
+struct Scene {
+  explicit Scene(const StoreReader& store, Interpolation interpolation)
+      : request(requestFor(store, interpolation)),
+        plan(store, request),
+        block(store.read({0, {0, 0, 0}})),
+        zones(plan.pixel->cellsOf(block)),
+        fullest(*std::max_element(zones.begin(), zones.end(),
+                                  [](const auto& a, const auto& b) { return a.cells.size() < b.cells.size(); })),
+        frame(*fullest.frame) {
+    for (const SlabCell& cell : fullest.cells) {
+      const auto& n = frame.lattice().voxels;
+      for (std::int64_t z = cell.box.lo.z; z < cell.box.hi.z; z += n[2]) {
+        for (std::int64_t y = cell.box.lo.y; y < cell.box.hi.y; y += n[1]) {
+          for (std::int64_t x = cell.box.lo.x; x < cell.box.hi.x; x += n[0]) units.push_back({x, y, z});
+        }
+      }
+    }
+  }
+  std::int64_t samplesOfUnit() const {
+    const auto& axis = frame.lattice().axis;
+    return std::int64_t{axis[0].samples} * axis[1].samples * axis[2].samples;
+  }
+  std::int64_t voxelsRead() const {
+    const auto& n = frame.lattice().voxels;
+    return std::int64_t{n[0] + 4} * (n[1] + 4) * (n[2] + 4);
+  }
+  UnitInput input(const VoxelCoord& lo, float* values) const {
+    const double offset = frame.table().offset();
+    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values);
+    UnitInput in;
+    in.values = values;
+    in.least = static_cast<float>(range.lo - offset), in.most = static_cast<float>(range.hi - offset);
+    in.origin = glm::vec3(frame.projector().viewOf(lo));
+    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = frame.lattice().axis[a].samples;
+    in.tile = {0, 0, kPicture, kPicture};
+    return in;
+  }
+
+  FrameRequest request;
+  FramePlan plan;
+  BrickBlock block;
+  std::vector<PixelLattice::ZoneCells> zones;
+  const PixelLattice::ZoneCells& fullest;
+  const SlabFrame& frame;
+  std::vector<VoxelCoord> units;
+};
+
+const Scene& scene(Interpolation interpolation = Interpolation::kLinear) {
+  static const StoreReader store(madeStore());
+  static const Scene linear(store, Interpolation::kLinear), cubic(store, Interpolation::kCubic);
+  return interpolation == Interpolation::kLinear ? linear : cubic;
+}
+
+// A second of the kernel: items, and what each reads, writes and computes.
+void report(benchmark::State& state, std::int64_t items, double bytes, double flops) {
+  using benchmark::Counter;
+  const double all = static_cast<double>(items);
+  state.counters["items"] = Counter(all, Counter::kIsRate);
+  state.counters["bytes"] = Counter(all * bytes, Counter::kIsRate, Counter::kIs1024);
+  state.counters["flops"] = Counter(all * flops, Counter::kIsRate);
+}
+
+// Argument: the instruction set, or 0 for the plain one.
+class OnTarget {
+ public:
+  explicit OnTarget(benchmark::State& state) : target_(state.range(0)) {
+    hwy::SetSupportedTargetsForTest(target_);
+    state.SetLabel(plain() ? "plain" : instructionSet());
+  }
+  ~OnTarget() { hwy::SetSupportedTargetsForTest(0); }
+  bool plain() const { return target_ == 0; }
+
+ private:
+  const std::int64_t target_;
+};
+
+// Items are voxels: of two bytes read, four written; a subtraction and two comparisons.
+void loadUnits(benchmark::State& state) {
+  const OnTarget on(state);
+  const Scene& s = scene();
+  alignas(64) static float values[kUnitFloats];
+  const double offset = s.frame.table().offset();
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const VoxelCoord& lo = s.units[next++ % s.units.size()];
+    const ValueRange range = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
+                                        : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
+    benchmark::DoNotOptimize(range);
+    benchmark::ClobberMemory();
+  }
+  report(state, state.iterations() * s.voxelsRead(), 6, 3);
+}
+
+enum Stages { kField, kClassified, kShaded };
+
+// Items are samples. The field alone: nothing is shown, so that samples end when their extinction is known: 7 linear
+// interpolations of 2 operations and the table's; or 21 weights and values of a cubic's passes. Classified: the colour
+// of those that show something, place, footprint and slab. Shaded: their gradients, too, a root and a light. Operations
+// are counted of all samples, also of those that show nothing.
+void refine(benchmark::State& state, Interpolation interpolation, Stages stages, double flops) {
+  const OnTarget on(state);
+  const Scene& s = scene(interpolation);
+  alignas(64) static float values[kUnitFloats];
+  UnitLattice lattice = s.frame.lattice();
+  if (stages < kShaded) lattice.phong = false;
+  if (stages < kClassified) lattice.visible_after = 2e9f;
+  WaitingSamples<SlabSample> waiting;
+  waiting.reset(static_cast<std::size_t>(s.frame.zone().slabs) + 2);
+  std::vector<UnitInput> inputs;
+  struct alignas(64) Voxels {
+    float values[kUnitFloats];
+  };
+  std::vector<Voxels> voxels;
+  for (std::size_t i = 0; i < std::min<std::size_t>(s.units.size(), 200); ++i) {
+    const VoxelCoord& lo = s.units[i * s.units.size() / 200 % s.units.size()];
+    inputs.push_back(s.input(lo, values));
+    std::copy_n(values, kUnitFloats, voxels.emplace_back().values);
+  }
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const std::size_t i = next++ % inputs.size();
+    inputs[i].values = voxels[i].values;
+    benchmark::DoNotOptimize(refineUnit(lattice, inputs[i], {&waiting, 0}).closed);
+    if (i + 1 == inputs.size()) waiting.reset(static_cast<std::size_t>(s.frame.zone().slabs) + 2);
+  }
+  const double bytes = 4.0 * static_cast<double>(s.voxelsRead()) / static_cast<double>(s.samplesOfUnit());
+  report(state, state.iterations() * s.samplesOfUnit(), bytes, flops);
+}
+
+// Items are samples: 16 pixels of four sums and one of what is filled, read and written in the sheet of its slab and
+// about as often in the next; a sum of a pixel takes two products and an addition.
+void footprints(benchmark::State& state) {
+  const OnTarget on(state);
+  const Scene& s = scene();
+  const PixelRect tile = {0, 0, kSweepEdge, kSweepEdge};
+  std::vector<SlabSample> samples(4096);
+  std::vector<const SlabSample*> pointers;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto n = static_cast<std::int32_t>(i);
+    samples[i] = {0.9f, 0.7f, 0.6f, 0.5f, 0.2f, 0.2f, {n % 60 | (n / 60 % 60) << 16, n * 7 % 64 | (n * 11 % 64) << 8}};
+    pointers.push_back(&samples[i]);
+  }
+  Sheet sheets[2];
+  for (Sheet& sheet : sheets) sheet.reset(tile, s.frame.footprint());
+  for (auto _ : state) {
+    if (on.plain())
+      test::addSamplesScalar(pointers, s.frame.footprint(), sheets[0], sheets[1]);
+    else
+      addSamples(pointers, s.frame.footprint(), sheets[0], sheets[1]);
+    for (Sheet& sheet : sheets) sheet.mark(~0ull), sheet.clear();
+  }
+  const double pixels = s.frame.footprint().taps() * s.frame.footprint().taps();
+  report(state, state.iterations() * static_cast<std::int64_t>(samples.size()), 2 * pixels * 40, 2 * pixels * 15);
+}
+
+// Items are pixels: colour and sums read and written, a byte of what is covered; some 30 operations.
+void laySlab(benchmark::State& state) {
+  const OnTarget on(state);
+  alignas(64) float pixels[4 * 64] = {};
+  alignas(64) std::int32_t sums[4 * 64], filled[64];
+  CoveredPixel covered[64] = {};
+  SheetBlock block;
+  block.pixels = pixels, block.sums = sums, block.filled = filled, block.covered = covered;
+  block.stride = 4 * kBlockEdge, block.columns = kBlockEdge;
+  block.width = block.height = kBlockEdge;
+  block.takes.fill(0xff);
+  block.erosion = 0.1f;
+  for (auto _ : state) {
+    std::fill_n(sums, 256, 1 << 18);
+    std::fill_n(filled, 64, 1 << 20);
+    benchmark::DoNotOptimize(on.plain() ? test::laySheetScalar(block) : laySheet(block, nullptr));
+    benchmark::ClobberMemory();
+  }
+  report(state, state.iterations() * 64, 2 * (16 + 16 + 4 + 1), 30);
+}
+
+// The whole of the voxel lattice's kernel, which is not written for vectors: a brick into one tile. Items are splats: a
+// voxel and its neighbours read, a footprint of pixels read and written.
+void splatVoxels(benchmark::State& state) {
+  const Scene& s = scene();
+  const VisibilityOptions options{.method = static_cast<VisibilityMethod>(state.range(0))};
+  SplatFrame frame;
+  frame.classifier = &s.plan.classifier;
+  frame.projector = &s.plan.levels.projector(0);
+  frame.shader = Shader(s.request.shading, s.request.view, 1e-3f, *frame.projector);
+  frame.clip = &s.plan.levels.clipRegion(0);
+  frame.ends = s.plan.levels.endVoxels(0);
+  frame.opaque_at = 0.998f;
+  frame.test_samples = options.method != VisibilityMethod::kNone;
+  std::int64_t splats = 0;
+  for (auto _ : state) {
+    Image image(kPicture, kPicture);
+    const auto visibility = makeVisibility(options, s.request.view.size, 0);
+    frame.visibility = visibility.get();
+    SplatCounts counts;
+    walkTile(frame, s.block, {{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, nullptr, {}}, counts,
+             nullptr);
+    splats += static_cast<std::int64_t>(counts.splats);
+  }
+  constexpr double kPixels = 36;
+  state.SetLabel(options.method == VisibilityMethod::kNone ? "without visibility" : "mask");
+  report(state, splats, 14 + 32 * kPixels, 60 + 12 * kPixels);
+}
+
+void registerAll() {
+  const auto onTargets = [](const char* name, auto kernel, bool has_plain) {
+    benchmark::internal::Benchmark* const out = benchmark::RegisterBenchmark(name, kernel);
+    if (has_plain) out->Arg(0);
+    test::onEveryInstructionSet([&](std::int64_t target) { out->Arg(target); });
+    out->ArgName("set");
+  };
+  const auto refining = [](Interpolation interpolation, Stages stages, double flops) {
+    return [=](benchmark::State& state) { refine(state, interpolation, stages, flops); };
+  };
+  onTargets("load", loadUnits, true);
+  onTargets("refine/linear", refining(Interpolation::kLinear, kField, 18), false);
+  onTargets("refine/linear,classify", refining(Interpolation::kLinear, kClassified, 60), false);
+  onTargets("refine/linear,classify,gradient,shade", refining(Interpolation::kLinear, kShaded, 130), false);
+  onTargets("refine/cubic", refining(Interpolation::kCubic, kField, 50), false);
+  onTargets("refine/cubic,classify,gradient,shade", refining(Interpolation::kCubic, kShaded, 260), false);
+  onTargets("footprints", footprints, true);
+  onTargets("lay", laySlab, true);
+  for (const VisibilityMethod method : {VisibilityMethod::kNone, VisibilityMethod::kMask})
+    benchmark::RegisterBenchmark("voxel_lattice", splatVoxels)
+        ->Arg(static_cast<std::int64_t>(method))
+        ->Unit(benchmark::kMillisecond);
+}
+
+}  // namespace
+}  // namespace kiln
+
+int main(int argc, char** argv) {
+  kiln::registerAll();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

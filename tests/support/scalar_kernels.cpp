@@ -1,0 +1,106 @@
+#include "support/scalar_kernels.h"
+
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace kiln::test {
+
+void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f) {
+  // The lowest bit is the best. For one that there are no kernels for, another one's are taken.
+  std::vector<std::int64_t> targets;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
+  std::set<std::string> done;
+  for (auto target = targets.rbegin(); target != targets.rend(); ++target) {
+    hwy::SetSupportedTargetsForTest(*target);
+    if (done.insert(instructionSet()).second) f(*target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+ValueRange loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+                          float* values) {
+  ValueRange out;
+  const auto& n = lattice.voxels;
+  const int rim = lattice.interpolation == Interpolation::kLinear ? kUnitMargin - 1 : 0;
+  const auto inner = [&](int i, int axis) {
+    return i >= rim - kUnitMargin && i < n[static_cast<std::size_t>(axis)] + kUnitMargin - rim;
+  };
+  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    const T* const voxels = reinterpret_cast<const T*>(block.voxels.data());
+    for (int z = -kUnitMargin; z < n[2] + kUnitMargin; ++z) {
+      for (int y = -kUnitMargin; y < n[1] + kUnitMargin; ++y, values += kUnitSamples) {
+        for (int x = -kUnitMargin; x < n[0] + kUnitMargin; ++x) {
+          VoxelCoord at = {lo.x + x, lo.y + y, lo.z + z};
+          for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], block.extent.lo[a], block.extent.hi[a] - 1);
+          const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
+          values[x + kUnitMargin] = static_cast<float>(value - offset);
+          if (inner(x, 0) && inner(y, 1) && inner(z, 2)) out.include(value);
+        }
+      }
+    }
+  });
+  return out;
+}
+
+void addSamplesScalar(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here,
+                      Sheet& next) {
+  const auto rounded = [](float v) { return static_cast<std::int32_t>(std::lrint(v)); };
+  const auto add = [&](const SlabSample& s, float amount, Sheet& sheet) {
+    const float fill = amount * Sheet::kOne, scale = fill * s.opacity;
+    const float light[4] = {scale * s.r, scale * s.g, scale * s.b, scale};
+    const float* const across = footprint.row(s.place.phaseX());
+    const float* const down = footprint.row(s.place.phaseY());
+    for (int j = 0; j < footprint.taps(); ++j) {
+      for (int i = 0; i < footprint.taps(); ++i) {
+        std::int32_t* const sums = sheet.at(s.place) + j * sheet.stride() + 4 * i;
+        for (int c = 0; c < 4; ++c) sums[c] += rounded(across[i] * light[c] * down[j]);
+        sheet.filledAt(s.place)[j * sheet.stride() / 4 + i] += rounded(across[i] * fill * down[j]);
+      }
+    }
+  };
+  for (const SlabSample* s : samples) {
+    if (s->front > 0) add(*s, s->front, here);
+    if (s->back > 0) add(*s, s->back, next);
+  }
+}
+
+bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, CoveredPixel& covered) {
+  if (sum[3] == 0) return false;
+  const auto full = static_cast<float>(filled);
+  const float less = erosionOf(static_cast<float>(sum[3]) / full, erosion);
+  const float f = std::max(1 - (1 - std::min(full / Sheet::kOne, 1.0f)) * (1 + less), 0.0f);
+  const float part = f * f * (3 - (f + f));
+  const float in_front = static_cast<float>(covered) * (1.0f / 255);
+  const float density = std::min(pixel[3] / std::max(in_front, 1.0f / 255), 1.0f);
+  const float share = (part - std::min(part, in_front) * density) / full;
+  covered = std::max(covered, static_cast<CoveredPixel>(std::ceil(part * 255)));
+  for (int c = 0; c < 4; ++c) pixel[c] += share * static_cast<float>(sum[c]);
+  return true;
+}
+
+LaidBlock laySheetScalar(const SheetBlock& block) {
+  LaidBlock out;
+  for (int y = 0; y < block.height; ++y) {
+    const auto row = static_cast<std::size_t>(y);
+    for (int x = 0; x < kBlockEdge; ++x) {
+      const bool takes = x < block.width && (block.takes[row] >> x & 1) != 0;
+      float* const pixel = block.pixels + y * block.stride + 4 * x;
+      std::int32_t* const sum = block.sums + 4 * (y * block.columns + x);
+      std::int32_t& filled = block.filled[y * block.columns + x];
+      if (takes && layPixelScalar(pixel, sum, filled, block.erosion, block.covered[y * (block.stride / 4) + x])) {
+        out.changed[row] = static_cast<std::uint8_t>(out.changed[row] | 1u << x);
+        if (pixel[3] >= block.opaque_at) out.opaque[row] = static_cast<std::uint8_t>(out.opaque[row] | 1u << x);
+      }
+      std::fill_n(sum, 4, 0);
+      filled = 0;
+    }
+  }
+  return out;
+}
+
+}  // namespace kiln::test

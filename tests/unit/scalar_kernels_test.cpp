@@ -1,0 +1,105 @@
+// Kernels on every instruction set against the same written plainly (support/scalar_kernels.h), bit for bit: operations
+// are neither fused nor approximate, and sums are whole numbers.
+#include "support/scalar_kernels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "splat/refine_unit.h"
+#include "support/procedural.h"
+
+namespace kiln::test {
+namespace {
+
+BrickBlock noiseBlock(VoxelType type) {
+  BrickBlock block;
+  block.type = type;
+  block.core = {{0, 0, 0}, {16, 16, 16}};
+  block.extent = dilated(block.core, 6);
+  block.voxels.resize(static_cast<std::size_t>(block.extent.count()) * sizeOf(type));
+  withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    T* const voxels = reinterpret_cast<T*>(block.voxels.data());
+    for (std::int64_t i = 0; i < block.extent.count(); ++i)
+      voxels[i] = static_cast<T>(120 * hashUnit(5, static_cast<std::uint64_t>(i)));
+  });
+  return block;
+}
+
+TEST(ScalarKernels, UnitsAreLoadedAlike) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i8, VoxelType::u16, VoxelType::i16, VoxelType::f32}) {
+    const BrickBlock block = noiseBlock(type);
+    // A range is found among floats, from which the offset has been taken.
+    const double rounding = type == VoxelType::f32 ? 120 * 6e-8 : 0;
+    for (const int voxels : {4, 5, 8}) {
+      for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
+        UnitLattice lattice;
+        lattice.interpolation = interpolation;
+        lattice.voxels = {voxels, 4, 3};
+        // In the middle, and where its margin is beyond what the brick has.
+        for (const VoxelCoord& lo : {VoxelCoord{4, 5, 6}, VoxelCoord{-6, -6, -6}, VoxelCoord{16, 17, 18}}) {
+          constexpr std::size_t kCount =
+              std::size_t{kUnitVoxels + 2 * kUnitMargin} * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples;
+          alignas(64) float truth[kCount], found[kCount];
+          const ValueRange range = loadUnitScalar(block, lattice, 7, lo, truth);
+          onEveryInstructionSet([&](std::int64_t target) {
+            std::fill_n(found, kCount, -1.0f);
+            const ValueRange other = loadUnit(block, lattice, 7, lo, found);
+            EXPECT_NEAR(other.lo, range.lo, rounding) << target;
+            EXPECT_NEAR(other.hi, range.hi, rounding) << target;
+            for (int row = 0; row < (4 + 2 * kUnitMargin) * (3 + 2 * kUnitMargin); ++row) {
+              EXPECT_TRUE(std::equal(truth + row * kUnitSamples, truth + row * kUnitSamples + voxels + 2 * kUnitMargin,
+                                     found + row * kUnitSamples))
+                  << "instruction set " << target << ", row " << row;
+            }
+          });
+        }
+      }
+    }
+  }
+}
+
+TEST(ScalarKernels, SamplesAreAddedAlike) {
+  const PixelRect rect = {8, 16, 40, 48};
+  for (const double sigma : {0.42, 0.9, 2.5}) {
+    const FootprintTable footprint(sigma);
+    std::vector<SlabSample> samples(300);
+    std::vector<const SlabSample*> pointers;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const auto unit = [&, n = std::uint64_t{0}]() mutable {
+        return static_cast<float>(hashUnit(17 * i + n++, static_cast<std::uint64_t>(i)));
+      };
+      auto next = unit;
+      SlabSample& s = samples[i];
+      s.r = next(), s.g = next(), s.b = next(), s.opacity = next();
+      s.front = next() < 0.2f ? 0 : 0.3f * next(), s.back = next() < 0.3f ? 0 : 0.3f * next();
+      const auto upTo = [&](int n) { return std::min(static_cast<int>(static_cast<float>(n) * next()), n - 1); };
+      const int windows = rect.width() + footprint.taps() - 1;
+      s.place.window = upTo(windows) | upTo(windows) << 16;
+      s.place.phases = upTo(FootprintPlace::kPhases) | upTo(FootprintPlace::kPhases) << 8;
+      pointers.push_back(&s);
+    }
+    Sheet truth[2];
+    for (Sheet& sheet : truth) sheet.reset(rect, footprint);
+    addSamplesScalar(pointers, footprint, truth[0], truth[1]);
+    onEveryInstructionSet([&](std::int64_t target) {
+      Sheet found[2];
+      for (Sheet& sheet : found) sheet.reset(rect, footprint);
+      addSamples(pointers, footprint, found[0], found[1]);
+      for (int k = 0; k < 2; ++k) {
+        for (int y = rect.y0; y < rect.y1; ++y) {
+          EXPECT_TRUE(
+              std::equal(truth[k].at(rect.x0, y), truth[k].at(rect.x0, y) + 4 * rect.width(), found[k].at(rect.x0, y)))
+              << "instruction set " << target << ", sheet " << k << ", row " << y;
+          EXPECT_TRUE(std::equal(truth[k].filledAt(rect.x0, y), truth[k].filledAt(rect.x0, y) + rect.width(),
+                                 found[k].filledAt(rect.x0, y)))
+              << "instruction set " << target << ", sheet " << k << ", row " << y;
+        }
+      }
+    });
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
