@@ -73,11 +73,7 @@ template <class Field, bool kDetails>
 class Refiner {
  public:
   Refiner(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out)
-      : l_(lattice),
-        u_(unit),
-        out_(out),
-        derives_(lattice.phong || kDetails || lattice.integral != nullptr),
-        field_(lattice, unit) {}
+      : l_(lattice), u_(unit), out_(out), derives_(lattice.phong || kDetails), field_(lattice, unit) {}
 
   RefinedCounts run() {
     const D d;
@@ -147,14 +143,10 @@ class Refiner {
           alive, hn::And(hn::Gt(place, hn::Set(d, l_.visible_after)), hn::Lt(place, hn::Set(d, l_.visible_before))));
       if (hn::AllFalse(d, alive)) return;
     }
-    Vector slope{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     V tau = hn::Zero(d);
     if (knowsTau()) {
       tau = extinctionAt(hn::IfThenElseZero(alive, place));
-      if (l_.integral != nullptr) {
-        slope = field_.gradients(ui);
-        tau = meanExtinction(slope, place, alive, tau);
-      }
+      if (l_.integral != nullptr) tau = meanExtinction(field_.within(i, j, k), place, alive, tau);
       alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
       if (hn::AllFalse(d, alive)) return;
     }
@@ -187,7 +179,6 @@ class Refiner {
       alive = hn::AndNot(closed, alive);
       if (hn::AllFalse(d, alive)) return;
     }
-    if (derives_ && l_.integral == nullptr) slope = field_.gradients(ui);
 
     const VI code = hn::Add(hn::Add(lane, hn::Set(di, (j << 4) + (k << 8))),
                             hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
@@ -196,6 +187,7 @@ class Refiner {
     keep(place, found_.place);
     if (knowsTau()) keep(tau, found_.tau);
     if (derives_) {
+      const Vector slope = field_.gradients(ui);
       keep(slope.x, found_.slope[0]);
       keep(slope.y, found_.slope[1]);
       keep(slope.z, found_.slope[2]);
@@ -385,19 +377,27 @@ class Refiner {
     return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
   }
 
-  // The mean extinction of what a voxel of a coarser level stands for: values that vary across it as the gradient says,
-  // spread as evenly over an interval about their mean as has their deviation. A thin skin would else be lost between
-  // the values on its two sides.
-  V meanExtinction(const Vector& slope, V place, M alive, V at_point) const {
+  // The mean extinction of what a voxel of a coarser level stands for, half of it above its value and half below. A
+  // thin skin would else be lost between the values on its two sides.
+  template <class Within>
+  V meanExtinction(const Within& values, V place, M alive, V at_point) const {
     const D d;
-    const V squared = hn::Add(hn::Mul(slope.x, slope.x), hn::Add(hn::Mul(slope.y, slope.y), hn::Mul(slope.z, slope.z)));
-    const V half = hn::Mul(hn::Set(d, 0.5f * l_.table_scale), hn::Sqrt(squared));
-    alive = hn::And(alive, hn::Lt(half, hn::Set(d, 1e30f)));  // and no NaN
-    const V lo = hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, half), hn::Zero(d)));
-    const V hi = hn::IfThenElseZero(alive, hn::Min(hn::Add(place, half), hn::Set(d, l_.table_last)));
-    const V width = hn::Sub(hi, lo);
-    const V mean = hn::Div(hn::Sub(integralTo(hi), integralTo(lo)), hn::Max(width, hn::Set(d, 1.0f)));
-    return hn::IfThenElse(hn::Ge(width, hn::Set(d, l_.least_interval)), mean, at_point);
+    const V scale = hn::Set(d, l_.table_scale), last = hn::Set(d, l_.table_last);
+    const V reach = hn::Mul(values.reach, scale);
+    alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
+    const auto placeOf = [&](V value) { return hn::Min(hn::Max(hn::Mul(value, scale), hn::Zero(d)), last); };
+    const V own = hn::IfThenElseZero(alive, place);
+    // A smoothed value may itself be beyond them.
+    const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(values.least))));
+    const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(values.most))));
+    const V to_own = integralTo(own);
+    const auto mean = [&](V integral, V width) {
+      const M wide = hn::Ge(width, hn::Set(d, l_.least_interval));
+      return hn::IfThenElse(wide, hn::Div(integral, hn::IfThenElse(wide, width, hn::Set(d, 1.0f))), at_point);
+    };
+    const V upper = mean(hn::Sub(integralTo(hi), to_own), hn::Sub(hi, own));
+    const V lower = mean(hn::Sub(to_own, integralTo(lo)), hn::Sub(own, lo));
+    return hn::Mul(hn::Set(d, 0.5f), hn::Add(upper, lower));
   }
   V integralTo(V place) const {
     const D d;

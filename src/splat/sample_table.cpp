@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace kiln {
 namespace {
@@ -57,13 +56,6 @@ bool SampleTable::interesting(const ValueRange& range) const {
   const auto whole = static_cast<std::size_t>(last);
   const std::size_t to = static_cast<float>(whole) < last ? whole + 1 : whole;
   return before_[to + 1] > before_[from];
-}
-
-bool SampleTable::interestingAsIntervals(const ValueRange& range) const {
-  if (range.empty()) return false;
-  // Half an interval is at most half the length of a gradient of central differences.
-  const double reach = std::numbers::sqrt3 / 4 * (range.hi - range.lo) * (1 + 1e-5);
-  return interesting({range.lo - reach, range.hi + reach});
 }
 
 }  // namespace kiln

@@ -44,8 +44,6 @@ class SampleTable {
   float leastInterval() const { return least_interval_; }
   /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
   bool interesting(const ValueRange& range) const;
-  /// The same for values of the range that each stand for an interval, as a voxel of a coarser level does.
-  bool interestingAsIntervals(const ValueRange& range) const;
 
  private:
   double lo_ = 0;

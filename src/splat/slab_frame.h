@@ -42,10 +42,8 @@ class SlabFrame {
   const Extent3& dims() const { return dims_; }
   const EndVoxels& ends() const { return ends_; }
   const SampleTable& table() const { return table_; }
-  /// Whether samples that interpolate values of `range` may show anything.
-  bool interesting(const ValueRange& range) const {
-    return lattice_.integral != nullptr ? table_.interestingAsIntervals(range) : table_.interesting(range);
-  }
+  /// Whether samples that interpolate values of `range`, or stand for some of them, may show anything.
+  bool interesting(const ValueRange& range) const { return table_.interesting(range); }
   const SampleLook& look() const { return look_; }
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }

@@ -67,6 +67,33 @@ class UnitVoxels {
 
   const float* row(int y, int z) const { return u_.values + (z * height_ + y) * kUnitSamples; }
 
+ public:
+  // What values a voxel holds, of a vector of voxels from (i, j, k) on: they go `reach` above and below its own, half a
+  // voxel's length of gradient, so that those of voxels on a slope follow upon each other; but not beyond the values of
+  // its six neighbours. A gradient alone would go beyond where a slope ends, and find bone under every skin.
+  // requires: samples that are voxels. unit: values.
+  struct Within {
+    V reach, least, most;
+  };
+  Within within(int i, int j, int k) const {
+    const D d;
+    const int y = j + kUnitMargin, z = k + kUnitMargin;
+    const auto at = [&](int dx, int dy, int dz) { return hn::LoadU(d, row(y + dy, z + dz) + i + kUnitMargin + dx); };
+    const V own = at(0, 0, 0);
+    V least = own, most = own, squared = hn::Zero(d);
+    const auto add = [&](V before, V after) {
+      const V twice = hn::Sub(after, before);
+      squared = hn::Add(squared, hn::Mul(twice, twice));
+      least = hn::Min(least, hn::Min(before, after));
+      most = hn::Max(most, hn::Max(before, after));
+    };
+    add(at(-1, 0, 0), at(1, 0, 0));
+    add(at(0, -1, 0), at(0, 1, 0));
+    add(at(0, 0, -1), at(0, 0, 1));
+    return {hn::Mul(hn::Set(d, 0.25f), hn::Sqrt(squared)), least, most};
+  }
+
+ protected:
   const UnitLattice& l_;
   const UnitInput& u_;
   const std::size_t width_;
@@ -74,7 +101,7 @@ class UnitVoxels {
 };
 
 // Trilinear interpolation, of voxels and of their central differences.
-class LinearField : UnitVoxels {
+class LinearField : public UnitVoxels {
  public:
   LinearField(const UnitLattice& lattice, const UnitInput& unit) : UnitVoxels(lattice, unit) {}
 
@@ -175,7 +202,7 @@ class LinearField : UnitVoxels {
 // Either cubic; gradients are the B-spline's. A value is kept within the least and most of the 4³ voxels that it takes,
 // all at once: kept axis by axis, ridges that run across a slope would be cut off, and it would matter which axis comes
 // first. So what a cell, a unit or a brick holds bounds its samples exactly, the B-spline's with their rounding.
-class CubicField : UnitVoxels {
+class CubicField : public UnitVoxels {
  public:
   CubicField(const UnitLattice& lattice, const UnitInput& unit)
       : UnitVoxels(lattice, unit), own_gradient_(lattice.interpolation != Interpolation::kCubic) {}

@@ -3,6 +3,7 @@
 // scene; it is printed, and bounded by what was measured and a little more. Pictures stay in the test's output.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
@@ -188,6 +189,39 @@ TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
     std::printf("layer, %d pixels, level %zu: optical depth %.4f of %.4f\n", pixels, level, sum / count, expected);
     EXPECT_GT(level, 0u) << pixels << " pixels";
     EXPECT_NEAR(sum / count / expected, 1, 0.05) << pixels << " pixels";
+  }
+}
+
+// Known because away from its bone no voxel of any level has a value that is shown: a ball of soft tissue in air. A
+// coarse voxel at the ball's surface stands for values towards the air, and none beyond the tissue's.
+TEST(LevelOfDetail, ASurfaceHoldsNoValueBeyondItsSides) {
+  constexpr int kPixels = 48;
+  constexpr double kBone_px = 12;
+  const VolumeShape shape{{96, 96, 96}, VoxelType::i16};
+  const DenseVolume volume = fill(shape, [](auto x, auto y, auto z) {
+    const double r = glm::length(glm::dvec3(x, y, z) - 47.5);
+    return r < 6 ? 1000.0 : r < 40 ? 40.0 : -1000.0;
+  });
+  Frames frames(makeStore(volume, "surface", 32));
+  FrameRequest request;
+  request.transfer_function.points = {{60, {1, 1, 1}, 0}, {200, {1, 1, 1}, 0.9}};
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    request.view = resolve(cameraFrom(volume.geometry, {-1, 0.4, 0.23}, projection), {kPixels, kPixels});
+    for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCatmullRom}) {
+      request.interpolation = interpolation;
+      for (int level = 0; level < 2; ++level) {
+        const Image image = frames.draw(request, level);
+        float centre = 0, elsewhere = 0;
+        for (int y = 0; y < kPixels; ++y) {
+          for (int x = 0; x < kPixels; ++x) {
+            float& most = std::hypot(x + 0.5 - kPixels / 2, y + 0.5 - kPixels / 2) < kBone_px ? centre : elsewhere;
+            most = std::max(most, image.pixel(x, y)[3]);
+          }
+        }
+        EXPECT_GT(centre, 0.9f) << "level " << level;
+        EXPECT_EQ(elsewhere, 0.0f) << "level " << level;
+      }
+    }
   }
 }
 
