@@ -104,7 +104,7 @@ void SequenceReport::frameFailed(int frame, const Error& error, std::size_t done
 }
 
 void SequenceReport::showOverall(std::size_t done) {
-  if (frames_ == 1 || done == frames_) return;
+  if (frames_ <= 1 || done == frames_) return;
   const std::string rate = rateText(static_cast<double>(drawn_), seconds());
   progress_.show(fmt::format("{} of {} frames{}{}", done, frames_, kept_ > 0 ? fmt::format(", {} kept", kept_) : "",
                              rate.empty() ? "" : fmt::format(", {}, {:.0f} s left", rate, secondsLeft(done))));
