@@ -11,11 +11,13 @@
 #include "base/trace.h"
 
 namespace kiln {
-BrickCache::BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers, SkipHandler skip)
-    : store_(store), budget_bytes_(budget_bytes), skip_(std::move(skip)) {
-  const std::uint64_t smallest = store.largestReadBytes();
-  if (smallest > budget_bytes) {
-    throw Error(ErrorCode::kBudget, store.path(), "--memory",
+BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers,
+                       SkipHandler skip)
+    : stores_(std::move(stores)), budget_bytes_(budget_bytes), skip_(std::move(skip)) {
+  for (const StoreReader* const store : stores_) {
+    const std::uint64_t smallest = store->largestReadBytes();
+    if (smallest <= budget_bytes) continue;
+    throw Error(ErrorCode::kBudget, store->path(), "--memory",
                 fmt::format("{} is too little: reading one brick takes {}; give at least that",
                             formatBytes(budget_bytes), formatBytes(smallest)));
   }
@@ -31,8 +33,8 @@ BrickCache::~BrickCache() {
   for (std::thread& reader : readers_) reader.join();
 }
 
-bool BrickCache::announced(const BrickKey& key) const {
-  return std::find(announced_.begin(), announced_.end(), key) != announced_.end();
+bool BrickCache::announced(const StoredBrick& brick) const {
+  return std::find(announced_.begin(), announced_.end(), brick) != announced_.end();
 }
 
 void BrickCache::erase(Slots::iterator slot) {
@@ -56,25 +58,26 @@ bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
 }
 
 // Charges a brick that is about to be read. requires: room.
-BrickCache::Slots::iterator BrickCache::begin(const BrickKey& key) {
-  recency_.push_front(key);
+BrickCache::Slots::iterator BrickCache::begin(const StoredBrick& brick) {
+  recency_.push_front(brick);
   Slot slot;
-  slot.charged_bytes = store_.readBytes(key);
+  slot.charged_bytes = storeOf(brick).readBytes(brick.key);
   slot.recency = recency_.begin();
   held_bytes_ += slot.charged_bytes;
   peak_bytes_ = std::max(peak_bytes_, held_bytes_);
   ++reading_;
-  return slots_.emplace(key, std::move(slot)).first;
+  return slots_.emplace(brick, std::move(slot)).first;
 }
 
 // Reads without the lock. A failure is kept for whoever asks.
 void BrickCache::read(Slots::iterator slot, Lock& lock) {
-  const BrickKey key = slot->first;
+  const StoredBrick brick = slot->first;
+  const StoreReader& store = storeOf(brick);
   std::shared_ptr<const BrickBlock> block;
   std::exception_ptr failure;
   lock.unlock();
   try {
-    block = std::make_shared<const BrickBlock>(store_.read(key));
+    block = std::make_shared<const BrickBlock>(store.read(brick.key));
   } catch (...) {
     failure = std::current_exception();
   }
@@ -89,19 +92,19 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
   done.failure = failure;
   if (failure) recency_.erase(done.recency);
   if (done.block) {
-    const BrickEntry& entry = store_.index().at(key);
+    const BrickEntry& entry = store.index().at(brick.key);
     ++(entry.constant ? counts_.constants : counts_.reads);
     counts_.read_bytes += entry.file_bytes;
   }
   changed_.notify_all();
 }
 
-std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
+std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   const auto begun = std::chrono::steady_clock::now();
   const Span span(Activity::kWait);
   Lock lock(mutex_);
-  passTurnsUpTo(key);
-  auto slot = slots_.find(key);
+  passTurnsUpTo(brick);
+  auto slot = slots_.find(brick);
   if (slot != slots_.end()) {
     ++counts_.hits;
     if (slot->second.state != State::kFailed) recency_.splice(recency_.begin(), recency_, slot->second.recency);
@@ -109,19 +112,19 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
     changed_.wait(lock, [&] { return slot->second.state != State::kReading; });
     slot->second.awaited = false;
   } else {
-    const std::uint64_t needed = store_.readBytes(key);
+    const std::uint64_t needed = storeOf(brick).readBytes(brick.key);
     // What is being read ahead becomes smaller, or can make room, once it is there.
     while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
       starved_ = reading_ > 0;
       if (!starved_) {
-        throw Error(ErrorCode::kBudget, store_.path(), "--memory",
+        throw Error(ErrorCode::kBudget, storeOf(brick).path(), "--memory",
                     fmt::format("{} is too little: {} are in use and the next brick takes {}",
                                 formatBytes(budget_bytes_), formatBytes(held_bytes_), formatBytes(needed)));
       }
       changed_.wait(lock);
     }
     starved_ = false;
-    slot = begin(key);
+    slot = begin(brick);
     read(slot, lock);
   }
   const bool first = !std::exchange(slot->second.asked_for, true);
@@ -130,16 +133,16 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const BrickKey& key) {
 }
 
 // The turn of those before a brick that is asked for has passed: they became hidden.
-void BrickCache::passTurnsUpTo(const BrickKey& key) {
-  const auto due = std::find(announced_.begin(), announced_.end(), key);
+void BrickCache::passTurnsUpTo(const StoredBrick& brick) {
+  const auto due = std::find(announced_.begin(), announced_.end(), brick);
   if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
 }
 
 std::shared_ptr<const BrickBlock> BrickCache::find(const BrickKey& key) {
   const Lock lock(mutex_);
-  const auto slot = slots_.find(key);
+  const auto slot = slots_.find({key});
   if (slot == slots_.end() || slot->second.state != State::kReady) return nullptr;
-  passTurnsUpTo(key);
+  passTurnsUpTo({key});
   ++counts_.hits;
   recency_.splice(recency_.begin(), recency_, slot->second.recency);
   slot->second.asked_for = true;
@@ -160,6 +163,12 @@ std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool firs
 }
 
 void BrickCache::announce(std::span<const BrickKey> next) {
+  std::vector<StoredBrick> bricks;
+  for (const BrickKey& key : next) bricks.push_back({key});
+  announce(std::span<const StoredBrick>(bricks));
+}
+
+void BrickCache::announce(std::span<const StoredBrick> next) {
   if (readers_.empty()) return;
   {
     const Lock lock(mutex_);
@@ -181,8 +190,8 @@ void BrickCache::readAhead() {
   Lock lock(mutex_);
   while (!closing_) {
     const auto next =
-        std::find_if(announced_.begin(), announced_.end(), [&](const BrickKey& key) { return !slots_.contains(key); });
-    if (starved_ || next == announced_.end() || !makeRoom(store_.readBytes(*next), true)) {
+        std::find_if(announced_.begin(), announced_.end(), [&](const StoredBrick& b) { return !slots_.contains(b); });
+    if (starved_ || next == announced_.end() || !makeRoom(storeOf(*next).readBytes(next->key), true)) {
       changed_.wait(lock);
       continue;
     }

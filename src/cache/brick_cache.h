@@ -15,12 +15,20 @@
 #include <mutex>
 #include <span>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "store/store_reader.h"
 
 namespace kiln {
+
+/// A brick of one of the stores that a cache is of.
+struct StoredBrick {
+  BrickKey key;
+  int store = 0;  // its place among them
+  auto operator<=>(const StoredBrick&) const = default;
+};
 
 struct CacheCounts {
   std::uint64_t reads = 0;       // bricks decoded from a file
@@ -39,7 +47,11 @@ class BrickCache {
 
   /// `readers` threads read what is announced; 0 reads nothing ahead. With `skip`, a brick that cannot be read is no
   /// error. throws: Error kBudget where the largest brick does not fit, naming the smallest budget that works.
-  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {});
+  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
+      : BrickCache(std::vector<const StoreReader*>{&store}, budget_bytes, readers, std::move(skip)) {}
+  /// The same of several stores, whose bricks have the budget together.
+  BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers = 0,
+             SkipHandler skip = {});
   ~BrickCache();
   BrickCache(const BrickCache&) = delete;
   BrickCache& operator=(const BrickCache&) = delete;
@@ -47,16 +59,18 @@ class BrickCache {
   /// The brick, from memory or from disk; it stays while the caller holds it. Null where it cannot be read and such
   /// bricks are skipped. thread: one caller at a time.
   /// throws: Error kBudget where held bricks leave no room, and what StoreReader::read throws.
-  std::shared_ptr<const BrickBlock> get(const BrickKey& key);
+  std::shared_ptr<const BrickBlock> get(const StoredBrick& brick);
+  std::shared_ptr<const BrickBlock> get(const BrickKey& key) { return get(StoredBrick{key}); }
 
   /// The same where it is in memory already, and nothing otherwise: it neither waits nor reads nor fails. thread: as
-  /// `get`.
+  /// `get`. Of a cache of several stores, of the first.
   std::shared_ptr<const BrickBlock> find(const BrickKey& key);
 
   /// Says which bricks will be asked for next, in that order: they are read as far as there is room beside what is held
   /// and announced. What was announced before and is not now is dropped, if its reading has not begun, and so is what
   /// stands before a brick that is asked for. A brick that cannot be read is no error before it is asked for. thread:
   /// as `get`.
+  void announce(std::span<const StoredBrick> next);
   void announce(std::span<const BrickKey> next);
   /// Whether announcing gains anything.
   bool readsAhead() const { return !readers_.empty(); }
@@ -66,6 +80,7 @@ class BrickCache {
   /// thread: as `get`, and exact after `settle`.
   CacheCounts counts() const;
   std::uint64_t budgetBytes() const { return budget_bytes_; }
+  const std::vector<const StoreReader*>& stores() const { return stores_; }
   /// The most that was charged at any time. unit: bytes.
   std::uint64_t peakBytes() const;
 
@@ -78,21 +93,23 @@ class BrickCache {
     bool awaited = false;  // `get` is waiting for it: it stays
     std::shared_ptr<const BrickBlock> block;
     std::exception_ptr failure;
-    std::list<BrickKey>::iterator recency;  // not where it has failed: that costs nothing and stays
+    std::list<StoredBrick>::iterator recency;  // not where it has failed: that costs nothing and stays
   };
-  using Slots = std::map<BrickKey, Slot>;
+  using Slots = std::map<StoredBrick, Slot>;
   using Lock = std::unique_lock<std::mutex>;
 
-  bool announced(const BrickKey& key) const;
+  bool announced(const StoredBrick& brick) const;
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
-  Slots::iterator begin(const BrickKey& key);
+  Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
   std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
   void erase(Slots::iterator slot);
-  void passTurnsUpTo(const BrickKey& key);
+  void passTurnsUpTo(const StoredBrick& brick);
   void readAhead();
 
-  const StoreReader& store_;
+  const StoreReader& storeOf(const StoredBrick& brick) const { return *stores_[static_cast<std::size_t>(brick.store)]; }
+
+  const std::vector<const StoreReader*> stores_;
   const std::uint64_t budget_bytes_;
   const SkipHandler skip_;
   mutable std::mutex mutex_;  // guards all below
@@ -102,8 +119,8 @@ class BrickCache {
   bool closing_ = false;
   bool starved_ = false;  // `get` is waiting for room
   Slots slots_;
-  std::list<BrickKey> recency_;     // most recent first
-  std::deque<BrickKey> announced_;  // not asked for yet; the next first
+  std::list<StoredBrick> recency_;     // most recent first
+  std::deque<StoredBrick> announced_;  // not asked for yet; the next first
   CacheCounts counts_;
   std::vector<std::thread> readers_;
 };
