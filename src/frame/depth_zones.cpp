@@ -5,8 +5,7 @@
 
 namespace kiln {
 
-DepthZones::Depths DepthZones::depthsOf(int level, const VoxelBox& box) const {
-  const Projector& projector = levels_.projector(level);
+DepthZones::Depths DepthZones::depthsOf(const Projector& projector, const VoxelBox& box) {
   Depths out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (int corner = 0; corner < 8; ++corner) {
     glm::dvec3 at;

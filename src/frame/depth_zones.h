@@ -23,7 +23,8 @@ class DepthZones {
   /// From the nearest to the farthest.
   const std::vector<SlabZone>& zones() const { return zones_; }
   /// Of the voxels' cubes.
-  Depths depthsOf(int level, const VoxelBox& box) const;
+  Depths depthsOf(int level, const VoxelBox& box) const { return depthsOf(levels_.projector(level), box); }
+  static Depths depthsOf(const Projector& projector, const VoxelBox& box);
   /// Whether slabs of the zone may take something from there, or be owned there.
   static bool reaches(const Depths& depths, const SlabZone& zone);
   /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 
 #include "frame/depth_zones.h"
-#include "splat/slab_sweep.h"
+#include "frame/sweep_pool.h"
+#include "frame/zone_frames.h"
 
 namespace kiln {
 
@@ -40,20 +40,15 @@ class PixelLattice {
                 Visibility& visibility, bool test_samples, float opaque_at, SplatCounts& counts);
 
   /// What its threads have needed so far. unit: bytes.
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const { return pool_.bytes(); }
 
  private:
-  static bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
-                        const BrickWalk::PartTest& test);
-  std::unique_ptr<SweepMemory> takeMemory();
-
   const std::int64_t brick_size_;
   const int sweep_px_;
   DepthZones zones_;
   SampleTable table_;
-  std::vector<std::unique_ptr<SlabFrame>> frames_;    // one a zone
-  mutable std::mutex mutex_;                          // guards what follows
-  std::vector<std::unique_ptr<SweepMemory>> memory_;  // of threads that sweep nothing now
+  std::vector<std::unique_ptr<SlabFrame>> frames_;  // one a zone
+  SweepPool pool_;
 };
 
 }  // namespace kiln

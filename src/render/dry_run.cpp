@@ -10,35 +10,25 @@
 #include "scene/frame_scene.h"
 
 namespace kiln {
-namespace {
-
-// A decoded brick with its apron, as the cache keeps it.
-std::uint64_t decodedBytes(const BrickFrame& brick) {
-  const std::int64_t edge = brick.brick_size / kCellSize;
-  const std::uint64_t octree = static_cast<std::uint64_t>(edge * edge * edge * 8 / 7) * sizeof(ValueRange);
-  return static_cast<std::uint64_t>(dilated(brick.core(), brick.apron).count()) * sizeOf(brick.type) + octree +
-         CellSupports::bytesFor(edge);
-}
-
-}  // namespace
-
 DryRun dryRun(const RenderJob& given) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
   job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
-  const StoreReader store(job.volume);
-  const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
-  const FrameRequest request = frameRequest(scene.picture, job.speed, scene.camera, scene.transfer_function);
+  const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(job);
+  const std::vector<const StoreReader*> stores = readersOf(opened);
+  const SceneOfJob scenes(job, manifestsOf(opened));
+  const FrameRequest request = requestOf(scenes.at(framesOf(job).front()), job.speed);
   DryRun out;
-  out.memory = frameMemory(store, job);
+  out.memory = memoryOf(job, stores, scenes);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
-  for (const BrickInView& seen : bricksInView(store, request, counts)) {
+  for (const StoredBrick& seen : bricksInView(stores, request, counts)) {
+    const StoreReader& store = *stores[static_cast<std::size_t>(seen.store)];
     const BrickEntry& entry = store.index().at(seen.key);
     ++out.bricks_in_view;
     out.files_in_view += entry.constant ? 0 : 1;
     out.file_bytes_in_view += entry.file_bytes;
-    out.decoded_bytes_in_view += decodedBytes(store.frame(seen.key));
+    out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
   }
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;

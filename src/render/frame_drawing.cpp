@@ -29,10 +29,6 @@ bool testsSamples(const VisibilityOptions& options) {
          options.method != VisibilityMethod::kQuadtree;
 }
 
-float gradientNoise(const ValueRange& range) {
-  return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
-}
-
 // Without what depends on a brick's level.
 SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier, Visibility& visibility) {
   SplatFrame out;
@@ -70,24 +66,39 @@ Image emptyImage(const PixelRect& pixels, const Aovs& aovs) {
   return out;
 }
 
+std::vector<MixedVolume> mixedVolumes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  std::vector<MixedVolume> out;
+  for (std::size_t i = 0; i < request.volumes.size(); ++i) {
+    const VolumeRequest& volume = request.volumes[i];
+    out.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping});
+  }
+  return out;
+}
+
 Classifier classifierFor(const StoreReader& store, const FrameRequest& request) {
-  return Classifier(request.transfer_function, opacityUnit(store, request), store.manifest().type,
-                    store.manifest().range);
+  const bool several = !request.volumes.empty();
+  return Classifier(several ? request.volumes.front().transfer_function : request.transfer_function,
+                    opacityUnit(store, request), store.manifest().type, store.manifest().range);
 }
 
 }  // namespace
 
-FramePlan::FramePlan(const StoreReader& store, const FrameRequest& request)
-    : levels(store.manifest(), request.level, request.view, request.visibility.area, request.clipping),
-      classifier(classifierFor(store, request)) {
+FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameRequest& request)
+    : levels(stores.front()->manifest(), request.level, request.view, request.visibility.area, request.clipping),
+      classifier(classifierFor(*stores.front(), request)) {
   const Span span(Activity::kPlan);
-  if (request.mode != Mode::kComposite) {
+  const StoreReader& store = *stores.front();
+  if (!request.volumes.empty()) {
+    mix.emplace(mixedVolumes(stores, request),
+                MixView{request.view, request.visibility.area, request.level, request.interpolation, request.sweep_px});
+  } else if (request.mode != Mode::kComposite) {
     projection.emplace(store, levels, request.view, request.level, request.mode,
                        request.visibility.method != VisibilityMethod::kNone);
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
   } else if (request.lattice == Lattice::kPixel) {
     pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
-                  request.transfer_function, request.shading, gradientNoise(store.manifest().range), request.sweep_px);
+                  request.transfer_function, request.shading, gradientNoiseOf(store.manifest().range),
+                  request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
@@ -99,12 +110,14 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       cache_(cache),
       request_(request),
       progress_(progress),
-      plan_(store, request),
+      plan_(cache.stores(), request),
       visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
       frame_(splatFrameOf(request, plan_.classifier, *visibility_)),
       before_(cache.counts()),
       drawn_together_(drawnTogether(request)) {
-  statistics_.levels.assign(store.manifest().levels.size(), {});
+  std::size_t levels = 0;
+  for (const StoreReader* const one : cache.stores()) levels = std::max(levels, one->manifest().levels.size());
+  statistics_.levels.assign(request.volumes.empty() ? store.manifest().levels.size() : levels, {});
 }
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
@@ -118,11 +131,16 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   const Span span(Activity::kWalk);
-  std::vector<CoveredPixel> covered(plan_.pixel ? image.rgba.size() / 4 : 0);
+  const bool slabs = plan_.pixel || plan_.mix;
+  std::vector<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
   std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
-  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, plan_.pixel ? covered.data() : nullptr,
+  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,
                  aovPixels(request_.aovs, image, 0, 0)};
   all.aovs.filled = filled.data();
+  if (plan_.mix) {
+    mix(all);
+    return;
+  }
   std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {
     BrickWalkCounts ignored;
@@ -145,8 +163,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   image.planes.push_back(std::move(coverage));
 }
 
-std::vector<PixelRect> FrameDrawing::tilesOf(const PixelRect& drawn, const PixelRect& rect) const {
-  const int edge = request_.tile_px;
+std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelRect& rect) {
+  const int edge = tile_px;
   if (edge == 0) return {drawn};
   std::vector<PixelRect> out;
   for (int y = rect.y0 / edge * edge; y < rect.y1; y += edge) {
@@ -167,7 +185,7 @@ std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick
     }
   }
   std::shared_ptr<const BrickBlock> block = cache_.get(brick.key);
-  if (!block) damaged_.insert(brick.key);
+  if (!block) damaged_.insert({brick.key});
   return block;
 }
 
@@ -227,7 +245,7 @@ void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
   SplatFrame out = frame_;
   out.projector = &plan_.levels.projector(level);
-  out.shader = Shader(request_.shading, request_.view, gradientNoise(store_.manifest().range), *out.projector);
+  out.shader = Shader(request_.shading, request_.view, gradientNoiseOf(store_.manifest().range), *out.projector);
   out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
   out.clip = &plan_.levels.clipRegion(level);
   out.ends = plan_.levels.endVoxels(level);
@@ -249,7 +267,7 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_unused = after.unused - before_.unused;
   out.bricks_damaged = damaged_.size();
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
-  out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : 0;
+  out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : 0;
   out.load_s = after.load_seconds - before_.load_seconds;
   return out;
 }

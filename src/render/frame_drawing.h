@@ -10,6 +10,7 @@
 #include "cache/brick_cache.h"
 #include "frame/pixel_lattice.h"
 #include "frame/value_projection.h"
+#include "frame/volume_mix.h"
 #include "output/image.h"
 #include "render/render_frame.h"
 #include "render/statistics.h"
@@ -18,7 +19,8 @@ namespace kiln {
 
 /// What of the volume a frame asks for, before any of it is read.
 struct FramePlan {
-  FramePlan(const StoreReader& store, const FrameRequest& request);
+  /// The stores' first is the volume, or all of them are together.
+  FramePlan(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
   FramePlan(const FramePlan&) = delete;
   FramePlan& operator=(const FramePlan&) = delete;
 
@@ -27,8 +29,12 @@ struct FramePlan {
   // Of these at most one; with none it is the voxel lattice.
   std::optional<PixelLattice> pixel;
   std::optional<ValueProjection> projection;
-  std::optional<BrickWalk> bricks;
+  std::optional<VolumeMix> mix;
+  std::optional<BrickWalk> bricks;  // not of several volumes
 };
+
+/// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
+std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelRect& rect);
 
 class FrameDrawing {
  public:
@@ -50,8 +56,14 @@ class FrameDrawing {
   /// What `draw` does where light is composited, and where values are projected.
   void composite(const PixelRect& pixels, Image& image);
   void project(const PixelRect& pixels, Image& image);
-  /// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
-  std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const;
+  /// The same of several volumes.
+  void mix(const TilePixels& all);
+  void mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles);
+  void announceBehind(std::size_t zone, std::span<const PixelRect> tiles);
+  std::vector<const VolumeMix::Brick*> toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const;
+  std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const {
+    return kiln::tilesOf(request_.tile_px, drawn, rect);
+  }
   /// A brick whose turn has come, what of the image it can touch, and what its tiles share.
   struct DueBrick {
     std::shared_ptr<const BrickBlock> block;
@@ -88,7 +100,8 @@ class FrameDrawing {
   FrameStatistics statistics_;
   SplatCounts counts_;
   BrickWalkCounts walked_;
-  std::set<BrickKey> contributing_, damaged_;
+  std::set<BrickKey> contributing_;
+  std::set<StoredBrick> damaged_, mixed_;
   const std::size_t drawn_together_;
   std::vector<DueBrick> due_;
 };

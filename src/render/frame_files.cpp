@@ -32,6 +32,13 @@ bool isOf(const Plane& plane, const Aovs& aovs) {
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
   RenderJob out;
   out.volume = job.volume;
+  out.volumes = job.volumes;
+  for (std::size_t i = 0; i < out.volumes.size(); ++i) {
+    VolumeOptions& volume = out.volumes[i];
+    volume.transfer_function = scene.volumes.at(i).transfer_function;
+    volume.functions.clear();
+    volume.window.reset();
+  }
   out.picture = scene.picture;
   out.picture.aovs = aovsOf(job, file);
   out.picture.skip_damaged = false;  // a whole picture's header does not depend on it
@@ -165,11 +172,16 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
                         const StoreReader& store) {
   RenderJob of_file = jobOfFile(job, file, scene);
   of_file.volume.clear();  // a moved store is the same volume
+  std::string checksums = toHex(store.manifest().index_checksum);
+  for (std::size_t i = 0; i < of_file.volumes.size(); ++i) {
+    of_file.volumes[i].volume.clear();
+    if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
+  }
   const std::string kind = isExrPath(file.path) ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half",
                                                               job.output.exr_compression)
                                                 : fmt::format("png {}", job.output.png_bits);
   return toHex(
-      hashOf(std::string_view(fmt::format("{}\n{}\n{}\n{}\n{}", KILN_VERSION, toHex(store.manifest().index_checksum),
+      hashOf(std::string_view(fmt::format("{}\n{}\n{}\n{}\n{}", KILN_VERSION, checksums,
                                           nameIn(kContentNames, file.content), kind, textOf(of_file, scene)))));
 }
 

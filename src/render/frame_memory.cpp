@@ -10,6 +10,7 @@
 #include "base/trace.h"
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
+#include "frame/volume_mix.h"
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 #include "splat/coverage.h"
@@ -36,6 +37,8 @@ std::uint64_t drawnPixelBytes(const RenderJob& job) {
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
+// Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
+constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
 
 // What a square being swept takes for each pixel of it and of a margin around it: samples that wait for their slabs,
 // two sheets and what the pixels own. A unit of 16 x 4 x 4 samples, half a pixel apart, is 8.5 slabs long at most and
@@ -56,7 +59,8 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, std::int64_t brick_size)
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
   const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
   const std::uint64_t together = threads > 1 ? FrameDrawing::kDrawnTogether : 1;
-  return threads * (padded * padded * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
+  const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
+  return threads * (padded * padded * volumes * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
 std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
@@ -67,6 +71,11 @@ std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, 
 }  // namespace
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
+  return frameMemory({&store}, job, store.largestReadBytes());
+}
+
+FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job,
+                        std::uint64_t brick_bytes) {
   const int edge = subPixelsAlongEdge(job.picture.samples);
   const ImageSize& size = job.picture.size;
   FrameMemory out;
@@ -76,14 +85,17 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   const bool composites = job.picture.mode == Mode::kComposite;
   if (composites)
     out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
-  out.index = store.index().bytes() + store.index().size() * (kWalkBytes + sizeof(BrickInView));
+  const std::uint64_t of_brick = job.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
+  for (const StoreReader* const store : stores) out.index += store->index().bytes() + store->index().size() * of_brick;
+  out.brick = brick_bytes;
+  out.several = !job.volumes.empty();
   out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
-  out.brick = store.largestReadBytes();
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
   if (drawsSlabs(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
-    const std::int64_t brick_size = store.manifest().brick_size;
+    std::int64_t brick_size = 0;
+    for (const StoreReader* const store : stores) brick_size = std::max(brick_size, store->manifest().brick_size);
     out.least_slabs = slabBytes(job, kLeastSweep, brick_size);
     out.slabs = slabBytes(job, out.sweep_px, brick_size);
     while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2, brick_size);
@@ -100,14 +112,14 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
 
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store) {
   if (memory.smallest() > budget_bytes) {
-    throw Error(
-        ErrorCode::kBudget, store, "--memory",
-        fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
-                    "of index, {} of slabs, {}{} to read one brick)",
-                    formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
-                    formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
-                    formatBytes(memory.index), formatBytes(memory.least_slabs),
-                    memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick)));
+    throw Error(ErrorCode::kBudget, store, "--memory",
+                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
+                            "of index, {} of slabs, {}{} {})",
+                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
+                            formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
+                            formatBytes(memory.index), formatBytes(memory.least_slabs),
+                            memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "",
+                            formatBytes(memory.brick), memory.brickText()));
   }
   return budget_bytes - memory.besideBricks();
 }

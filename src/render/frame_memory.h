@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "scene/render_job.h"
 #include "store/store_reader.h"
@@ -15,10 +16,12 @@ struct FrameMemory {
   std::uint64_t image = 0;       // RGBA in floats and what goes with it, of the pixels that are drawn
   std::uint64_t band = 0;        // of sub-pixels: as many rows as are drawn at a time; 0 where a pixel is one sample
   std::uint64_t visibility = 0;  // the structure of the visibility method
-  std::uint64_t index = 0;       // the store's, and the octree above bricks that a frame makes of it
+  std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t trace = 0;       // the trace, where one is kept
-  std::uint64_t brick = 0;       // reading one, the largest of the store
+  std::uint64_t brick = 0;       // reading one, the largest of the store; of several volumes, all that meet in a tile
+
+  bool several = false;  // volumes
 
   std::uint64_t least_slabs = 0;  // with the smallest squares
   std::uint64_t least_band = 0;   // with the lowest band
@@ -26,10 +29,15 @@ struct FrameMemory {
   int band_px = 64;               // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const { return image + band + visibility + index + slabs + trace; }
+  /// What `brick` is for, in a sentence that begins with its bytes.
+  const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs - band + least_band + brick; }
 };
 
+/// `brick_bytes` is the least that bricks need.
+FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes);
+/// Of one volume.
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 
 /// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.

@@ -55,25 +55,52 @@ Aovs drawnAovs(const RenderJob& job) {
   return out;
 }
 
+std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
+  std::vector<std::unique_ptr<StoreReader>> out;
+  for (const VolumeOptions& volume : job.volumes) out.push_back(std::make_unique<StoreReader>(volume.volume));
+  if (out.empty()) out.push_back(std::make_unique<StoreReader>(job.volume));
+  return out;
+}
+
+std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  std::vector<const StoreReader*> out;
+  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(store.get());
+  return out;
+}
+
+std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  std::vector<const Manifest*> out;
+  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(&store->manifest());
+  return out;
+}
+
+FrameMemory memoryOf(const RenderJob& job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes) {
+  std::uint64_t least = 0;
+  for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
+  if (!job.volumes.empty())
+    least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
+  return frameMemory(stores, job, least);
+}
+
 OpenedJob::OpenedJob(const RenderJob& job, Progress& progress)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
-      store_(job_.volume),
-      memory_(frameMemory(store_, drawn_job_)),
-      cache_(store_, cacheBytes(memory_, job_.speed.memory_bytes, store_.path()), readersOfCache(),
-             skipperOf(job_, progress)),
-      scenes_(drawn_job_, store_.manifest()) {}
+      stores_(storesOf(job_)),
+      scenes_(drawn_job_, manifestsOf(stores_)),
+      memory_(memoryOf(drawn_job_, readersOf(stores_), scenes_)),
+      cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
+             skipperOf(job_, progress)) {}
 
 DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
   Span span(Activity::kFrame);
   if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
   out.scene = sceneAt(frame);
-  FrameRequest request = frameRequest(out.scene.picture, job_.speed, out.scene.camera, out.scene.transfer_function);
+  FrameRequest request = requestOf(out.scene, job_.speed);
   request.sweep_px = memory_.sweep_px;
   request.band_px = memory_.band_px;
   out.view = request.view;
-  out.image = renderFrame(store_, cache_, request, progress, out.statistics);
+  out.image = renderFrame(store(), cache_, request, progress, out.statistics);
   out.statistics.frame = frame;
   out.statistics.peak_cache_bytes = cache_.peakBytes();
   out.statistics.peak_rss_bytes = peakResidentBytes();

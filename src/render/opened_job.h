@@ -1,7 +1,9 @@
-// A job over one volume that stays open from frame to frame, so that bricks stay in memory.
+// A job over a volume, or several in one picture, that stay open from frame to frame, so that bricks stay in memory.
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
@@ -24,8 +26,8 @@ struct DrawnFrame {
 
 class OpenedJob {
  public:
-  /// `job.volume` is a store. requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound,
-  /// kIo.
+  /// `job.volume` is a store; of several volumes, each is. requires: `progress` outlives this. throws: Error kUsage,
+  /// kBudget, kDamaged, kNotFound, kIo.
   OpenedJob(const RenderJob& job, Progress& progress);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
@@ -35,7 +37,8 @@ class OpenedJob {
   /// throws: as renderFrame, and sceneAt.
   DrawnFrame draw(int frame, Progress& progress);
 
-  const StoreReader& store() const { return store_; }
+  /// Of several volumes, the first.
+  const StoreReader& store() const { return *stores_.front(); }
   /// As it was given.
   const RenderJob& job() const { return job_; }
   /// What the memory is for, and the most that was taken of it so far.
@@ -44,11 +47,19 @@ class OpenedJob {
  private:
   const RenderJob job_;
   const RenderJob drawn_job_;  // its AOVs are all that any file holds
-  StoreReader store_;
+  const std::vector<std::unique_ptr<StoreReader>> stores_;
+  SceneOfJob scenes_;
   FrameMemory memory_;
   BrickCache cache_;
-  SceneOfJob scenes_;
 };
+
+/// The job's stores: of several volumes, each. throws: as StoreReader.
+std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
+std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
+std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
+
+/// What drawing the job's first frame takes. throws: as SceneOfJob::at.
+FrameMemory memoryOf(const RenderJob& job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes);
 
 /// Says how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);

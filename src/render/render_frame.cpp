@@ -15,13 +15,16 @@
 namespace kiln {
 namespace {
 
-void requireRequest(const StoreReader& store, const FrameRequest& request) {
+void requireLevel(const StoreReader& store, const std::optional<int>& level) {
   const int levels = store.index().levels();
-  if (request.level && (*request.level < 0 || *request.level >= levels)) {
-    throw Error(ErrorCode::kUsage, fmt::format("--level: there is no level {}; {} has {}, from 0 to {}", *request.level,
-                                               store.path().string(),
-                                               levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
-  }
+  if (!level || (*level >= 0 && *level < levels)) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--level: there is no level {}; {} has {}, from 0 to {}", *level, store.path().string(),
+                          levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
+}
+
+void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  for (const StoreReader* const store : stores) requireLevel(*store, request.level);
   requireInterpolation(request.lattice, request.interpolation);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
   const int tile_px = request.tile_px;
@@ -86,18 +89,36 @@ Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequ
 
 }  // namespace
 
-std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts) {
-  requireRequest(store, request);
+std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
+                                      BrickWalkCounts& counts) {
+  requireRequest(stores, request);
   const int edge = subPixelsAlongEdge(request.samples);
-  const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  return FramePlan(store, ofSubPixels(request, edge)).bricks->inView(subPixelsOf(pixels, edge), counts);
+  const PixelRect pixels = subPixelsOf(drawnPixels(request.view.size, request.crop), edge);
+  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
+  const FramePlan plan(stores, of_sub_pixels);
+  std::vector<StoredBrick> out;
+  if (plan.mix) {
+    counts = plan.mix->counts();
+    out = plan.mix->inView(pixels);
+  } else {
+    for (const BrickInView& brick : plan.bricks->inView(pixels, counts)) out.push_back({brick.key});
+  }
+  return out;
+}
+
+std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  requireRequest(stores, request);
+  const int edge = subPixelsAlongEdge(request.samples);
+  const PixelRect pixels = subPixelsOf(drawnPixels(request.view.size, request.crop), edge);
+  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
+  return FramePlan(stores, of_sub_pixels).mix->mostBytes(tilesOf(request.tile_px, pixels, pixels));
 }
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
-  requireRequest(store, request);
+  requireRequest(cache.stores(), request);
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   const int edge = subPixelsAlongEdge(request.samples);
   const FrameRequest of_sub_pixels = ofSubPixels(request, edge);

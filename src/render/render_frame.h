@@ -14,6 +14,13 @@
 
 namespace kiln {
 
+/// How a frame shows one of several volumes.
+struct VolumeRequest {
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;
+};
+
 /// What a frame needs beside the volume, every choice made.
 struct FrameRequest {
   View view;
@@ -34,17 +41,24 @@ struct FrameRequest {
   int sweep_px = 64;   // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
   int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
+  /// Of several volumes in one picture, each; transfer function, shading and clipping above say nothing then.
+  std::vector<VolumeRequest> volumes;
 };
 
-/// The bricks that a frame asks for if nothing hides anything, front to back.
-std::vector<BrickInView> bricksInView(const StoreReader& store, const FrameRequest& request, BrickWalkCounts& counts);
+/// The bricks that a frame asks for if nothing hides anything, each once.
+std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
+                                      BrickWalkCounts& counts);
+
+/// What of several volumes a frame has in memory at once, at least. unit: bytes.
+std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
 /// Draws one frame: an image of the crop's size, each pixel of which is that of the whole picture, bit for bit, but for
 /// the quadtree, and its planes the same. The picture depends neither on the cache's budget, the threads, the tiles nor
 /// on an exact visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is
 /// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
-/// brick that the cache skips is drawn as nothing. throws: what BrickCache::get throws, Error kCancelled, kUsage
-/// (level, crop, samples, interpolation).
+/// brick that the cache skips is drawn as nothing. Of several volumes, `store` is the first and the cache is of all.
+/// throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop, samples, interpolation), kBudget where
+/// the cache has no room for the bricks of several volumes that meet in a tile.
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 

@@ -23,6 +23,13 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
   return frameRequest(job.picture, job.speed, camera, transfer_function);
 }
 
+FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed) {
+  FrameRequest out = frameRequest(scene.picture, speed, scene.camera, scene.transfer_function);
+  for (const VolumeScene& volume : scene.volumes)
+    out.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
+  return out;
+}
+
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
                           const TransferFunction& transfer_function) {
   FrameRequest request;
@@ -46,6 +53,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
 
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
   requirePart(job);
+  requireVolumes(job);
   requireOutputs(job, 1);
   const ThreadLimit threads(job.speed.threads);
   std::optional<Trace> trace;

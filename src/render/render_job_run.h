@@ -5,6 +5,7 @@
 #include "output/image.h"
 #include "render/render_frame.h"
 #include "render/statistics.h"
+#include "scene/frame_scene.h"
 #include "scene/render_job.h"
 #include "store/store_reader.h"
 
@@ -26,6 +27,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
+FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed);
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
                           const TransferFunction& transfer_function);
 

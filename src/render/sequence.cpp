@@ -16,9 +16,17 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+std::vector<fs::path> volumesOf(const RenderJob& job) {
+  std::vector<fs::path> out;
+  for (const VolumeOptions& volume : job.volumes) out.push_back(volume.volume);
+  if (out.empty()) out.push_back(job.volume);
+  return out;
+}
+
 // Whether each frame may have a volume of its own.
 bool isSeries(const RenderJob& job) {
-  return hasFramePlace(job.volume) && (!job.frames.empty() || job.animation.any());
+  const std::vector<fs::path> volumes = volumesOf(job);
+  return std::any_of(volumes.begin(), volumes.end(), hasFramePlace) && (!job.frames.empty() || moves(job));
 }
 
 class Sequence {
@@ -73,11 +81,11 @@ class Sequence {
 
   OpenedJob& openedFor(int frame) {
     RenderJob job = jobAtFrame(job_, frame);
-    if (opened_ && job.volume == volume_) return *opened_;
-    volume_ = job.volume;
+    if (opened_ && volumesOf(job) == volumes_) return *opened_;
+    volumes_ = volumesOf(job);
     if (opened_) opened_->describeMemory(result_.statistics);
     opened_.reset();  // before the next one takes its memory
-    if (options_.store_for) job.volume = options_.store_for(job.volume);
+    if (options_.store_for) forEachVolume(job, options_.store_for);
     opened_ = std::make_unique<OpenedJob>(job, progress_);
     return *opened_;
   }
@@ -141,7 +149,7 @@ class Sequence {
   const std::vector<int> frames_;
   std::size_t done_ = 0;
   SequenceResult result_;
-  fs::path volume_;
+  std::vector<fs::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;
 };
 
@@ -149,8 +157,13 @@ class Sequence {
 
 RenderJob jobAtFrame(const RenderJob& job, int frame) {
   RenderJob out = job;
-  if (isSeries(job)) out.volume = pathOfFrame(job.volume, frame);
+  if (isSeries(job)) forEachVolume(out, [&](const fs::path& volume) { return pathOfFrame(volume, frame); });
   return out;
+}
+
+void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)>& change) {
+  for (VolumeOptions& volume : job.volumes) volume.volume = change(volume.volume);
+  job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
 }
 
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,

@@ -46,4 +46,7 @@ SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options,
 /// The job over the volume of a frame.
 RenderJob jobAtFrame(const RenderJob& job, int frame);
 
+/// Renames the job's volume, or each of several.
+void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
+
 }  // namespace kiln

@@ -15,22 +15,46 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
   return resolve(displayGrey(manifest), picture.window, manifest);
 }
 
-SceneOfJob::SceneOfJob(const RenderJob& job, const Manifest& manifest) : job_(job), manifest_(manifest) {
-  const PictureOptions& still = job.picture;
-  for (const auto& key : job.animation.functions) functions_.push_back(resolvedFor(still, key.value, manifest));
-  if (functions_.empty()) functions_.push_back(resolvedFor(still, still.transfer_function, manifest));
+namespace {
+
+VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
+  std::vector<VolumeGeometry> volumes;
+  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
+  return boxAround(volumes);
+}
+
+}  // namespace
+
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests)
+    : job_(job), manifests_(std::move(manifests)), geometry_(boxOfAll(manifests_)) {
+  PictureOptions still = job.picture;
+  const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
+                       const Manifest& manifest) {
+    Functions out{&keys, {}};
+    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest));
+    if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
+    functions_.push_back(std::move(out));
+  };
+  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, manifest());
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) {
+    const VolumeOptions& volume = job.volumes[i];
+    still.window = volume.window;
+    add(volume.functions, volume.transfer_function, *manifests_[i]);
+  }
+}
+
+TransferFunction SceneOfJob::Functions::at(int frame) const {
+  if (values.size() == 1) return values.front();
+  const auto [i, t] = mixAt(KeyTimes(*keys), frame);
+  return faded(values[i], values[i + 1], t);
 }
 
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
-  FrameScene out{job_.picture, {}, functions_.front()};
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), {}};
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
-    out.picture.clipping.part = boxOfPart(*part, manifest_.geometry().dims, manifest_.brick_size);
-  out.camera = cameraAt(animation.camera, out.picture.camera, frame, manifest_.geometry(), out.picture.size);
-  if (functions_.size() > 1) {
-    const auto [i, t] = mixAt(KeyTimes(animation.functions), frame);
-    out.transfer_function = faded(functions_[i], functions_[i + 1], t);
-  }
+    out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
+  out.camera = cameraAt(animation.camera, out.picture.camera, frame, geometry_, out.picture.size);
   const auto between = [&](const auto& keys) {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
     return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
@@ -39,6 +63,15 @@ FrameScene SceneOfJob::at(int frame) const {
   if (!animation.clip.empty()) {
     const std::vector<ClipPlane> planes = between(animation.clip);
     out.picture.clipping.planes.insert(out.picture.clipping.planes.end(), planes.begin(), planes.end());
+  }
+  const std::vector<ClipPlane>& common = out.picture.clipping.planes;
+  for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
+    const VolumeOptions& volume = job_.volumes[i];
+    VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading), volume.clipping,
+                      manifests_[i]->index_checksum};
+    scene.shading.lights = out.picture.shading.lights;
+    scene.clipping.planes.insert(scene.clipping.planes.end(), common.begin(), common.end());
+    out.volumes.push_back(std::move(scene));
   }
   return out;
 }

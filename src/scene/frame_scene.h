@@ -1,15 +1,26 @@
 // What a job shows at a frame, every choice made for a volume.
 #pragma once
 
+#include <vector>
+
 #include "scene/render_job.h"
 #include "store/manifest.h"
 
 namespace kiln {
 
+/// One of several volumes of a scene.
+struct VolumeScene {
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;       // with what cuts all of them
+  Hash128 index_checksum;  // what the volume holds
+};
+
 struct FrameScene {
   PictureOptions picture;  // its camera and transfer function are the still picture's: those below are drawn
   Camera camera;
   TransferFunction transfer_function;
+  std::vector<VolumeScene> volumes;  // where there are several; the first's function is also above
 };
 
 /// The function that `choice` is in the picture: as `resolve`, but where the picture projects values, "auto" is their
@@ -21,14 +32,25 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
 class SceneOfJob {
  public:
   /// requires: both outlive this. throws: Error where a transfer function cannot be read or used.
-  SceneOfJob(const RenderJob& job, const Manifest& manifest);
+  SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
+  /// Of several volumes, `manifests` are theirs, and a framing is of the box around all.
+  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
 
  private:
+  // Of a volume.
+  struct Functions {
+    const std::vector<Key<TransferFunctionChoice>>* keys;
+    std::vector<TransferFunction> values;  // of each key, or the still one
+    TransferFunction at(int frame) const;
+  };
+  const Manifest& manifest() const { return *manifests_.front(); }
+
   const RenderJob& job_;
-  const Manifest& manifest_;
-  std::vector<TransferFunction> functions_;  // of each key, or the still one
+  const std::vector<const Manifest*> manifests_;
+  const VolumeGeometry geometry_;     // of the box around all
+  std::vector<Functions> functions_;  // of each volume
 };
 
 }  // namespace kiln

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
 #include "base/error.h"
@@ -108,6 +110,25 @@ Framing defaultFraming() {
 PatientAxes patientAxes(PatientFrame frame) {
   if (frame == PatientFrame::kRas) return {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+}
+
+VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
+  VolumeGeometry out = volumes.front();
+  const glm::dmat4 index_from_world = glm::inverse(out.world_from_index);
+  glm::dvec3 lo(-0.5), hi = glm::dvec3(out.dims.x, out.dims.y, out.dims.z) - 0.5;
+  for (const VolumeGeometry& volume : volumes) {
+    for (const glm::dvec3& corner : cornersOf(volume)) {
+      const auto index = glm::dvec3(index_from_world * glm::dvec4(corner, 1));
+      lo = glm::min(lo, index);
+      hi = glm::max(hi, index);
+    }
+  }
+  // A billionth of a voxel is rounding.
+  const glm::dvec3 first = glm::floor(lo + 0.5 + 1e-9), end = glm::ceil(hi + 0.5 - 1e-9);
+  const glm::dvec3 size = end - first;
+  out.dims = {static_cast<std::int64_t>(size.x), static_cast<std::int64_t>(size.y), static_cast<std::int64_t>(size.z)};
+  out.world_from_index[3] = out.world_from_index * glm::dvec4(first, 1);
+  return out;
 }
 
 glm::dvec3 centreOf(const VolumeGeometry& volume) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "grid/geometry.h"
 #include "scene/camera.h"
@@ -39,6 +40,10 @@ Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const I
 /// The orthographic height at which `camera` (eye, target and up) has the volume's box in its image, with the margin
 /// of `frameVolume`. unit: world.
 double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size);
+
+/// A box in the axes of the first volume that holds the boxes of all: the first's own where it holds them. shape: its
+/// voxels are the first's, whole ones. requires: at least one.
+VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes);
 
 /// The middle of the volume's box. unit: world.
 glm::dvec3 centreOf(const VolumeGeometry& volume);

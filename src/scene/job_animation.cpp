@@ -122,9 +122,10 @@ void readCamera(const JobObject& root, RenderJob& job) {
   if (camera->has("matrices")) job.animation.camera = matricesFrom(*camera);
 }
 
-void readTransferFunction(const JobObject& root, RenderJob& job) {
-  if (!root.isObject("transferFunction") || !root.object("transferFunction")->has("keyframes")) {
-    if (auto choice = transferFunctionChoiceFrom(root)) job.picture.transfer_function = std::move(*choice);
+void readTransferFunction(const JobObject& owner, TransferFunctionChoice& still,
+                          std::vector<Key<TransferFunctionChoice>>& keys) {
+  if (!owner.isObject("transferFunction") || !owner.object("transferFunction")->has("keyframes")) {
+    if (auto choice = transferFunctionChoiceFrom(owner)) still = std::move(*choice);
     return;
   }
   const auto function = [](const JobObject& key) {
@@ -132,8 +133,8 @@ void readTransferFunction(const JobObject& root, RenderJob& job) {
     if (!choice) key.complain("function", "is missing; a key has a preset, a file or a function");
     return *choice;
   };
-  job.animation.functions = onlyKeysFrom<TransferFunctionChoice>(
-      *root.object("transferFunction"), job_keys::kFunctionKeys, job_keys::kFunctionKey, function);
+  keys = onlyKeysFrom<TransferFunctionChoice>(*owner.object("transferFunction"), job_keys::kFunctionKeys,
+                                              job_keys::kFunctionKey, function);
 }
 
 void readLights(const JobObject& root, RenderJob& job) {
@@ -154,14 +155,11 @@ void readLights(const JobObject& root, RenderJob& job) {
 }
 
 void readClipping(const JobObject& root, RenderJob& job) {
-  job.picture.clipping = regionsFrom(root);
-  if (!root.has("clip")) return;
   if (!root.isObject("clip")) {
-    const std::vector<ClipPlane> planes = planesFrom(root, "clip");
-    std::vector<ClipPlane>& all = job.picture.clipping.planes;
-    all.insert(all.end(), planes.begin(), planes.end());
+    job.picture.clipping = clippingFrom(root);
     return;
   }
+  job.picture.clipping = regionsFrom(root);
   const JobObject owner = *root.object("clip");
   const auto planes = [](const JobObject& key) {
     if (!key.has("planes")) key.complain("planes", "is missing; a key has a list of planes");

@@ -9,6 +9,9 @@ constexpr JobKey kRootKeys[] = {
     {"kiln", R"({"const": 1, "description": "the job format"})"},
     {"volume",
      R"({"$ref": "text", "description": "a store, or a volume file that is converted to a store beside it first"})"},
+    {"volumes",
+     R"({"type": "array", "items": {"$ref": "volume"}, "minItems": 1, "maxItems": 64,
+         "description": "several in one picture, each where its affine has it, instead of volume"})"},
     {"output",
      R"({"$ref": "text", "description": "the picture, .exr or .png, or a video, .mp4, .mov, .mkv or .webm; a run of # is the frame's number"})"},
     {"outputs", R"({"type": "array", "items": {"$ref": "output"}, "description": "more files of each frame"})"},
@@ -51,6 +54,20 @@ constexpr JobKey kRootKeys[] = {
     {"trace", R"({"$ref": "text", "description": "a file for what each thread did when, in Chrome's trace format"})"},
     {"exr", R"({"$ref": "exr"})"},
     {"png", R"({"$ref": "png"})"},
+};
+
+constexpr JobKey kVolumeKeys[] = {
+    {"volume", R"({"$ref": "text", "description": "a store, or a volume file"})"},
+    {"transferFunction",
+     R"({"description": "a preset, a file, the function itself, or keyframes of these",
+         "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}, {"$ref": "functionKeyframes"}]})"},
+    {"window", R"({"$ref": "pair", "description": "[centre, width] of values"})"},
+    {"shading", R"({"$ref": "shading"})"},
+    {"region", R"({"description": "voxels [x0, y0, z0, x1, y1, z1], half-open", "type": "array",
+                   "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
+    {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
+                        "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
+    {"clip", R"({"type": "array", "items": {"$ref": "clipPlane"}})"},
 };
 
 constexpr JobKey kImageKeys[] = {
@@ -195,7 +212,8 @@ constexpr JobKey kVideoKeys[] = {
 
 constexpr JobKeys kCameraPath = kCameraPathKeys, kTurntable = kTurntableKeys, kCameraKey = kCameraKeyKeys,
                   kFunctionKeys = kFunctionKeysKeys, kFunctionKey = kFunctionKeyKeys, kLightsKeys = kLightsKeysKeys,
-                  kLightsKey = kLightsKeyKeys, kClipKeys = kClipKeysKeys, kClipKey = kClipKeyKeys;
+                  kLightsKey = kLightsKeyKeys, kClipKeys = kClipKeysKeys, kClipKey = kClipKeyKeys,
+                  kVolume = kVolumeKeys;
 constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
                   kTransferFunction = kTransferFunctionKeys, kPoint = kPointKeys, kGradientPoint = kGradientPointKeys,
                   kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),

@@ -25,6 +25,8 @@ std::vector<Light> lightsFrom(const JobObject& owner);
 std::vector<ClipPlane> planesFrom(const JobObject& owner, std::string_view key);
 /// `region` and `worldRegion`, which is six planes. throws: as above.
 Clipping regionsFrom(const JobObject& owner);
+/// Those, and the planes of "clip", which stand still. throws: as above.
+Clipping clippingFrom(const JobObject& owner);
 /// A half-open box of voxels.
 std::optional<VoxelBox> voxelBoxFrom(const JobObject& owner, std::string_view key);
 std::optional<Window> windowFrom(const JobObject& owner);

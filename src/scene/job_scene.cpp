@@ -119,6 +119,14 @@ Clipping regionsFrom(const JobObject& owner) {
   return out;
 }
 
+Clipping clippingFrom(const JobObject& owner) {
+  Clipping out = regionsFrom(owner);
+  if (!owner.has("clip")) return out;
+  const std::vector<ClipPlane> planes = planesFrom(owner, "clip");
+  out.planes.insert(out.planes.end(), planes.begin(), planes.end());
+  return out;
+}
+
 Background backgroundFrom(const JobObject& owner) {
   constexpr std::string_view kExpected = "[red, green, blue, alpha] from 0 to 1, premultiplied";
   if (!owner.has("background")) return {};

@@ -20,7 +20,8 @@ struct Object {
 
 std::vector<Object> objects() {
   using namespace job_keys;
-  return {{"job", kRoot, {"volume"}},
+  return {{"job", kRoot},
+          {"volume", kVolume, {"volume"}},
           {"image", kImage},
           {"camera", kCamera, {}, kCameraPath},
           {"turntable", kTurntable, {"frames"}},
@@ -109,7 +110,8 @@ ordered_json schemaOf(const Object& object) {
 std::string jobSchemaText() {
   ordered_json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                       {"title", fmt::format("A job of kiln render, version {}", KILN_VERSION)},
-                      {"$ref", "#/$defs/job"}};
+                      {"$ref", "#/$defs/job"},
+                      {"oneOf", {{{"required", {"volume"}}}, {{"required", {"volumes"}}}}}};
   for (const Object& object : objects()) out["$defs"][object.name] = schemaOf(object);
   for (const JobKey& value : kValues) out["$defs"][std::string(value.name)] = expanded(value);
   return out.dump(1) + "\n";

@@ -51,6 +51,14 @@ ordered_json jsonOf(const Light& light) {
   return out;
 }
 
+ordered_json jsonOf(const Shading& shading) {
+  return {{"model", shading.phong ? "phong" : "none"},
+          {"ambient", shading.ambient},
+          {"diffuse", shading.diffuse},
+          {"specular", shading.specular},
+          {"power", shading.power}};
+}
+
 void addClipping(const Clipping& clipping, ordered_json& out) {
   const auto list = [](const VoxelBox& box) {
     return ordered_json({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
@@ -63,13 +71,22 @@ void addClipping(const Clipping& clipping, ordered_json& out) {
     out["clip"].push_back({{"normal", listOf(plane.normal)}, {"offset", plane.offset}});
 }
 
+ordered_json jsonOf(const VolumeOptions& volume) {
+  ordered_json out = {{"volume", volume.volume.generic_string()},
+                      {"transferFunction", jsonOf(std::get<TransferFunction>(volume.transfer_function))}};
+  if (volume.shading) out["shading"] = jsonOf(*volume.shading);
+  addClipping(volume.clipping, out);
+  return out;
+}
+
 }  // namespace
 
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
   const PictureOptions& picture = job.picture;
   ordered_json out;
   out["kiln"] = 1;
-  out["volume"] = job.volume.generic_string();
+  for (const VolumeOptions& volume : job.volumes) out["volumes"].push_back(jsonOf(volume));
+  if (job.volumes.empty()) out["volume"] = job.volume.generic_string();
   out["image"] = {
       {"width", picture.size.width}, {"height", picture.size.height}, {"background", jsonOf(picture.background)}};
   if (const auto& crop = picture.crop) out["image"]["crop"] = {crop->x0, crop->y0, crop->width(), crop->height()};
@@ -82,15 +99,10 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
     out["stereo"] = {{"eye", nameIn(kStereoEyeNames, stereo->eye)}, {"interocular", stereo->interocular}};
     if (stereo->convergence) out["stereo"]["convergence"] = *stereo->convergence;
   }
-  out["transferFunction"] = jsonOf(transfer_function);
-  const Shading& shading = picture.shading;
-  out["shading"] = {{"model", shading.phong ? "phong" : "none"},
-                    {"ambient", shading.ambient},
-                    {"diffuse", shading.diffuse},
-                    {"specular", shading.specular},
-                    {"power", shading.power}};
+  if (job.volumes.empty()) out["transferFunction"] = jsonOf(transfer_function);
+  out["shading"] = jsonOf(picture.shading);
   out["lights"] = ordered_json::array();
-  for (const Light& light : shading.lights) out["lights"].push_back(jsonOf(light));
+  for (const Light& light : picture.shading.lights) out["lights"].push_back(jsonOf(light));
   addClipping(picture.clipping, out);
   if (picture.part) out["part"] = std::to_string(picture.part->index) + "/" + std::to_string(picture.part->count);
   out["visibility"] = {{"threshold", picture.opacity_threshold}};

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -18,6 +19,8 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::size_t kMostVolumesOfJob = 64;
 
 constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
@@ -44,9 +47,32 @@ std::optional<Stereo> stereoFrom(const JobObject& object) {
   return out;
 }
 
-bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
-
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
+
+// Several volumes: what a job of one has of its volume, each has for itself.
+void readVolumes(const JobObject& root, RenderJob& job) {
+  for (const char* key : {"volume", "transferFunction", "window", "region"}) {
+    if (root.has(key)) root.complain(key, "is each volume's own where there are several; put it into \"volumes\"");
+  }
+  constexpr std::string_view kExpected = "a list of at least one volume [{volume, transferFunction, …}, …]";
+  const auto volumes = root.objects("volumes", kExpected);
+  if (volumes->empty()) root.refuse("volumes", kExpected);
+  for (const JobObject& object : *volumes) {
+    object.requireKnown(job_keys::kVolume);
+    VolumeOptions volume;
+    const auto name = object.text("volume", "the name of a store or volume file");
+    if (!name) object.complain("volume", "is missing; each of several volumes names its store or volume file");
+    volume.volume = besideJob(*name, root.path());
+    readTransferFunction(object, volume.transfer_function, volume.functions);
+    volume.window = windowFrom(object);
+    if (const auto shading = object.object("shading")) volume.shading = shadingFrom(*shading);
+    volume.clipping = clippingFrom(object);
+    job.volumes.push_back(std::move(volume));
+  }
+  job.volume = job.volumes.front().volume;
+}
+
+bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
 
 void readImage(const JobObject& object, PictureOptions& picture) {
   object.requireKnown(job_keys::kImage);
@@ -195,6 +221,29 @@ void requirePart(const RenderJob& job) {
   if (!job.output.files.empty()) refuse("outputs", "are none beside -o");
 }
 
+void requireVolumes(const RenderJob& job) {
+  if (job.volumes.empty()) return;
+  const auto refuse = [](std::string_view option, std::string_view why) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: several volumes in one picture {}", option, why));
+  };
+  const PictureOptions& picture = job.picture;
+  if (job.volumes.size() > kMostVolumesOfJob) refuse("volumes", fmt::format("are {} at most", kMostVolumesOfJob));
+  if (picture.mode != Mode::kComposite) refuse("--mode", "are composited; draw a projection of each by itself");
+  if (picture.lattice != Lattice::kPixel) refuse("--lattice voxel", "have the pixel lattice; leave --lattice out");
+  if (drawsPart(picture)) refuse("--part", "are drawn whole; draw one volume in parts");
+}
+
+void makeFirstOfSeveral(RenderJob& job) {
+  PictureOptions& picture = job.picture;
+  VolumeOptions first;
+  first.volume = job.volume;
+  first.transfer_function = picture.transfer_function;
+  first.functions = std::exchange(job.animation.functions, {});
+  first.window = picture.window;
+  first.clipping.region = std::exchange(picture.clipping.region, std::nullopt);
+  job.volumes = {std::move(first)};
+}
+
 CameraSpec cameraFrom(const JobObject& object, JobKeys more) {
   object.requireKnown(job_keys::kCamera, more);
   CameraSpec spec;
@@ -226,20 +275,35 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
                           std::string(nearestWord(name, words)) + "'?");
 }
 
-std::vector<int> framesOf(const RenderJob& job) { return job.frames.empty() ? job.animation.frames() : job.frames; }
+bool moves(const RenderJob& job) {
+  const auto has_keys = [](const VolumeOptions& volume) { return !volume.functions.empty(); };
+  return job.animation.any() || std::any_of(job.volumes.begin(), job.volumes.end(), has_keys);
+}
+
+std::vector<int> framesOf(const RenderJob& job) {
+  if (!job.frames.empty()) return job.frames;
+  Animation all = job.animation;
+  for (const VolumeOptions& volume : job.volumes)
+    all.functions.insert(all.functions.end(), volume.functions.begin(), volume.functions.end());
+  return all.frames();
+}
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown(job_keys::kRoot);
   root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
   RenderJob job;
-  const auto volume = root.text("volume", "the name of a store or volume file");
-  if (!volume) root.complain("volume", "is missing; a job names the store or volume file to draw");
-  job.volume = besideJob(*volume, path);
+  if (root.has("volumes")) {
+    readVolumes(root, job);
+  } else {
+    const auto volume = root.text("volume", "the name of a store or volume file");
+    if (!volume) root.complain("volume", "is missing; a job names the store or volume file to draw");
+    job.volume = besideJob(*volume, path);
+  }
   if (const auto image = root.object("image")) readImage(*image, job.picture);
   readCamera(root, job);
   if (const auto stereo = root.object("stereo")) job.picture.stereo = stereoFrom(*stereo);
-  readTransferFunction(root, job);
+  readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
   job.picture.window = windowFrom(root);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);
   readLights(root, job);

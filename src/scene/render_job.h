@@ -155,9 +155,23 @@ bool isVideo(const std::filesystem::path& path);
 /// Makes the path the video or the picture, whichever its name ends as.
 void putOutput(const std::filesystem::path& path, OutputOptions& output);
 
+/// One of several volumes in one picture, each where its affine has it. What they have in common is the picture's:
+/// lights, planes that cut all, level, interpolation.
+struct VolumeOptions {
+  std::filesystem::path volume;
+  TransferFunctionChoice transfer_function = std::string("auto");
+  std::vector<Key<TransferFunctionChoice>> functions;  // if there are any, instead
+  std::optional<Window> window;
+  std::optional<Shading> shading;  // else the picture's; its lights say nothing
+  Clipping clipping;               // of this one alone
+};
+
 /// `volume` and `output.path` may have a place for the frame's number (scene/frame_list.h).
 struct RenderJob {
   std::filesystem::path volume;
+  /// All of several volumes; `volume` is then the first's. The picture's transfer function, window and region and the
+  /// animation's functions then say nothing.
+  std::vector<VolumeOptions> volumes;
   PictureOptions picture;
   Animation animation;
   std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
@@ -166,10 +180,16 @@ struct RenderJob {
   std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
 };
 
+/// Whether anything changes from frame to frame.
+bool moves(const RenderJob& job);
 /// The frames that the job draws: those it names, else the animation's.
 std::vector<int> framesOf(const RenderJob& job);
 /// throws: Error kUsage where the job draws a partial image that could not be composited, or not be written.
 void requirePart(const RenderJob& job);
+/// throws: Error kUsage where the job draws several volumes in a way that only one is drawn in.
+void requireVolumes(const RenderJob& job);
+/// Makes the job's one volume the first of several. requires: there are no others yet.
+void makeFirstOfSeveral(RenderJob& job);
 
 /// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
 /// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.
@@ -182,6 +202,7 @@ RenderJob readJob(const std::filesystem::path& path);
 /// The job as JSON with every choice about the picture made: what an EXR header keeps. `camera` and `transfer_function`
 /// are the resolved ones. How fast and where to are left out, so that equal pictures have equal headers; `parseJob` of
 /// the text gives the same picture.
+/// Of several volumes each has its resolved function.
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
 }  // namespace kiln

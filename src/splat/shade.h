@@ -19,6 +19,10 @@ namespace kiln {
 
 /// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
 inline constexpr double kGradientNoise = 1e-5;
+/// That of a volume of such values. unit: value per voxel.
+inline float gradientNoiseOf(const ValueRange& range) {
+  return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
+}
 
 /// Linear light.
 struct Color {

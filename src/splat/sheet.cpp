@@ -158,12 +158,13 @@ double normalBelow(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 HWY_EXPORT(addSamplesOn);
 HWY_EXPORT(addAovsOn);
 
-FootprintTable::FootprintTable(double sigma_px) {
+FootprintTable::FootprintTable(double sigma_px, int least_taps) {
   double reach = 3 * sigma_px + 0.5;
   // Four pixels are one vector: a tail of a thousandth is not worth another.
   if (reach < 2.1) reach = std::min(reach, 2.0);
   taps_ = 2 * std::max(2, static_cast<int>(std::ceil(reach)));
   radius_ = std::min(reach, 0.5 * taps_);
+  taps_ = std::max(taps_, least_taps);
   for (int phase = 0; phase < kPhases; ++phase) {
     // The sample is this far from the centre of the first pixel.
     const double from_first = taps_ / 2 - 1 + (phase + 0.5) / kPhases;

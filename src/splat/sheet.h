@@ -21,8 +21,8 @@ class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
 
-  /// unit: pixels.
-  explicit FootprintTable(double sigma_px);
+  /// Of at least `least_taps`, an even number: tables of equal taps have equal windows. unit: pixels.
+  explicit FootprintTable(double sigma_px, int least_taps = 0);
   /// Pixels along an axis; an even number, at least 4.
   int taps() const { return taps_; }
   /// A weight a pixel, and zeros after. shape: padded().

@@ -119,7 +119,7 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
 }  // namespace
 
 SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-                     const SampleTable& table, const SampleLook& look)
+                     const SampleTable& table, const SampleLook& look, const SlabSharing& sharing)
     : zone_(zone),
       projector_(projector),
       dims_(dims),
@@ -127,9 +127,9 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       table_(table),
       look_(look),
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
-      footprint_(zone.sigma_px),
+      footprint_(zone.sigma_px, sharing.least_taps),
       lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
-      ghosts_(ghostsOf(zone, projector, footprint_, lattice_.spread)) {}
+      ghosts_(sharing.owned ? ghostsOf(zone, projector, footprint_, lattice_.spread) : 0) {}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;

@@ -30,12 +30,20 @@ struct SampleLook {
   Interpolation interpolation = Interpolation::kLinear;
 };
 
+/// How a brick's slabs come about.
+struct SlabSharing {
+  /// Each brick draws the samples of its apron, too, and takes those pixels of slabs that it owns; else all bricks that
+  /// reach into a slab are drawn together, each its own samples.
+  bool owned = true;
+  int least_taps = 0;  // of footprints: of all that are drawn together the same
+};
+
 /// What all bricks and tiles of a zone share.
 class SlabFrame {
  public:
   /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
   SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-            const SampleTable& table, const SampleLook& look);
+            const SampleTable& table, const SampleLook& look, const SlabSharing& sharing = {});
 
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }

@@ -109,4 +109,92 @@ std::vector<SlabZone> slabZones(const Manifest& volume, const View& view, std::o
   return out;
 }
 
+namespace {
+
+struct Depths {
+  double near, far;
+};
+
+// Where the volumes' samples may be. unit: world, along the view.
+std::vector<Depths> drawnDepths(std::span<const ZonedVolume> volumes, const View& view) {
+  std::vector<Depths> out;
+  for (const ZonedVolume& volume : volumes) {
+    const std::array<double, 2> depths = depthsOf(volume.manifest->geometry(), view);
+    const bool perspective = view.projection == Projection::kPerspective;
+    out.push_back({perspective ? std::max(depths[0], volume.near_depth) : depths[0], depths[1]});
+  }
+  return out;
+}
+
+// The lattices of the volumes that reach into depths [near, far), a slab of theirs more on either side; their slabs are
+// as thick as the thickest.
+struct SharedLattice {
+  std::vector<SlabZone> volumes;
+  std::vector<bool> reaches;
+  double thickness = 0;
+};
+SharedLattice sharedLattice(double scale, double near, double far, std::span<const ZonedVolume> volumes,
+                            std::span<const Depths> depths, std::optional<int> level) {
+  SharedLattice out;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    out.volumes.push_back(latticeAt(scale, *volumes[i].manifest, level));
+    const double reach = 2 * out.volumes.back().thickness;
+    out.reaches.push_back(depths[i].near <= depths[i].far && depths[i].near - reach < far &&
+                          depths[i].far + reach >= near);
+    if (out.reaches.back()) out.thickness = std::max(out.thickness, out.volumes.back().thickness);
+  }
+  return out;
+}
+
+// Appends [near, near + slabs · thickness) as zones of at most kMostSharedSlabs.
+void addShared(const SharedLattice& lattice, double near, double thickness, int slabs,
+               std::vector<std::vector<SlabZone>>& out) {
+  const int parts = (slabs + kMostSharedSlabs - 1) / kMostSharedSlabs;
+  for (int part = 0, first = 0; part < parts; ++part) {
+    const int end = static_cast<int>(std::int64_t{slabs} * (part + 1) / parts);
+    std::vector<SlabZone>& zone = out.emplace_back(lattice.volumes);
+    for (std::size_t i = 0; i < zone.size(); ++i) {
+      zone[i].near = near + first * thickness;
+      zone[i].far = near + end * thickness;
+      zone[i].thickness = thickness;
+      zone[i].slabs = lattice.reaches[i] ? end - first : 0;
+    }
+    first = end;
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volumes, const View& view,
+                                               std::optional<int> level) {
+  const std::vector<Depths> depths = drawnDepths(volumes, view);
+  Depths all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Depths& d : depths) {
+    if (d.near <= d.far) all = {std::min(all.near, d.near), std::max(all.far, d.far)};
+  }
+  std::vector<std::vector<SlabZone>> out;
+  if (!(all.near <= all.far)) return out;
+  if (view.projection == Projection::kOrthographic) {
+    const SharedLattice lattice = sharedLattice(view.focal_px, all.near, all.far, volumes, depths, level);
+    const double t = lattice.thickness, near = (std::floor(all.near / t) - 2) * t;
+    addShared(lattice, near, t, static_cast<int>(std::ceil((all.far - near) / t)) + 2, out);
+    return out;
+  }
+  int exponent;
+  std::frexp(all.near, &exponent);
+  for (--exponent; std::ldexp(1.0, exponent) <= all.far * 1.1; ++exponent) {
+    const double width = std::ldexp(1.0, exponent) / kZonesOfOctave;
+    for (int eighth = 0; eighth < kZonesOfOctave; ++eighth) {
+      const double near = std::ldexp(1.0, exponent) + eighth * width;
+      const SharedLattice lattice = sharedLattice(view.focal_px / near, near, near + width, volumes, depths, level);
+      if (lattice.thickness == 0) continue;
+      // As in slabZones.
+      const double wanted = lattice.thickness * (near + 0.5 * width) / near;
+      const int slabs = std::max(1, static_cast<int>(std::lround(width / wanted)));
+      addShared(lattice, near, width / slabs, slabs, out);
+    }
+  }
+  return out;
+}
+
 }  // namespace kiln

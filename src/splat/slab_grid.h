@@ -42,4 +42,16 @@ struct SlabZone {
 /// the volume's.
 std::vector<SlabZone> slabZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth);
 
+/// A volume of several in one picture.
+struct ZonedVolume {
+  const Manifest* manifest = nullptr;
+  double near_depth = 0;  // what is nearer is not drawn
+};
+/// The same slabs for several volumes. shape: a list for each zone, with one for each volume; where the volume does not
+/// reach, it has no slabs. All others of a zone have the same slabs, as thick as the samples are apart of that whose
+/// are the farthest, and kMostSharedSlabs at most.
+std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volumes, const View& view,
+                                               std::optional<int> level);
+inline constexpr int kMostSharedSlabs = 64;
+
 }  // namespace kiln

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "splat/join_volumes.h"
 #include "splat/lay_sheet.h"
 #include "splat/pixel_slabs.h"
 #include "splat/slab_layer.h"
@@ -23,18 +24,28 @@ struct SweepMemory::Parts {
   struct Unit {
     VoxelCoord lo;
     PixelRect rect;
+    const BrickBlock* block;
+    std::size_t volume;
   };
-  std::vector<const SlabCell*> cells;    // by their first slab
+  struct OfVolume {
+    WaitingSamples<SlabSample> waiting;  // by their slab
+    WaitingSamples<AovSample> waiting_aovs;
+    Sheet sheets[2], aov_sheets[2];
+    std::size_t bytes() const {
+      std::size_t sum = sizeof *this + waiting.bytes() + waiting_aovs.bytes();
+      for (int i = 0; i < 2; ++i) sum += sheets[i].bytes() + aov_sheets[i].bytes();
+      return sum;
+    }
+  };
+  std::vector<SweptCell> cells;          // by their first slab
   std::vector<std::vector<Unit>> units;  // by their first slab, from the sweep's first
-  WaitingSamples<SlabSample> waiting;    // by their slab
-  WaitingSamples<AovSample> waiting_aovs;
+  std::vector<OfVolume> volumes;
   std::vector<SlabSample> refined;  // with details
   std::vector<std::int32_t> slabs;  // of each of them
   std::vector<const SlabSample*> visible;
   std::vector<const AovSample*> visible_aovs;
   std::vector<SampleDetails> details;
   TileWindows windows;
-  Sheet sheets[2], aov_sheets[2];
   std::vector<OwnedBlock> owned;  // of the tile's blocks
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
 };
@@ -45,9 +56,9 @@ SweepMemory::~SweepMemory() = default;
 std::size_t SweepMemory::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   const Parts& p = *parts_;
-  std::size_t sum = sizeof p + of(p.cells) + p.waiting.bytes() + p.waiting_aovs.bytes() + of(p.refined) + of(p.slabs) +
-                    p.windows.bytes() + of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.units);
-  for (int i = 0; i < 2; ++i) sum += p.sheets[i].bytes() + p.aov_sheets[i].bytes();
+  std::size_t sum = sizeof p + of(p.cells) + of(p.refined) + of(p.slabs) + p.windows.bytes() + of(p.visible) +
+                    of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.units);
+  for (const Parts::OfVolume& volume : p.volumes) sum += volume.bytes();
   for (const std::vector<Parts::Unit>& units : p.units) sum += of(units);
   return sum;
 }
@@ -56,68 +67,89 @@ namespace {
 
 using OwnedBlock = SweepMemory::Parts::OwnedBlock;
 using Unit = SweepMemory::Parts::Unit;
+using OfVolume = SweepMemory::Parts::OfVolume;
+
+// What is swept, and where to.
+struct SweepInput {
+  std::span<const SlabFrame* const> frames;
+  const SlabFrame& any;     // one of them
+  const BrickBlock* owner;  // the brick whose pixels of slabs are drawn; null where all are
+  const TilePixels& tile;
+  Visibility& visibility;
+  bool test_samples;
+  float opaque_at;
+};
 
 class Sweep {
  public:
-  Sweep(const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile, Visibility& visibility,
-        bool test_samples, float opaque_at, SweepMemory::Parts& memory, SplatCounts& counts)
-      : f_(frame),
-        zone_(frame.zone()),
-        projector_(frame.projector()),
-        block_(block),
-        tile_(tile),
-        visibility_(visibility),
-        test_samples_(test_samples),
-        opaque_at_(opaque_at),
+  Sweep(const SweepInput& in, SweepMemory::Parts& memory, std::span<SplatCounts> counts)
+      : frames_(in.frames),
+        zone_(in.any.zone()),
+        projector_(in.any.projector()),
+        any_(in.any),
+        owner_(in.owner),
+        tile_(in.tile),
+        visibility_(in.visibility),
+        test_samples_(in.test_samples),
+        opaque_at_(in.opaque_at),
         m_(memory),
         counts_(counts),
-        aovs_(tile.aovs.any()),
-        part_(frame.look().clip->part()),
-        parted_(!part_.all()),
-        offset_(frame.table().offset()),
-        reach_(intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()))) {}
+        aovs_(tile_.aovs.any()),
+        part_(in.any.look().clip->part()),
+        parted_(!part_.all()) {}
 
-  void run(std::span<const SlabCell* const> cells) {
-    m_.cells.assign(cells.begin(), cells.end());
+  // requires: the cells are in the memory.
+  void run() {
     std::sort(m_.cells.begin(), m_.cells.end(),
-              [](const SlabCell* a, const SlabCell* b) { return a->bounds.first < b->bounds.first; });
-    begin_ = m_.cells.front()->bounds.first;
+              [](const SweptCell& a, const SweptCell& b) { return a.cell->bounds.first < b.cell->bounds.first; });
+    begin_ = m_.cells.front().cell->bounds.first;
     int end = 0;
-    for (const SlabCell* cell : m_.cells) end = std::max(end, cell->bounds.last + 1);
+    for (const SweptCell& swept : m_.cells) end = std::max(end, swept.cell->bounds.last + 1);
     // A sample puts light into the slab after its own, too.
     const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
-    m_.waiting.reset(slabs);
     if (m_.units.size() < slabs) m_.units.resize(slabs);
-    for (Sheet& sheet : m_.sheets) sheet.reset(tile_.rect, f_.footprint());
-    if (aovs_) {
-      m_.waiting_aovs.reset(slabs);
-      for (Sheet& sheet : m_.aov_sheets) sheet.reset(tile_.rect, f_.footprint());
-    }
-    m_.windows.reset(tile_, f_.footprint().taps());
+    if (m_.volumes.size() < frames_.size()) m_.volumes.resize(frames_.size());
+    for (std::size_t v = 0; v < frames_.size(); ++v) reset(m_.volumes[v], slabs);
+    m_.windows.reset(tile_, any_.footprint().taps());
     owned_known_ = 0;
     std::size_t next = 0;
     for (int slab = begin_; slab <= end; ++slab) {
-      for (; next < m_.cells.size() && m_.cells[next]->bounds.first <= slab; ++next) cut(*m_.cells[next], slab);
+      for (; next < m_.cells.size() && m_.cells[next].cell->bounds.first <= slab; ++next) cut(m_.cells[next], slab);
       const auto i = static_cast<std::size_t>(slab - begin_);
       for (const Unit& unit : m_.units[i]) refine(unit);
       m_.units[i].clear();
-      Sheet& here = m_.sheets[slab & 1];
-      Sheet& next_sheet = m_.sheets[(slab + 1) & 1];
-      m_.waiting.take(i, [&](std::span<const SlabSample> samples) { splat(samples, here, next_sheet); });
-      if (aovs_) {
-        Sheet& next_aovs = m_.aov_sheets[(slab + 1) & 1];
-        m_.waiting_aovs.take(
-            i, [&](std::span<const AovSample> samples) { splatAovs(samples, m_.aov_sheets[slab & 1], next_aovs); });
-      }
-      if (!here.empty()) composite(here, slab);
+      std::uint64_t dirty = 0;
+      for (std::size_t v = 0; v < frames_.size(); ++v) dirty |= fillSheets(v, slab, i);
+      if (dirty != 0) composite(dirty, slab);
     }
   }
 
  private:
-  bool hidden(const PixelRect& rect) {
-    ++counts_.nodes_tested;
+  void reset(OfVolume& volume, std::size_t slabs) {
+    volume.waiting.reset(slabs);
+    for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
+    if (!aovs_) return;
+    volume.waiting_aovs.reset(slabs);
+    for (Sheet& sheet : volume.aov_sheets) sheet.reset(tile_.rect, any_.footprint());
+  }
+
+  // The samples of a slab, i-th of the sweep, whose turn has come; returns the blocks that the slab has light in.
+  std::uint64_t fillSheets(std::size_t v, int slab, std::size_t i) {
+    OfVolume& volume = m_.volumes[v];
+    Sheet &here = volume.sheets[slab & 1], &behind = volume.sheets[(slab + 1) & 1];
+    volume.waiting.take(i, [&](std::span<const SlabSample> samples) { splat(v, samples, here, behind); });
+    if (aovs_) {
+      Sheet &aovs = volume.aov_sheets[slab & 1], &aovs_behind = volume.aov_sheets[(slab + 1) & 1];
+      volume.waiting_aovs.take(i,
+                               [&](std::span<const AovSample> samples) { splatAovs(v, samples, aovs, aovs_behind); });
+    }
+    return here.dirty();
+  }
+
+  bool hidden(const PixelRect& rect, SplatCounts& counts) {
+    ++counts.nodes_tested;
     const bool is = visibility_.hidden(rect);
-    counts_.nodes_hidden += is ? 1 : 0;
+    counts.nodes_hidden += is ? 1 : 0;
     return is;
   }
 
@@ -128,9 +160,11 @@ class Sweep {
 
   // The units of a cell wait for their first slabs. They are aligned in index space, so that a sample has the same
   // arithmetic in every brick.
-  void cut(const SlabCell& cell, int slab) {
-    if (hidden(intersection(cell.bounds.rect, tile_.rect))) return;
-    const std::array<int, 3>& edge = f_.lattice().voxels;
+  void cut(const SweptCell& swept, int slab) {
+    const SlabCell& cell = *swept.cell;
+    const SlabFrame& f = *frames_[swept.volume];
+    if (hidden(intersection(cell.bounds.rect, tile_.rect), counts_[swept.volume])) return;
+    const std::array<int, 3>& edge = f.lattice().voxels;
     const auto down = [&](int axis) {
       return cell.box.lo[axis] & ~static_cast<std::int64_t>(edge[static_cast<std::size_t>(axis)] - 1);
     };
@@ -139,28 +173,34 @@ class Sweep {
       for (std::int64_t y = down(1); y < cell.box.hi.y; y += edge[1]) {
         for (std::int64_t x = down(0); x < cell.box.hi.x; x += edge[0]) {
           const VoxelBox box = {{x, y, z}, {x + edge[0], y + edge[1], z + edge[2]}};
-          const SlabFrame::Bounds bounds = whole ? cell.bounds : f_.boundsOf(intersection(box, cell.box));
+          const SlabFrame::Bounds bounds = whole ? cell.bounds : f.boundsOf(intersection(box, cell.box));
           const PixelRect rect = intersection(bounds.rect, tile_.rect);
           if (bounds.empty() || rect.empty()) continue;
-          m_.units[static_cast<std::size_t>(std::max(bounds.first, slab) - begin_)].push_back({box.lo, rect});
+          m_.units[static_cast<std::size_t>(std::max(bounds.first, slab) - begin_)].push_back(
+              {box.lo, rect, swept.block, swept.volume});
         }
       }
     }
   }
 
   void refine(const Unit& unit) {
-    if (hidden(unit.rect)) return;
-    const UnitLattice& l = f_.lattice();
+    SplatCounts& counts = counts_[unit.volume];
+    if (hidden(unit.rect, counts)) return;
+    const SlabFrame& f = *frames_[unit.volume];
+    const BrickBlock& block = *unit.block;
+    const UnitLattice& l = f.lattice();
+    const double offset = f.table().offset();
+    const VoxelBox reach = intersection(dilated(block.core, f.ghosts()), boxOf(f.dims()));
     UnitInput in;
-    const ValueRange range = loadUnit(block_, l, offset_, unit.lo, m_.values);
-    if (!f_.interesting(range)) return;
+    const ValueRange range = loadUnit(block, l, offset, unit.lo, m_.values);
+    if (!f.interesting(range)) return;
     in.values = m_.values;
-    in.least = static_cast<float>(range.lo - offset_);
-    in.most = static_cast<float>(range.hi - offset_);
-    in.origin = glm::vec3(projector_.viewOf(unit.lo));
+    in.least = static_cast<float>(range.lo - offset);
+    in.most = static_cast<float>(range.hi - offset);
+    in.origin = glm::vec3(f.projector().viewOf(unit.lo));
     std::array<float, kUnitSamples>* const parts[3] = {&in.part_x, &in.part_y, &in.part_z};
     const auto endsIn = [&](std::int64_t voxel, int a) {
-      return f_.ends().part[a] != 1 && voxel >= 0 && voxel < l.voxels[static_cast<std::size_t>(a)];
+      return f.ends().part[a] != 1 && voxel >= 0 && voxel < l.voxels[static_cast<std::size_t>(a)];
     };
     VoxelCoord last;
     for (int a = 0; a < 3; ++a) {
@@ -169,52 +209,56 @@ class Sweep {
       const auto sample = [&](std::int64_t voxel) {
         return static_cast<int>(std::clamp<std::int64_t>(voxel - unit.lo[a], 0, l.voxels[ua])) * n;
       };
-      in.first[ua] = sample(reach_.lo[a]), in.end[ua] = sample(reach_.hi[a]);
-      in.core_first[ua] = sample(block_.core.lo[a]), in.core_end[ua] = sample(block_.core.hi[a]);
-      last[a] = f_.ends().last[a] - unit.lo[a];
+      in.first[ua] = sample(reach.lo[a]), in.end[ua] = sample(reach.hi[a]);
+      in.core_first[ua] = sample(block.core.lo[a]), in.core_end[ua] = sample(block.core.hi[a]);
+      last[a] = f.ends().last[a] - unit.lo[a];
       in.parts = in.parts || endsIn(last[a], a);
     }
     for (int a = 0; a < 3 && in.parts; ++a) {
       parts[a]->fill(1.0f);
       const int n = l.axis[static_cast<std::size_t>(a)].refinement;
-      if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f_.ends().part[a]));
+      if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f.ends().part[a]));
     }
     in.tile = tile_.rect;
     // A sample that is clipped does not count: this is known later.
-    if (test_samples_ && !f_.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
-    if (f_.detailed() || aovs_)
-      refineWithDetails(in, unit.lo);
+    if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
+    if (f.detailed() || aovs_)
+      refineWithDetails(in, unit);
     else
-      counts_.visited += static_cast<std::uint64_t>(refineUnit(l, in, {&m_.waiting, begin_}).closed);
+      counts.visited +=
+          static_cast<std::uint64_t>(refineUnit(l, in, {&m_.volumes[unit.volume].waiting, begin_}).closed);
   }
 
-  void refineWithDetails(const UnitInput& in, const VoxelCoord& lo) {
+  void refineWithDetails(const UnitInput& in, const Unit& unit) {
+    const SlabFrame& f = *frames_[unit.volume];
+    OfVolume& volume = m_.volumes[unit.volume];
     m_.refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
     m_.slabs.resize(m_.refined.size());
     m_.details.resize(m_.refined.size());
     const RefinedCounts counts =
-        refineUnit(f_.lattice(), in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
-    counts_.visited += static_cast<std::uint64_t>(counts.closed);
+        refineUnit(f.lattice(), in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
+    counts_[unit.volume].visited += static_cast<std::uint64_t>(counts.closed);
     for (std::size_t i = 0; i < static_cast<std::size_t>(counts.samples); ++i) {
       SlabSample& s = m_.refined[i];
-      if (f_.detailed() && !finish(s, m_.details[i], lo)) continue;
+      if (f.detailed() && !finish(f, s, m_.details[i], unit.lo)) continue;
       const int slab = std::max(m_.slabs[i], begin_);
-      m_.waiting.add(static_cast<std::size_t>(slab - begin_)) = s;
-      if (aovs_) addToWaitingAovs(s, slab, m_.details[i], lo);
+      volume.waiting.add(static_cast<std::size_t>(slab - begin_)) = s;
+      if (aovs_) addToWaitingAovs(unit, s, slab, m_.details[i]);
     }
   }
 
   // What is for pictures with AOVs only is apart, so that the loops of the others stay small.
-  [[gnu::noinline]] void addToWaitingAovs(const SlabSample& s, int slab, const SampleDetails& details,
-                                          const VoxelCoord& lo) {
-    const UnitLattice& l = f_.lattice();
+  [[gnu::noinline]] void addToWaitingAovs(const Unit& unit, const SlabSample& s, int slab,
+                                          const SampleDetails& details) {
+    const SlabFrame& f = *frames_[unit.volume];
+    const UnitLattice& l = f.lattice();
     const float depth = (details.view.z - l.near) * l.slabs_per_depth;
-    m_.waiting_aovs.add(static_cast<std::size_t>(slab - begin_)) =
-        aovSample(s, slab, depth, l.spread, normalOf(details, lo));
+    m_.volumes[unit.volume].waiting_aovs.add(static_cast<std::size_t>(slab - begin_)) =
+        aovSample(s, slab, depth, l.spread, normalOf(f, details, unit.lo));
   }
 
-  glm::vec3 normalOf(const SampleDetails& details, const VoxelCoord& lo) const {
-    const SampleLook& look = f_.look();
+  static glm::vec3 normalOf(const SlabFrame& f, const SampleDetails& details, const VoxelCoord& lo) {
+    const SampleLook& look = f.look();
     const glm::vec3* const face = look.clip->cutGradient(indexOf(details, lo));
     return face != nullptr ? look.shader.normalOnCut(*face, details.view)
                            : look.shader.normal(details.gradient, details.view);
@@ -225,8 +269,8 @@ class Sweep {
   }
 
   // Shades, modulates and clips a sample by itself; false where it is clipped.
-  bool finish(SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) const {
-    const SampleLook& look = f_.look();
+  static bool finish(const SlabFrame& f, SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) {
+    const SampleLook& look = f.look();
     const glm::dvec3 index = indexOf(details, lo);
     if (!look.clip->contains(index)) return false;
     const Material material{s.r, s.g, s.b, details.tau};
@@ -241,16 +285,16 @@ class Sweep {
     return true;
   }
 
-  void splat(std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
+  void splat(std::size_t v, std::span<const SlabSample> samples, Sheet& here, Sheet& next) {
     const PlaceCounts counted = takeVisible(samples, m_.visible, here, next);
-    counts_.visited += counted.all, counts_.splats += counted.open;
-    addSamples(m_.visible, f_.footprint(), here, next);
+    counts_[v].visited += counted.all, counts_[v].splats += counted.open;
+    addSamples(m_.visible, frames_[v]->footprint(), here, next);
   }
 
   // What the samples' colours went to. No pixel has been closed since.
-  [[gnu::noinline]] void splatAovs(std::span<const AovSample> samples, Sheet& here, Sheet& next) {
+  [[gnu::noinline]] void splatAovs(std::size_t v, std::span<const AovSample> samples, Sheet& here, Sheet& next) {
     takeVisible(samples, m_.visible_aovs, here, next);
-    addAovs(m_.visible_aovs, f_.footprint(), here, next);
+    addAovs(m_.visible_aovs, frames_[v]->footprint(), here, next);
   }
 
   // Samples that count.
@@ -288,8 +332,9 @@ class Sweep {
     const PixelRay ray(projector_, x, y);
     SlabSpan out{0, zone_.slabs};
     for (int a = 0; a < 3; ++a) {
-      if (block_.core.lo[a] > 0) out.cut(zone_, ray, a, static_cast<double>(block_.core.lo[a]) - 0.5, true);
-      if (block_.core.hi[a] < f_.dims()[a]) out.cut(zone_, ray, a, static_cast<double>(block_.core.hi[a]) - 0.5, false);
+      const VoxelBox& core = owner_->core;
+      if (core.lo[a] > 0) out.cut(zone_, ray, a, static_cast<double>(core.lo[a]) - 0.5, true);
+      if (core.hi[a] < any_.dims()[a]) out.cut(zone_, ray, a, static_cast<double>(core.hi[a]) - 0.5, false);
       if (!parted_) continue;
       if (std::isfinite(part_.lo[a])) out.cut(zone_, ray, a, part_.lo[a], true);
       if (std::isfinite(part_.hi[a])) out.cut(zone_, ray, a, part_.hi[a], false);
@@ -316,12 +361,16 @@ class Sweep {
 
   // The open pixels of a block that are the brick's own in this slab.
   BlockBits takesOf(int block, const PixelRect& area, int slab) {
-    const OwnedBlock& owned = ownedOf(block, area);
     BlockBits out{};
-    if (slab < owned.any.first || slab >= owned.any.end) return out;
-    const bool all = slab >= owned.all.first && slab < owned.all.end;
-    const SlabSpan* o = owned.pixels.data();
-    for (int y = 0; y < area.height(); ++y, o += kBlockEdge) {
+    const SlabSpan* o = nullptr;
+    bool all = true;
+    if (owner_ != nullptr) {
+      const OwnedBlock& owned = ownedOf(block, area);
+      if (slab < owned.any.first || slab >= owned.any.end) return out;
+      all = slab >= owned.all.first && slab < owned.all.end;
+      o = owned.pixels.data();
+    }
+    for (int y = 0; y < area.height(); ++y, o += all ? 0 : kBlockEdge) {
       unsigned bits = m_.windows.openPixels(area.x0 - tile_.rect.x0, area.y0 - tile_.rect.y0 + y);
       if (!all) {
         for (int x = 0; x < area.width(); ++x) bits &= ~(slab < o[x].first || slab >= o[x].end ? 1u << x : 0u);
@@ -331,37 +380,63 @@ class Sweep {
     return out;
   }
 
-  // Lays the sheet behind what is in the image, and empties it. A pixel that reaches the threshold is divided by its
-  // alpha and closed.
-  void composite(Sheet& sheet, int slab) {
-    for (std::uint64_t rest = sheet.dirty(); rest != 0; rest &= rest - 1) {
+  // Lays the sheets' blocks of the slab behind what is in the image, and empties them. A pixel that reaches the
+  // threshold is divided by its alpha and closed.
+  void composite(std::uint64_t dirty, int slab) {
+    for (std::uint64_t rest = dirty; rest != 0; rest &= rest - 1) {
       const int block = std::countr_zero(rest);
-      const PixelRect area = sheet.blockRect(block);
-      SheetBlock in;
-      in.pixels = tile_.rgba + 4 * tile_.placeOf(area.x0, area.y0);
-      in.sums = sheet.at(area.x0, area.y0);
-      in.filled = sheet.filledAt(area.x0, area.y0);
-      in.stride = tile_.stride;
-      in.columns = sheet.stride() / 4;
-      in.covered = tile_.covered + tile_.placeOf(area.x0, area.y0);
-      in.erosion = zone_.erosion;
-      in.width = area.width(), in.height = area.height();
-      in.takes = takesOf(block, area, slab);
-      in.opaque_at = opaque_at_;
-      if (aovs_)
-        layWithAovs(in, area, slab);
-      else
-        close(laySheet(in, nullptr), area);
+      const PixelRect area = m_.volumes.front().sheets[0].blockRect(block);
+      const BlockBits takes = takesOf(block, area, slab);
+      if (frames_.size() > 1) join(block, area, slab);
+      for (std::size_t v = 0; v < frames_.size(); ++v) {
+        if ((m_.volumes[v].sheets[slab & 1].dirty() >> block & 1) != 0) lay(v, area, takes, slab);
+      }
     }
-    sheet.setClear();
     m_.windows.update();
-    if (aovs_) m_.aov_sheets[slab & 1].clear();
+    for (std::size_t v = 0; v < frames_.size(); ++v) {
+      m_.volumes[v].sheets[slab & 1].setClear();
+      if (aovs_) m_.volumes[v].aov_sheets[slab & 1].clear();
+    }
   }
 
-  void close(const LaidBlock& laid, const PixelRect& area) {
+  [[gnu::noinline]] void join(int block, const PixelRect& area, int slab) {
+    std::array<VolumeBlock, kMostVolumes> blocks;
+    std::size_t count = 0;
+    std::ptrdiff_t stride = 0;
+    for (std::size_t v = 0; v < frames_.size(); ++v) {
+      OfVolume& volume = m_.volumes[v];
+      Sheet& sheet = volume.sheets[slab & 1];
+      if ((sheet.dirty() >> block & 1) == 0) continue;
+      stride = sheet.stride();
+      blocks[count++] = {sheet.at(area.x0, area.y0), sheet.filledAt(area.x0, area.y0),
+                         aovs_ ? volume.aov_sheets[slab & 1].at(area.x0, area.y0) : nullptr};
+    }
+    if (count > 1) joinVolumes(std::span(blocks).first(count), stride / 4, area.width(), area.height());
+  }
+
+  void lay(std::size_t v, const PixelRect& area, const BlockBits& takes, int slab) {
+    Sheet& sheet = m_.volumes[v].sheets[slab & 1];
+    SheetBlock in;
+    in.pixels = tile_.rgba + 4 * tile_.placeOf(area.x0, area.y0);
+    in.sums = sheet.at(area.x0, area.y0);
+    in.filled = sheet.filledAt(area.x0, area.y0);
+    in.stride = tile_.stride;
+    in.columns = sheet.stride() / 4;
+    in.covered = tile_.covered + tile_.placeOf(area.x0, area.y0);
+    in.erosion = frames_[v]->zone().erosion;
+    in.width = area.width(), in.height = area.height();
+    in.takes = takes;
+    in.opaque_at = opaque_at_;
+    if (aovs_)
+      layWithAovs(v, in, area, slab);
+    else
+      close(laySheet(in, nullptr), v, area);
+  }
+
+  void close(const LaidBlock& laid, std::size_t v, const PixelRect& area) {
     for (int y = area.y0; y < area.y1; ++y) {
       const auto row = static_cast<std::size_t>(y - area.y0);
-      counts_.changed = counts_.changed || laid.changed[row] != 0;
+      counts_[v].changed = counts_[v].changed || laid.changed[row] != 0;
       for (unsigned rest = laid.opaque[row]; rest != 0; rest &= rest - 1) {
         const int x = area.x0 + std::countr_zero(rest);
         float* const pixel = tile_.rgba + 4 * tile_.placeOf(x, y);
@@ -373,21 +448,21 @@ class Sweep {
     }
   }
 
-  [[gnu::noinline]] void layWithAovs(const SheetBlock& block, const PixelRect& area, int slab) {
+  [[gnu::noinline]] void layWithAovs(std::size_t v, const SheetBlock& block, const PixelRect& area, int slab) {
     LaidPixels pixels;
     const LaidBlock laid = laySheet(block, &pixels);
     for (int y = area.y0; y < area.y1; ++y) {
       const auto row = static_cast<std::size_t>(y - area.y0);
       for (unsigned rest = laid.changed[row]; rest != 0; rest &= rest - 1) {
         const int x = std::countr_zero(rest);
-        addToAovs(area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
+        addToAovs(v, area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
       }
     }
-    close(laid, area);
+    close(laid, v, area);
   }
 
-  void addToAovs(int x, int y, int slab, const LaidPixel& laid) {
-    const std::int32_t* const sum = std::as_const(m_.aov_sheets[slab & 1]).at(x, y);
+  void addToAovs(std::size_t v, int x, int y, int slab, const LaidPixel& laid) {
+    const std::int32_t* const sum = std::as_const(m_.volumes[v].aov_sheets[slab & 1]).at(x, y);
     const float open = laid.share, opacity = laid.opacity;
     SlabLayer layer;
     layer.before = laid.before;
@@ -395,7 +470,7 @@ class Sweep {
     layer.closes = laid.before + layer.added >= opaque_at_;
     layer.opacity = opacity / laid.filled;
     layer.filled = std::min(laid.filled / Sheet::kOne, 1.0f);
-    layer.turn = fillingOfHalf(erosionOf(layer.opacity, zone_.erosion));
+    layer.turn = fillingOfHalf(erosionOf(layer.opacity, frames_[v]->zone().erosion));
     layer.place = std::clamp(static_cast<float>(sum[3]) / opacity, -0.5f, 0.5f);
     layer.middle = zone_.near + (slab + 0.5) * zone_.thickness;
     layer.thickness = zone_.thickness;
@@ -403,21 +478,20 @@ class Sweep {
     addLayer(layer, tile_.aovs, tile_.placeOf(x, y));
   }
 
-  const SlabFrame& f_;
+  const std::span<const SlabFrame* const> frames_;
   const SlabZone& zone_;
   const Projector& projector_;
-  const BrickBlock& block_;
+  const SlabFrame& any_;
+  const BrickBlock* const owner_;
   const TilePixels& tile_;
   Visibility& visibility_;
   const bool test_samples_;
   const float opaque_at_;
   SweepMemory::Parts& m_;
-  SplatCounts& counts_;
-  const bool aovs_;  // whether the tile has any
+  const std::span<SplatCounts> counts_;  // of each volume
+  const bool aovs_;                      // whether the tile has any
   const ClipRegion::Part& part_;
   const bool parted_;
-  const double offset_;
-  const VoxelBox reach_;  // of the samples that are drawn. unit: voxels
   int begin_ = 0;
   std::uint64_t owned_known_ = 0;  // blocks: a bit each, as a sheet's
 };
@@ -428,7 +502,20 @@ void sweepSlabs(const SlabFrame& frame, const BrickBlock& block, std::span<const
                 const TilePixels& tile, Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
                 SplatCounts& counts) {
   if (cells.empty()) return;
-  Sweep(frame, block, tile, visibility, test_samples, opaque_at, memory.parts(), counts).run(cells);
+  std::vector<SweptCell>& swept = memory.parts().cells;
+  swept.clear();
+  for (const SlabCell* const cell : cells) swept.push_back({cell, &block, 0});
+  const SlabFrame* const frames[] = {&frame};
+  Sweep({frames, frame, &block, tile, visibility, test_samples, opaque_at}, memory.parts(), {&counts, 1}).run();
+}
+
+void sweepTogether(std::span<const SlabFrame* const> frames, std::span<const SweptCell> cells, const TilePixels& tile,
+                   Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
+                   std::span<SplatCounts> counts) {
+  if (cells.empty()) return;
+  memory.parts().cells.assign(cells.begin(), cells.end());
+  const SlabFrame& any = *frames[cells.front().volume];
+  Sweep({frames, any, nullptr, tile, visibility, test_samples, opaque_at}, memory.parts(), counts).run();
 }
 
 }  // namespace kiln

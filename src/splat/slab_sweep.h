@@ -4,7 +4,8 @@
 // is added to the slab's sheet, which is then laid behind what the image holds (DESIGN §6).
 //
 // A brick writes the pixels of slabs that it owns: those whose place in space (the pixel's centre, the slab's middle)
-// is in the brick. To them it adds the samples of its apron, so that no pixel of a slab is the sum of two bricks.
+// is in the brick. To them it adds the samples of its apron, so that no pixel of a slab is the sum of two bricks. Or
+// all bricks of several volumes that reach into a zone of slabs are swept together, each with its own samples.
 #pragma once
 
 #include <cstddef>
@@ -34,5 +35,20 @@ class SweepMemory {
 void sweepSlabs(const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell* const> cells,
                 const TilePixels& tile, Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
                 SplatCounts& counts);
+
+/// A cell of a brick of one of several volumes.
+struct SweptCell {
+  const SlabCell* cell;
+  const BrickBlock* block;
+  std::size_t volume;
+};
+
+/// Draws all of a zone in this tile: what several volumes put into each slab is joined (splat/join_volumes.h) before it
+/// is laid. shape: a frame and counts for each volume; a frame may be null where no cell is of it. requires: frames of
+/// the same slabs and taps whose bricks are not owned; `cells` are all interesting ones of all bricks of the zone that
+/// touch the tile; at most kMostVolumes volumes.
+void sweepTogether(std::span<const SlabFrame* const> frames, std::span<const SweptCell> cells, const TilePixels& tile,
+                   Visibility& visibility, bool test_samples, float opaque_at, SweepMemory& memory,
+                   std::span<SplatCounts> counts);
 
 }  // namespace kiln

@@ -39,6 +39,9 @@ BrickBlock constantBrick(const BrickFrame& frame, double value);
 /// The most memory `decodeBrick` holds beside the file's bytes, its result included. unit: bytes.
 std::size_t decodeBytes(const BrickFrame& frame);
 
+/// The most that the decoded brick takes. unit: bytes.
+std::size_t blockBytes(const BrickFrame& frame);
+
 /// "OpenVDB 10.0.1".
 std::string containerVersion();
 

@@ -265,6 +265,14 @@ BrickBlock constantBrick(const BrickFrame& frame, double value) {
   return block;
 }
 
+std::size_t blockBytes(const BrickFrame& frame) {
+  const std::int64_t edge = frame.brick_size / kCellSize;
+  const auto octree = static_cast<std::size_t>(edge * edge * edge * 8 / 7 + 1) * sizeof(ValueRange);
+  return sizeof(BrickBlock) +
+         static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type) + octree +
+         CellSupports::bytesFor(edge);
+}
+
 std::size_t decodeBytes(const BrickFrame& frame) {
   // One grid's tree at a time, without its values: a leaf takes some 100 bytes, the nodes above it 8 a child and two
   // masks. Bricks and their aprons lie on both sides of the nodes' borders.

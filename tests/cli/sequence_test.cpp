@@ -12,36 +12,17 @@
 #include "base/file.h"
 #include "output/image_file.h"
 #include "scene/frame_list.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/tool_test.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class SequenceCli : public ::testing::Test {
+class SequenceCli : public ToolTest {
  protected:
-  void SetUp() override {
-    directory_ =
-        freshDirectory(std::string("sequence_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"});
-  }
-
-  std::string in(const std::string& name) const { return (directory_ / name).string(); }
-
-  ToolResult done(const std::vector<std::string>& arguments, const ToolOptions& options = {}) const {
-    const ToolResult result = runTool(arguments, options);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result;
-  }
-
-  void refused(const std::vector<std::string>& arguments, int exit_code, const std::string& mention) const {
-    const ToolResult result = runTool(arguments);
-    EXPECT_EQ(result.exit_code, exit_code) << result.err;
-    EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
-    EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
-  }
+  SequenceCli() : ToolTest("sequence_") {}
+  void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
 
   // A turn with a fade from skin to bone, a plane that cuts in and a light that goes round: job.json.
   void writeTurn(int frames, const std::string& more = "") const {
@@ -66,8 +47,6 @@ class SequenceCli : public ::testing::Test {
     for (std::string line; std::getline(lines, line);) out.push_back(Json::parse(line));
     return out;
   }
-
-  fs::path directory_;
 };
 
 // Known because the other half was never interrupted: a job that is killed twice, once between frames and once by the

@@ -45,6 +45,10 @@ constexpr const char* kJobs[] = {
   "clip": [{"normal": [0, 0, -1], "offset": 10}], "transferFunction": "grayscale"})",
     R"({"volume": "v.kiln", "image": {"width": 8, "height": 8, "aov": ["value"]}, "mode": "average", "window": [60, 80],
   "camera": {"fov": 40, "view": "top"}, "region": [1, 2, 1, 15, 15, 9], "clip": [{"normal": [0, 0, -1], "offset": 10}]})",
+    R"({"volumes": [{"volume": "v.kiln", "transferFunction": "iso:50", "region": [1, 1, 1, 15, 15, 14], "window": [60, 80]},
+   {"volume": "v.kiln", "clip": [{"normal": [0, 1, 1], "offset": -9}], "shading": {"model": "none"},
+    "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 3, "function": "fire"}]}}],
+  "image": {"width": 8, "height": 8}, "camera": {"view": "left"}, "level": "auto"})",
     R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "part": "1/2", "interpolation": "cubic",
   "exr": {"compression": "piz", "owner": "us", "comments": "none", "statistics": true}})"};
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
 
 #include "support/procedural.h"
@@ -12,11 +13,21 @@ namespace kiln::test {
 
 Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes,
            FrameStatistics* statistics) {
-  const StoreReader reader(store);
-  BrickCache cache(reader, budget_bytes, 2);
+  return draw(std::vector{store}, request, budget_bytes, statistics);
+}
+
+Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest& request, std::uint64_t budget_bytes,
+           FrameStatistics* statistics) {
+  std::vector<std::unique_ptr<StoreReader>> opened;
+  std::vector<const StoreReader*> readers;
+  for (const std::filesystem::path& store : stores) {
+    opened.push_back(std::make_unique<StoreReader>(store));
+    readers.push_back(opened.back().get());
+  }
+  BrickCache cache(readers, budget_bytes, 2);
   Progress silent;
   FrameStatistics unused;
-  return renderFrame(reader, cache, request, silent, statistics != nullptr ? *statistics : unused);
+  return renderFrame(*readers.front(), cache, request, silent, statistics != nullptr ? *statistics : unused);
 }
 
 bool equalBits(const Image& a, const Image& b) {

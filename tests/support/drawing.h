@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "render/render_frame.h"
 
@@ -10,6 +11,10 @@ namespace kiln::test {
 /// Opens the store with a cache of its own and draws one frame.
 Image draw(const std::filesystem::path& store, const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
            FrameStatistics* statistics = nullptr);
+
+/// Several volumes in one picture: those of the request.
+Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest& request,
+           std::uint64_t budget_bytes = 1ull << 30, FrameStatistics* statistics = nullptr);
 
 /// Whether they have the same size and every float is the same, planes' too, the sign of zero and the kind of NaN
 /// included.

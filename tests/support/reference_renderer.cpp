@@ -6,6 +6,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "base/parallel.h"
@@ -200,6 +201,48 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
   return {light, 1 - transmittance};
 }
 
+/// The same of several volumes: their extinctions add up.
+glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const std::vector<ReferenceVolume>& volumes,
+                      const Ray& ray) {
+  std::vector<Segment> segments;
+  double step = std::numeric_limits<double>::infinity(), begin = step, end = -step;
+  for (const std::unique_ptr<Scene>& scene : scenes) {
+    const Segment segment = clipped(*scene, ray);
+    segments.push_back(segment);
+    step = std::min(step, scene->step_world);
+    if (!(segment.begin < segment.end)) continue;
+    begin = std::min(begin, segment.begin), end = std::max(end, segment.end);
+  }
+  glm::dvec3 light(0);
+  double transmittance = 1;
+  for (double at = begin; at < end; at += step) {
+    double depth = 0;
+    glm::dvec3 sent(0);
+    for (std::size_t v = 0; v < scenes.size(); ++v) {
+      // Of the step, what lies in the volume.
+      const double from = std::max(at, segments[v].begin), to = std::min(at + step, segments[v].end);
+      if (!(from < to)) continue;
+      const Scene& scene = *scenes[v];
+      const glm::dvec3 world = ray.origin + 0.5 * (from + to) * ray.direction;
+      const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
+      if (scene.empty_blocks && scene.empty_blocks->stepsToSkip(index, glm::dvec3(1)) > 0) continue;
+      const Classified sample = scene.transfer_function.at(scene.field.at(index));
+      if (!(sample.opacity > 0)) continue;
+      const double of_volume = extinctionAt(scene, sample.opacity, index) * (to - from);
+      depth += of_volume;
+      sent += of_volume * shaded(scene, volumes[v].shading, sample.color, index, world, -ray.direction);
+    }
+    if (!(depth > 0)) continue;
+    const double alpha = 1 - std::exp(-depth);
+    light += transmittance * alpha * sent / depth;
+    transmittance *= 1 - alpha;
+    const double threshold = scenes.front()->settings.opacity_threshold;
+    if (threshold < 1 && 1 - transmittance >= threshold) return {light / (1 - transmittance), 1};
+    if (transmittance < kStopTransmittance) break;
+  }
+  return {light, 1 - transmittance};
+}
+
 double depthAlong(const Scene& scene, const Ray& ray) {
   double depth = 0;
   march(scene, ray, [&](const glm::dvec3& index, double length) {
@@ -258,6 +301,25 @@ Image referenceImage(const DenseVolume& volume, const View& view, const Transfer
     for (int channel = 0; channel < 4; ++channel) {
       image.pixel(column, row)[channel] = static_cast<float>(sum[channel] / static_cast<double>(rays.size()));
     }
+  });
+  return image;
+}
+
+Image referenceImage(const std::vector<ReferenceVolume>& volumes, const View& view, const ReferenceSettings& settings) {
+  std::vector<ReferenceSettings> of_volumes;
+  for (const ReferenceVolume& volume : volumes) {
+    of_volumes.push_back(settings);
+    of_volumes.back().clipping = volume.clipping;
+  }
+  std::vector<std::unique_ptr<Scene>> scenes;
+  for (std::size_t v = 0; v < volumes.size(); ++v)
+    scenes.push_back(std::make_unique<Scene>(*volumes[v].volume, view, volumes[v].transfer_function, of_volumes[v]));
+  Image image(view.size.width, view.size.height);
+  forEachPixel(*scenes.front(), [&](int column, int row, const std::vector<Ray>& rays) {
+    glm::dvec4 sum(0);
+    for (const Ray& ray : rays) sum += lightAlong(scenes, volumes, ray);
+    for (int channel = 0; channel < 4; ++channel)
+      image.pixel(column, row)[channel] = static_cast<float>(sum[channel] / static_cast<double>(rays.size()));
   });
   return image;
 }

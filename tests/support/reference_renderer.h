@@ -45,6 +45,18 @@ Image referenceImage(const DenseVolume& volume, const View& view, const Transfer
                      const Shading& shading, const std::array<double, 4>& background = {0, 0, 0, 0},
                      const ReferenceSettings& settings = {});
 
+/// A volume of several in one picture.
+struct ReferenceVolume {
+  const DenseVolume* volume = nullptr;
+  TransferFunction transfer_function;
+  Shading shading = {};
+  Clipping clipping = {};
+};
+/// The picture of all of them: where they overlap, their extinctions add up, and light comes from each as much as it
+/// absorbs. The settings' clipping says nothing; steps are as short as the smallest spacing of all asks for.
+Image referenceImage(const std::vector<ReferenceVolume>& volumes, const View& view,
+                     const ReferenceSettings& settings = {});
+
 /// Absorption alone, in doubles. shape: view.size, row 0 at the top.
 struct OpticalDepthImage {
   int width = 0, height = 0;

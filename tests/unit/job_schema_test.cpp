@@ -38,7 +38,8 @@ TEST(JobSchema, ReferencesLeadSomewhere) {
 TEST(JobSchema, TheParserTakesWhatTheSchemaHas) {
   const Json schema = Json::parse(jobSchemaText());
   for (const auto& [name, definition] : schema["$defs"]["job"]["properties"].items()) {
-    Json job = {{"volume", "a.kiln"}};
+    Json job = Json::object();
+    if (name != "volumes") job["volume"] = "a.kiln";
     job[name] = {{"no such key", 1}};
     try {
       parseJob(job.dump(), "job.json");

@@ -29,7 +29,7 @@ struct RenderArguments {
   std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples;
-  std::vector<std::string> aovs;
+  std::vector<std::string> aovs, added, added_tfs;
   std::optional<std::string> frames;
   std::optional<int> turntable;
   std::optional<double> rate;
@@ -189,6 +189,28 @@ void applyOutput(const RenderArguments& a, OutputOptions& output) {
   }
 }
 
+// More volumes beside the job's; what other options say of a volume is of the first.
+void applyVolumes(const RenderArguments& a, RenderJob& job) {
+  if (a.added_tfs.size() > a.added.size())
+    throw Error(ErrorCode::kUsage, fmt::format("--add-tf: {} given for {} volumes of --add; the first is of the first",
+                                               a.added_tfs.size(), a.added.size()));
+  if (job.volumes.empty() && a.added.empty()) return;
+  if (job.volumes.empty()) makeFirstOfSeveral(job);
+  VolumeOptions& first = job.volumes.front();
+  if (a.tf) {
+    first.transfer_function = job.picture.transfer_function;
+    first.functions.clear();
+  }
+  if (a.window) first.window = job.picture.window;
+  if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
+  for (std::size_t i = 0; i < a.added.size(); ++i) {
+    VolumeOptions volume;
+    volume.volume = a.added[i];
+    if (i < a.added_tfs.size()) volume.transfer_function = transferFunctionNamed(a.added_tfs[i], "--add-tf");
+    job.volumes.push_back(std::move(volume));
+  }
+}
+
 RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
   if (fs::path(a.input).extension() == ".json") {
@@ -199,9 +221,11 @@ RenderJob jobOf(const RenderArguments& a) {
   applyPicture(a, job.picture);
   applySpeed(a, job.speed);
   applyFrames(a, job);
+  applyVolumes(a, job);
   applyOutput(a, job.output);
   if (!a.trace.empty()) job.trace = a.trace;
   requirePart(job);
+  requireVolumes(job);
   requireOutputs(job, framesOf(job).size());
   return job;
 }
@@ -221,9 +245,10 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
   if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
-  fmt::print("{} of visibility, {} of index, {} of slabs, {}{} to read one brick\n", formatBytes(memory.visibility),
+  fmt::print("{} of visibility, {} of index, {} of slabs, {}{} {}\n", formatBytes(memory.visibility),
              formatBytes(memory.index), formatBytes(memory.slabs),
-             memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick));
+             memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
+             memory.brickText());
   fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
@@ -257,7 +282,8 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
   if (const std::size_t frames = framesOf(job).size(); frames > 1 || a.resume || !job.output.video.path.empty())
     throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
   const int frame = framesOf(job).front();
-  job.volume = options.store_for(jobAtFrame(job, frame).volume);
+  job = jobAtFrame(job, frame);
+  forEachVolume(job, options.store_for);
   job.frames = {frame};
   const RenderStatistics statistics = runRenderJob(job, a.repeat, context.progress).statistics;
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(statistics));
@@ -325,6 +351,15 @@ void addRender(CLI::App& app, Context& context) {
       "-o,--output", a->output,
       "the picture, .exr or .png, in whose name a run of # is the frame's number; or a video, .mp4, .mov, "
       ".mkv or .webm, by ffmpeg");
+  command
+      ->add_option("--add", a->added,
+                   "a store or volume file in the same picture, where its affine has it; once for each (options that "
+                   "speak of a volume's values or voxels are INPUT's)")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command->add_option("--add-tf", a->added_tfs, "transfer function of each --add, in their order; auto if not given")
+      ->allow_extra_args(false)
+      ->type_name("TF");
   command->add_option("--frames", a->frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
       ->type_name("FRAMES");
   command->add_option("--turntable", a->turntable, "turn the camera once about its target in this many frames")

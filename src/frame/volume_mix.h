@@ -1,0 +1,101 @@
+// Several volumes in one picture: one set of slabs for all (splat/slab_grid.h), zone after zone from near to far. In a
+// zone each volume has the level and the refinement that its own voxels need, and in each tile all bricks of all of
+// them that reach into the zone are swept together, so that nobody owns a pixel of a slab, and no bit depends on how a
+// volume was cut.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "cache/brick_cache.h"
+#include "frame/sweep_pool.h"
+#include "frame/zone_frames.h"
+
+namespace kiln {
+
+/// What a frame shows of a volume.
+struct MixedVolume {
+  const StoreReader* store = nullptr;
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;
+};
+
+struct MixView {
+  View view;
+  ProjectedArea area = ProjectedArea::kBox;
+  std::optional<int> level;  // of all volumes
+  Interpolation interpolation = Interpolation::kLinear;
+  int sweep_px = 64;
+};
+
+class VolumeMix {
+ public:
+  /// A brick that shows something in a zone, and where.
+  struct Brick {
+    StoredBrick brick;
+    PixelRect rect;
+    std::uint64_t bytes = 0;  // once it is decoded, with a list of its cells
+  };
+  using Blocks = std::vector<std::shared_ptr<const BrickBlock>>;
+
+  /// requires: the stores outlive this; kMostVolumes of them at most. throws: as FrameLevels. cost: a look at every
+  /// brick of the levels that the view asks for.
+  VolumeMix(std::vector<MixedVolume> volumes, const MixView& view);
+  VolumeMix(const VolumeMix&) = delete;
+  VolumeMix& operator=(const VolumeMix&) = delete;
+
+  /// From the nearest to the farthest.
+  std::size_t zones() const { return zones_.size(); }
+  /// Of the volume in that zone; nothing where it has none.
+  std::optional<int> levelOf(std::size_t zone, std::size_t volume) const {
+    return zones_[zone].frames[volume] ? std::optional(zones_[zone].slabs[volume].level) : std::nullopt;
+  }
+  /// Those in the picture.
+  const std::vector<Brick>& bricksOf(std::size_t zone) const { return zones_[zone].bricks; }
+  /// Of all zones, each once: those of the levels that the view asks for, and of these those that show something, in
+  /// the picture or not.
+  const BrickWalkCounts& counts() const { return counts_; }
+  /// Each brick once that touches the pixels.
+  std::vector<StoredBrick> inView(const PixelRect& pixels) const;
+  /// The most that bricks of one of the tiles take at once. unit: bytes.
+  std::uint64_t mostBytes(std::span<const PixelRect> tiles) const;
+  /// What the bricks of a zone take that touch one of the tiles, with reading the last of them. unit: bytes.
+  std::uint64_t bytesFor(std::span<const Brick* const> bricks) const;
+
+  /// Draws the tiles' pixels of the zone, in parallel. shape: `blocks` are those of `bricks`, null where a brick is
+  /// left out; the result is a count for each volume. requires: zones in order; `bricks` are all of the zone that touch
+  /// one of the tiles and are not hidden.
+  std::vector<SplatCounts> draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
+                                const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
+                                float opaque_at);
+
+  /// What its threads have needed so far. unit: bytes.
+  std::uint64_t bytes() const { return pool_.bytes(); }
+
+ private:
+  struct Volume {
+    explicit Volume(MixedVolume mixed, const MixView& view);
+    MixedVolume mixed;
+    double unit;  // that opacities are per
+    FrameLevels levels;
+    SampleTable table;
+  };
+  struct Zone {
+    std::vector<SlabZone> slabs;                     // of each volume
+    std::vector<std::unique_ptr<SlabFrame>> frames;  // null where it has none
+    std::vector<Brick> bricks;
+  };
+  void addBricks(std::size_t volume, const PixelRect& picture);
+  void addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture);
+
+  const MixView view_;
+  std::vector<std::unique_ptr<Volume>> volumes_;
+  std::vector<Zone> zones_;
+  BrickWalkCounts counts_;
+  std::uint64_t reading_bytes_ = 0;  // beyond what a decoded brick takes, at most
+  SweepPool pool_;
+};
+
+}  // namespace kiln

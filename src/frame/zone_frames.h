@@ -1,0 +1,37 @@
+// What the pixel lattice makes of a volume for each zone of slabs, and which bricks show anything there: the same
+// whether a volume is drawn alone or with others.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "frame/brick_walk.h"
+#include "scene/interpolation.h"
+#include "scene/transfer_function.h"
+#include "splat/slab_sweep.h"
+
+namespace kiln {
+
+/// How a volume looks. requires: what it refers to outlives the frames made of it.
+struct VolumeLook {
+  const TransferFunction& transfer_function;
+  const Shading& shading;
+  const View& view;
+  double unit = 1;           // that opacities are per. unit: world
+  float gradient_noise = 0;  // unit: value per voxel
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// requires: all outlive the result.
+std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+                                     const VolumeLook& look, const SlabSharing& sharing = {});
+
+/// As BrickWalk::AnyPart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// (store/sub_bricks.h).
+bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+               const BrickWalk::PartTest& test);
+
+/// The tile in squares of `edge` pixels, which one thread sweeps: pixels of a tile are closed by one thread at a time.
+std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge);
+
+}  // namespace kiln

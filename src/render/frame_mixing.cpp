@@ -1,0 +1,90 @@
+// The part of a frame's drawing that is its own where several volumes are in one picture: zone after zone, as many
+// tiles at once as the cache has room for the bricks of.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/memory.h"
+#include "base/span.h"
+#include "render/frame_drawing.h"
+
+namespace kiln {
+
+void FrameDrawing::mix(const TilePixels& all) {
+  walked_.bricks = plan_.mix->counts().bricks;
+  walked_.interesting = plan_.mix->counts().interesting;
+  for (std::size_t zone = 0; zone < plan_.mix->zones(); ++zone) {
+    std::vector<PixelRect> open;
+    for (const PixelRect& tile : tilesOf(all.rect, all.rect)) {
+      if (!visibility_->hidden(tile)) open.push_back(tile);
+    }
+    if (open.empty()) break;  // and so they stay
+    mixTiles(zone, all, open);
+  }
+  std::uint64_t unseen = 0;
+  for (const StoredBrick& brick : plan_.mix->inView(all.rect)) unseen += mixed_.contains(brick) ? 0 : 1;
+  walked_.hidden += unseen;
+}
+
+std::vector<const VolumeMix::Brick*> FrameDrawing::toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const {
+  std::vector<const VolumeMix::Brick*> out;
+  for (const VolumeMix::Brick& brick : plan_.mix->bricksOf(zone)) {
+    const bool seen = std::any_of(tiles.begin(), tiles.end(), [&](const PixelRect& tile) {
+      const PixelRect touched = intersection(tile, brick.rect);
+      return !touched.empty() && !visibility_->hidden(touched);
+    });
+    if (seen) out.push_back(&brick);
+  }
+  return out;
+}
+
+void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles) {
+  progress_.throwIfCancelled("rendering");
+  const std::vector<const VolumeMix::Brick*> bricks = toBeMixed(zone, tiles);
+  if (bricks.empty()) return;
+  const std::uint64_t needed = plan_.mix->bytesFor(bricks), room = cache_.budgetBytes();
+  if (needed > room && tiles.size() > 1) {
+    mixTiles(zone, all, tiles.first(tiles.size() / 2));
+    mixTiles(zone, all, tiles.subspan(tiles.size() / 2));
+    return;
+  }
+  if (needed > room)
+    throw Error(ErrorCode::kBudget, store_.path(), "--memory",
+                fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
+                            "{} at once; give {} more",
+                            formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
+  std::vector<StoredBrick> keys;
+  for (const VolumeMix::Brick* const brick : bricks) keys.push_back(brick->brick);
+  if (cache_.readsAhead()) cache_.announce(std::span<const StoredBrick>(keys));
+  VolumeMix::Blocks blocks;
+  for (const StoredBrick& key : keys) {
+    blocks.push_back(cache_.get(key));
+    if (!blocks.back()) damaged_.insert(key);
+    const bool first = mixed_.insert(key).second;
+    if (first && blocks.back()) ++statistics_.levels[static_cast<std::size_t>(key.key.level)].bricks;
+  }
+  announceBehind(zone, tiles);
+  const Span drawing(Activity::kBrick);
+  std::vector<TilePixels> pixels;
+  for (const PixelRect& tile : tiles) pixels.push_back(all.of(tile));
+  const std::vector<SplatCounts> drawn =
+      plan_.mix->draw(zone, bricks, blocks, pixels, *visibility_, frame_.test_samples, frame_.opaque_at);
+  for (std::size_t v = 0; v < drawn.size(); ++v) {
+    counts_.add(drawn[v]);
+    if (const auto level = plan_.mix->levelOf(zone, v)) {
+      LevelStatistics& statistics = statistics_.levels[static_cast<std::size_t>(*level)];
+      statistics.voxels_visited += drawn[v].visited;
+      statistics.voxels_splats += drawn[v].splats;
+    }
+  }
+}
+
+// While a zone is drawn, what the next one will need is read.
+void FrameDrawing::announceBehind(std::size_t zone, std::span<const PixelRect> tiles) {
+  if (!cache_.readsAhead() || zone + 1 >= plan_.mix->zones()) return;
+  std::vector<StoredBrick> next;
+  for (const VolumeMix::Brick* const brick : toBeMixed(zone + 1, tiles)) next.push_back(brick->brick);
+  cache_.announce(std::span<const StoredBrick>(next));
+}
+
+}  // namespace kiln

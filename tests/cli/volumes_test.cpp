@@ -1,0 +1,145 @@
+// Several volumes in one picture as users meet them: options and jobs that say the same, frames that are gone on with,
+// what memory they take, and what is refused.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "output/compare.h"
+#include "output/image_file.h"
+#include "support/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class VolumesCli : public ToolTest {
+ protected:
+  VolumesCli() : ToolTest("volumes_") {}
+  void SetUp() override {
+    done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"});
+    done({"convert", "phantom:engine:30x40x20", in("e.kiln"), "--brick-size", "32"});
+  }
+
+  // Of `first` and `second`, what is said of each volume.
+  void writeJob(const std::string& first, const std::string& second, const std::string& more = "") const {
+    writeText(in("job.json"), fmt::format(R"({{"volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
+      "output": "j.exr", "image": {{"width": 40, "height": 36}}{}}})",
+                                          first, second, more));
+  }
+};
+
+// Known because an option and a job's key are two ways to say one thing, and the header's job is the job.
+TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
+  done({"render", in("h.kiln"), "-o", in("o.exr"), "--size", "40x36", "--add", in("e.kiln"), "--add-tf", "iso:100",
+        "--tf", "ct-bone", "--region", "0,0,0,40,30,40", "--clip", "1,0,0,90", "--exr-type", "float"});
+  writeJob(R"(, "transferFunction": "ct-bone", "region": [0, 0, 0, 40, 30, 40])", R"(, "transferFunction": "iso:100")",
+           R"(, "clip": [{"normal": [1, 0, 0], "offset": 90}], "exr": {"type": "float"})");
+  done({"render", in("job.json")});
+  const Image by_options = readImage(in("o.exr")), by_job = readImage(in("j.exr"));
+  EXPECT_TRUE(by_options.rgba == by_job.rgba);
+  EXPECT_NE(by_job.rgba, std::vector<float>(by_job.rgba.size()));
+  // Each volume counts.
+  for (const char* hidden : {"h.kiln", "e.kiln"}) {
+    done({"render", in(hidden), "-o", in("one.exr"), "--size", "40x36", "--exr-type", "float"});
+    EXPECT_NE(readImage(in("one.exr")).rgba, by_job.rgba);
+  }
+  writeText(in("again.json"), readImageText(in("j.exr")).at("kiln:job"));
+  done({"render", in("again.json"), "-o", in("again.exr"), "--exr-type", "float"});
+  EXPECT_TRUE(readImage(in("again.exr")).rgba == by_job.rgba);
+}
+
+// Known because a volume's own clipping and shading are said again as what the library is asked for: what is clipped
+// away is not there, whatever the other volume shows.
+TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
+  const auto drawn = [&](const std::string& first, const std::string& second) {
+    writeJob(first, second);
+    done({"render", in("job.json")});
+    return readImage(in("j.exr")).rgba;
+  };
+  const std::string gone = R"(, "clip": [{"normal": [0, 0, 1], "offset": -10000}])",
+                    solid = R"(, "transferFunction": "iso:100")";
+  const std::vector<float> both = drawn("", solid), alone = drawn("", solid + gone), other = drawn(gone, solid);
+  EXPECT_NE(both, alone);
+  EXPECT_NE(both, other);
+  EXPECT_NE(alone, other);
+  EXPECT_EQ(alone, drawn("", R"(, "transferFunction": {"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0}]})"));
+  EXPECT_NE(both, drawn(R"(, "shading": {"model": "none"})", solid));
+}
+
+// Each volume's function has keyframes of its own, frames that are there are kept, and those of other data are not.
+TEST_F(VolumesCli, FramesAreGoneOnWith) {
+  writeJob(
+      R"(, "transferFunction": {"keyframes": [{"frame": 1, "function": "ct-skin"}, {"frame": 3, "function": "ct-bone"}]})",
+      R"(, "transferFunction": {"keyframes": [{"frame": 2, "function": "iso:90"}, {"frame": 4, "function": "iso:120"}]})");
+  const std::vector<std::string> draw = {"render", in("job.json"), "-o", in("f_##.png"), "--resume"};
+  done(draw);
+  const std::string last = readFile(in("f_04.png")).empty() ? "" : in("f_04.png");
+  ASSERT_FALSE(last.empty());
+  EXPECT_NE(readImage(in("f_01.png")).rgba, readImage(in("f_04.png")).rgba);
+  EXPECT_FALSE(fs::exists(in("f_05.png")));
+  const std::vector<float> third = readImage(in("f_03.png")).rgba;
+  fs::remove(in("f_03.png"));
+  const ToolResult resumed = done(draw);
+  EXPECT_NE((resumed.out + resumed.err).find("1 drawn, 3 kept"), std::string::npos) << resumed.out << resumed.err;
+  EXPECT_EQ(readImage(in("f_03.png")).rgba, third);
+  done({"convert", "phantom:engine:20x40x20", in("e.kiln"), "--brick-size", "32", "--overwrite"});
+  refused(draw, 1, "is a picture of another job");
+}
+
+// A time series of the second volume beside a first that stays.
+TEST_F(VolumesCli, AVolumeMayBeATimeSeries) {
+  done({"convert", "phantom:engine:30x40x20", in("t_1.kiln")});
+  done({"convert", "phantom:engine:20x20x20", in("t_2.kiln")});
+  done({"render", in("h.kiln"), "--add", in("t_#.kiln"), "-o", in("t_#.png"), "--frames", "1-2", "--size", "30x30"});
+  EXPECT_NE(readImage(in("t_1.png")).rgba, readImage(in("t_2.png")).rgba);
+  done({"render", in("h.kiln"), "--add", in("t_2.kiln"), "-o", in("one.png"), "--size", "30x30"});
+  EXPECT_EQ(readImage(in("one.png")).rgba, readImage(in("t_2.png")).rgba);
+}
+
+// What a dry run says works, works, draws the same, and half of what bricks need does not.
+TEST_F(VolumesCli, DryRunSaysTheSmallestMemory) {
+  writeJob("", "");
+  done({"render", in("job.json"), "--dry-run", "--stats", in("cost.json"), "--threads", "1"});
+  const Json memory = Json::parse(readTextFile(in("cost.json"), 1 << 20))["memory"];
+  const auto smallest = memory["smallest_bytes"].get<std::uint64_t>();
+  EXPECT_GT(memory["brick_bytes"].get<std::uint64_t>(), 0u);
+  const auto with = [&](std::uint64_t bytes) {
+    return std::vector<std::string>{"render",   in("job.json"),       "-o", in("m.png"), "--threads", "1",
+                                    "--memory", std::to_string(bytes)};
+  };
+  done(with(smallest));
+  const std::vector<float> least = readImage(in("m.png")).rgba;
+  done({"render", in("job.json"), "-o", in("n.png")});
+  EXPECT_EQ(least, readImage(in("n.png")).rgba);
+  refused(with(smallest - memory["brick_bytes"].get<std::uint64_t>() / 2), 1, "of bricks that meet in a tile");
+}
+
+TEST_F(VolumesCli, WhatOneVolumeOnlyHasIsRefused) {
+  const std::vector<std::string> two = {"render", in("h.kiln"), "-o", in("x.exr"), "--add", in("e.kiln")};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), two.begin(), two.end());
+    return more;
+  };
+  refused(with({"--mode", "mip"}), 2, "--mode: several volumes");
+  refused(with({"--lattice", "voxel"}), 2, "--lattice voxel: several volumes");
+  refused(with({"--part", "1/2"}), 2, "--part: several volumes");
+  refused(with({"--level", "9"}), 2, "there is no level 9");
+  refused(with({"--add-tf", "auto", "--add-tf", "auto"}), 2, "--add-tf");
+  refused({"render", in("h.kiln"), "-o", in("x.exr"), "--add", in("no.kiln")}, 1, "no.kiln");
+  const auto job = [&](const std::string& text, const std::string& mention) {
+    writeText(in("job.json"), text);
+    refused({"render", in("job.json"), "-o", in("x.png")}, 2, mention);
+  };
+  job(R"({"volumes": []})", "volumes: expected a list of at least one volume");
+  job(R"({"volume": "h.kiln", "volumes": [{"volume": "e.kiln"}]})", "volume: is each volume's own");
+  job(R"({"volumes": [{"volume": "e.kiln"}], "window": [1, 2]})", "window: is each volume's own");
+  job(R"({"volumes": [{"volume": "e.kiln"}, {"transferFunction": "auto"}]})", "volumes[1].volume: is missing");
+  job(R"({"volumes": [{"volume": "e.kiln", "windo": [1, 2]}]})",
+      "volumes[0].windo: unknown key; did you mean 'window'?");
+}
+
+}  // namespace
+}  // namespace kiln::test

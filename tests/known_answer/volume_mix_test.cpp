@@ -1,0 +1,126 @@
+// Several volumes in one picture beside what is known: two uniform media through each other in closed form, and two
+// heads of other spacing and another turn beside the reference renderer's picture of both, which adds the extinctions
+// of fields along a ray and knows nothing of slabs.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "output/compare.h"
+#include "output/image_file.h"
+#include "support/contact_sheet.h"
+#include "support/drawing.h"
+#include "support/lattices.h"
+#include "support/quality_scenes.h"
+#include "support/reference_renderer.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+TransferFunction uniformFunction(const glm::dvec3& color, double opacity) { return {1, {{0, color, opacity}}}; }
+
+// A box of 40³ around one of 20³ voxels of 0.8, turned about the line of sight: along the rays through the middle 12
+// of the one, 16 of both, 12 of the one. Light comes from each as much as it absorbs.
+TEST(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
+  const DenseVolume outer = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(19.5));
+  turned = glm::rotate(turned, 0.7, glm::dvec3(0, 0, 1));
+  turned = glm::scale(turned, glm::dvec3(0.8));
+  turned = glm::translate(turned, glm::dvec3(-9.5));
+  const DenseVolume inner = fill({{20, 20, 20}, VoxelType::u8, turned}, [](auto...) { return 5; });
+  const std::vector<std::filesystem::path> stores = {makeStore(outer, "outer", 16), makeStore(inner, "inner", 8)};
+  const glm::dvec3 red(1, 0, 0), blue(0, 0, 1);
+  for (const double opacity : {0.01, 0.05, 0.4}) {
+    FrameRequest request;
+    Camera camera;
+    camera.projection = Projection::kOrthographic;
+    camera.eye = {19.5, 19.5, -100}, camera.target = {19.5, 19.5, 19.5}, camera.up = {0, 1, 0};
+    camera.height = 10;
+    request.view = resolve(camera, {32, 32});
+    request.opacity_threshold = 1;
+    request.volumes = {{uniformFunction(red, opacity), {}, {}}, {uniformFunction(blue, 2 * opacity), {}, {}}};
+    for (VolumeRequest& volume : request.volumes) volume.shading.phong = false;
+    const Image image = draw(stores, request);
+    const double a = extinctionOf(opacity, 1), b = extinctionOf(2 * opacity, 1);
+    const double alone = std::exp(-12 * a), both = std::exp(-16 * (a + b));
+    const double expected[4] = {(1 - alone) + alone * (1 - both) * a / (a + b) + alone * both * (1 - alone), 0,
+                                alone * (1 - both) * b / (a + b), 1 - alone * both * alone};
+    double mean[4] = {};
+    for (std::size_t i = 0; i < image.rgba.size(); ++i) mean[i % 4] += image.rgba[i] / (32.0 * 32.0);
+    for (int c = 0; c < 4; ++c)
+      EXPECT_NEAR(mean[c], expected[c], 0.005 * expected[3]) << "channel " << c << " opacity " << opacity;
+  }
+}
+
+struct MixMagnification {
+  double px_per_voxel, least_db;
+};
+constexpr int kMixPixels = 128;
+
+// The first volume's smallest voxel is so many pixels.
+Camera mixCameraAt(const VolumeGeometry& volume, Projection projection, double px_per_voxel) {
+  Camera camera = cameraFrom(volume, {-0.55, -1, 0.25}, projection);
+  const double height = kMixPixels / px_per_voxel * volume.meanSpacing();
+  camera.fov_deg = 2 * std::atan(std::tan(camera.fov_deg / 2 * 3.14159265358979 / 180) * height / camera.height) * 180 /
+                   3.14159265358979;
+  camera.height = height;
+  return camera;
+}
+
+class VolumeMixPicture : public ::testing::TestWithParam<Projection> {};
+
+TEST_P(VolumeMixPicture, IsThatOfTheReference) {
+  const DenseVolume first = readVolume("phantom:head:144x144x144");
+  DenseVolume second = readVolume("phantom:engine:100x120x90");
+  const glm::dvec3 middle = first.geometry.worldOf({71.5, 71.5, 71.5});
+  const double edge = first.geometry.meanSpacing();
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), middle + edge * glm::dvec3(10, -25, 15));
+  turned = glm::rotate(turned, 0.8, glm::normalize(glm::dvec3(1, 0.4, 0.2)));
+  turned = glm::scale(turned, edge * glm::dvec3(0.8, 0.9, 1.3));
+  second.geometry.world_from_index = glm::translate(turned, -glm::dvec3(49.5, 59.5, 44.5));
+  const std::vector<std::filesystem::path> stores = {makeStore(first, "mixed_head", 64),
+                                                     makeStore(second, "mixed_engine", 32)};
+  const ValueRange values = second.range();
+  const double solid = values.lo + 0.5 * (values.hi - values.lo);
+  std::vector<ReferenceVolume> scene(2);
+  scene[0] = {&first,
+              {0,
+               {{-200, {0.9, 0.55, 0.4}, 0},
+                {0, {0.9, 0.55, 0.4}, 0.06},
+                {200, {0.9, 0.55, 0.4}, 0.06},
+                {350, {0.88, 0.8, 0.64}, 0.9}}},
+              {},
+              {}};
+  scene[1] = {&second, {0, {{solid - 12, {0.4, 0.6, 0.9}, 0}, {solid + 12, {0.4, 0.6, 0.9}, 0.95}}}, {}, {}};
+  scene[0].clipping.planes = {{{0, 1, 0}, -middle.y + 30 * edge}};
+  std::vector<std::vector<Image>> sheet(3);
+  for (const MixMagnification& must : {MixMagnification{1, 30}, {2, 34}}) {
+    FrameRequest request;
+    setLattice(request, Lattice::kPixel);
+    request.view = resolve(mixCameraAt(first.geometry, GetParam(), must.px_per_voxel), {kMixPixels, kMixPixels});
+    request.opacity_threshold = 0.9999;
+    for (const ReferenceVolume& volume : scene)
+      request.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
+    const Image truth = referenceImage(scene, request.view, {4, 0.25, 0.9999}), image = draw(stores, request);
+    const ImageDifference ours = compareImages(truth, image);
+    std::printf("%s, %.0f px/voxel: %.1f dB, brightness %+.2f %%\n", nameOf(GetParam()), must.px_per_voxel,
+                ours.foreground_psnr_db, 100 * (ours.mean_brightness_ratio - 1));
+    EXPECT_GE(ours.foreground_psnr_db, must.least_db);
+    EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.01);
+    sheet[0].push_back(image);
+    sheet[1].push_back(truth);
+    sheet[2].push_back(differenceImage(image, truth));
+  }
+  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("volume_mix_{}.png", nameOf(GetParam()));
+  writeImage(contactSheet(sheet, kMixPixels), {}, {}, file);
+  std::printf("%s\n", file.c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Projections, VolumeMixPicture,
+                         ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+
+}  // namespace
+}  // namespace kiln::test
