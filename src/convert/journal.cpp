@@ -2,29 +2,16 @@
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 
-#include <cstring>
-#include <system_error>
+#include <utility>
 
 #include "base/byte_record.h"
-#include "base/error.h"
-#include "base/hash.h"
+#include "base/record_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '2'};
-
-struct RecordHead {
-  std::uint32_t bytes;
-  Hash128 hash;
-};
-
-void appendRecord(std::vector<std::byte>& out, std::span<const std::byte> payload) {
-  appendValue(out, static_cast<std::uint32_t>(payload.size()));
-  appendValue(out, hashOf(payload));
-  out.insert(out.end(), payload.begin(), payload.end());
-}
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '2'};
 
 std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
   std::vector<std::byte> out;
@@ -78,8 +65,7 @@ fs::path Journal::pathIn(const fs::path& directory) { return directory / "journa
 
 Journal::Journal(const fs::path& directory, const JournalContent& content, FileSystem& disk)
     : path_(pathIn(directory)), disk_(disk) {
-  std::vector<std::byte> file;
-  for (const char c : kMagic) appendValue(file, c);
+  std::vector<std::byte> file = beginningOf(kMagic);
   appendRecord(file, identityPayload(content.identity));
   for (const FinishedBrick& brick : content.bricks) appendRecord(file, bytesOf(brick));
   disk_.writeAtomic(path_, file, WriteMode::kUnsynced);
@@ -93,37 +79,18 @@ void Journal::append(const FinishedBrick& brick) {
 }
 
 std::optional<JournalContent> Journal::read(const fs::path& directory) {
-  std::error_code ignored;
-  if (!fs::exists(pathIn(directory), ignored)) return std::nullopt;
-  const File file(pathIn(directory));
-  char magic[sizeof kMagic];
-  if (file.readSomeAt(0, std::as_writable_bytes(std::span(magic))) < sizeof magic ||
-      std::memcmp(magic, kMagic, sizeof magic) != 0)
-    return std::nullopt;
   JournalContent out;
-  std::uint64_t at = sizeof magic;
-  for (bool first = true;; first = false) {
-    RecordHead head;
-    std::byte raw[sizeof head.bytes + sizeof head.hash];
-    if (file.readSomeAt(at, raw) < sizeof raw) break;
-    std::memcpy(&head.bytes, raw, sizeof head.bytes);
-    std::memcpy(&head.hash, raw + sizeof head.bytes, sizeof head.hash);
-    at += sizeof raw;
-    if (file.size() < at || file.size() - at < head.bytes) break;
-    std::vector<std::byte> payload(head.bytes);
-    file.readAt(at, payload);
-    at += head.bytes;
-    if (hashOf(payload) != head.hash) break;
-    if (first) {
+  bool is_first = true;
+  readRecords(pathIn(directory), kMagic, [&](std::span<const std::byte> payload) {
+    if (std::exchange(is_first, false)) {
       const std::optional<ConversionIdentity> identity = identityFrom(payload);
-      if (!identity) return std::nullopt;
-      out.identity = *identity;
-      continue;
+      if (identity) out.identity = *identity;
+      return identity.has_value();
     }
     std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
-    if (!brick) break;
-    out.bricks.push_back(std::move(*brick));
-  }
+    if (brick) out.bricks.push_back(*std::move(brick));
+    return brick.has_value();
+  });
   if (out.identity.volume.empty()) return std::nullopt;
   return out;
 }
