@@ -26,6 +26,11 @@ BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
   return [&progress](const Error& damage) { progress.note(std::string("warning: drawn without ") + damage.what()); };
 }
 
+FrameMemory withBeside(FrameMemory memory, std::uint64_t beside_bytes) {
+  memory.image += beside_bytes;
+  return memory;
+}
+
 }  // namespace
 
 Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
@@ -82,28 +87,44 @@ FrameMemory memoryOf(const RenderJob& job, const std::vector<const StoreReader*>
   return frameMemory(stores, job, least);
 }
 
-OpenedJob::OpenedJob(const RenderJob& job, Progress& progress)
+OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
       scenes_(drawn_job_, manifestsOf(stores_)),
-      memory_(memoryOf(drawn_job_, readersOf(stores_), scenes_)),
+      memory_(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes)),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
              skipperOf(job_, progress)) {}
+
+FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
+  FrameRequest request = requestOf(scene, job_.speed);
+  request.sweep_px = memory_.sweep_px;
+  request.band_px = memory_.band_px;
+  return request;
+}
+
+std::unique_ptr<FramePainter> OpenedJob::painterFor(const FrameScene& scene, Progress& progress) {
+  return std::make_unique<FramePainter>(store(), cache_, requestFor(scene), progress);
+}
+
+FrameStatistics OpenedJob::finish(FramePainter& painter, int frame) const {
+  FrameStatistics out = painter.finish();
+  out.frame = frame;
+  out.peak_cache_bytes = cache_.peakBytes();
+  out.peak_rss_bytes = peakResidentBytes();
+  return out;
+}
 
 DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
   Span span(Activity::kFrame);
   if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
   out.scene = sceneAt(frame);
-  FrameRequest request = requestOf(out.scene, job_.speed);
-  request.sweep_px = memory_.sweep_px;
-  request.band_px = memory_.band_px;
+  const FrameRequest request = requestFor(out.scene);
   out.view = request.view;
-  out.image = renderFrame(store(), cache_, request, progress, out.statistics);
-  out.statistics.frame = frame;
-  out.statistics.peak_cache_bytes = cache_.peakBytes();
-  out.statistics.peak_rss_bytes = peakResidentBytes();
+  FramePainter painter(store(), cache_, request, progress);
+  out.image = painter.draw(drawnPixels(request.view.size, request.crop));
+  out.statistics = finish(painter, frame);
   return out;
 }
 

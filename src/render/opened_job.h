@@ -26,9 +26,9 @@ struct DrawnFrame {
 
 class OpenedJob {
  public:
-  /// `job.volume` is a store; of several volumes, each is. requires: `progress` outlives this. throws: Error kUsage,
-  /// kBudget, kDamaged, kNotFound, kIo.
-  OpenedJob(const RenderJob& job, Progress& progress);
+  /// `job.volume` is a store; of several volumes, each is. `beside_bytes` are the caller's, charged with the image.
+  /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
+  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
@@ -36,6 +36,11 @@ class OpenedJob {
   FrameScene sceneAt(int frame) const { return scenes_.at(frame); }
   /// throws: as renderFrame, and sceneAt.
   DrawnFrame draw(int frame, Progress& progress);
+  /// What the frame needs, and a painter that draws it piece by piece. requires: no other one is there.
+  FrameRequest requestFor(const FrameScene& scene) const;
+  std::unique_ptr<FramePainter> painterFor(const FrameScene& scene, Progress& progress);
+  /// What the pieces have cost.
+  FrameStatistics finish(FramePainter& painter, int frame) const;
 
   /// Of several volumes, the first.
   const StoreReader& store() const { return *stores_.front(); }

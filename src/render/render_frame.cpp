@@ -87,6 +87,10 @@ Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequ
   return image;
 }
 
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 }  // namespace
 
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
@@ -114,24 +118,52 @@ std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const
   return FramePlan(stores, of_sub_pixels).mix->mostBytes(tilesOf(request.tile_px, pixels, pixels));
 }
 
-Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
-                  FrameStatistics& statistics) {
+FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
+    : request_(request), of_sub_pixels_(ofSubPixels(request, subPixelsAlongEdge(request.samples))) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
-  const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  const int edge = subPixelsAlongEdge(request.samples);
-  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
-  FrameDrawing drawing(store, cache, of_sub_pixels, progress);
-  Image image = edge == 1 ? drawPixels(drawing, pixels, request) : drawMeans(drawing, pixels, edge, request);
-  statistics = drawing.finish();
+  drawnPixels(request.view.size, request.crop);
+  drawing_ = std::make_unique<FrameDrawing>(store, cache, of_sub_pixels_, progress);
+  count(begin, before);
+}
+
+void FramePainter::count(std::chrono::steady_clock::time_point begin, const BusyTimes& before) {
+  cost_.wall_s += secondsSince(begin);
+  cost_.busy.add(BusyTimes::now().since(before));
+}
+
+FramePainter::~FramePainter() = default;
+
+Image FramePainter::draw(const PixelRect& pixels) {
+  const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
+  const int edge = subPixelsAlongEdge(request_.samples);
+  Image image = edge == 1 ? drawPixels(*drawing_, pixels, request_) : drawMeans(*drawing_, pixels, edge, request_);
   {
     const Span span(Activity::kFinish);
-    layOverBackground(image, pixels.y0, request.view.size.height, request.background);
+    layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);
   }
-  statistics.busy = BusyTimes::now().since(before);
-  statistics.threads = ThreadLimit::active();
-  statistics.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  count(begin, before);
+  return image;
+}
+
+FrameStatistics FramePainter::finish() {
+  const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
+  FrameStatistics out = drawing_->finish();
+  count(begin, before);
+  out.wall_s = cost_.wall_s;
+  out.busy = cost_.busy;
+  out.threads = ThreadLimit::active();
+  return out;
+}
+
+Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+                  FrameStatistics& statistics) {
+  FramePainter painter(store, cache, request, progress);
+  Image image = painter.draw(drawnPixels(request.view.size, request.crop));
+  statistics = painter.finish();
   return image;
 }
 

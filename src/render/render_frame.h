@@ -2,6 +2,8 @@
 // the result over the background.
 #pragma once
 
+#include <chrono>
+#include <memory>
 #include <optional>
 
 #include "base/progress.h"
@@ -51,6 +53,30 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
 
 /// What of several volumes a frame has in memory at once, at least. unit: bytes.
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
+
+class FrameDrawing;
+
+/// A frame that is drawn piece by piece, in any order; what the pieces cost adds up.
+class FramePainter {
+ public:
+  /// requires: all but `request` outlive this; nobody else uses the cache. throws: as renderFrame.
+  FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
+  ~FramePainter();
+  FramePainter(const FramePainter&) = delete;
+  FramePainter& operator=(const FramePainter&) = delete;
+
+  /// These pixels of the whole picture, and their planes. requires: in the crop, none drawn before. throws: as
+  /// renderFrame.
+  Image draw(const PixelRect& pixels);
+  /// What all pieces have cost. The cache reads nothing for them any more.
+  FrameStatistics finish();
+
+ private:
+  const FrameRequest request_, of_sub_pixels_;
+  void count(std::chrono::steady_clock::time_point begin, const BusyTimes& before);
+  FrameStatistics cost_;  // the time of all pieces so far
+  std::unique_ptr<FrameDrawing> drawing_;
+};
 
 /// Draws one frame: an image of the crop's size, each pixel of which is that of the whole picture, bit for bit, but for
 /// the quadtree, and its planes the same. The picture depends neither on the cache's budget, the threads, the tiles nor
