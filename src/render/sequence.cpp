@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/trace.h"
+#include "render/frame_checkpoint.h"
 #include "render/video.h"
 #include "scene/frame_list.h"
 
@@ -36,6 +37,7 @@ class Sequence {
 
   SequenceResult run() {
     requireOutputs(job_, frames_.size());
+    if (options_.checkpoint) requireCheckpoint(job_);
     makeFolders();
     if (!isSeries(job_)) requireScenes();
     listener_.started(job_, frames_);
@@ -86,7 +88,7 @@ class Sequence {
     if (opened_) opened_->describeMemory(result_.statistics);
     opened_.reset();  // before the next one takes its memory
     if (options_.store_for) forEachVolume(job, options_.store_for);
-    opened_ = std::make_unique<OpenedJob>(job, progress_);
+    opened_ = std::make_unique<OpenedJob>(job, progress_, options_.checkpoint ? checkpointBytes(job) : 0);
     return *opened_;
   }
 
@@ -95,6 +97,7 @@ class Sequence {
       progress_.throwIfCancelled("rendering");
       OpenedJob& opened = openedFor(frame);
       if (options_.resume && isThere(frame, opened)) {
+        if (options_.checkpoint) FileSystem::real().removeAll(checkpointOf(job_, frame));
         result_.statistics.kept.push_back(frame);
         listener_.frameKept(job_, frame, done_ + 1);
       } else {
@@ -120,8 +123,10 @@ class Sequence {
 
   void draw(int frame, OpenedJob& opened) {
     listener_.frameStarted(frame);
-    DrawnFrame drawn = opened.draw(frame, progress_);
+    DrawnFrame drawn =
+        options_.checkpoint ? drawInTiles(opened, frame, options_.resume, progress_) : opened.draw(frame, progress_);
     writeFrame(opened.job(), frame, drawn, opened.store());
+    if (options_.checkpoint) FileSystem::real().removeAll(checkpointOf(opened.job(), frame));
     result_.statistics.add(drawn.statistics);
     noteDamage(drawn.statistics, progress_);
     listener_.frameDone(job_, drawn.statistics, done_ + 1);

@@ -27,6 +27,8 @@ class SequenceListener {
 
 struct SequenceOptions {
   bool resume = false;  // frames whose files are there and whole are kept
+  /// A frame is drawn in tiles, which are kept until its files are there; those of an earlier run with `resume`.
+  bool checkpoint = false;
   /// The store for a volume, which may be a foreign file; else the volume is one.
   std::function<std::filesystem::path(const std::filesystem::path&)> store_for;
 };

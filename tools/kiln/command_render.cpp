@@ -33,7 +33,8 @@ struct RenderArguments {
   std::optional<std::string> frames;
   std::optional<int> turntable;
   std::optional<double> rate;
-  bool nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false, resume = false;
+  bool nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false, resume = false,
+       checkpoint = false;
   int repeat = 1;
   SceneArguments scene;
   SourceArguments source;
@@ -309,6 +310,10 @@ void run(const RenderArguments& a, Context& context) {
   }
   SequenceOptions options;
   options.resume = a.resume;
+  options.checkpoint = a.checkpoint;
+  if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
+    throw Error(ErrorCode::kUsage,
+                "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
@@ -365,6 +370,10 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--turntable", a->turntable, "turn the camera once about its target in this many frames")
       ->type_name("FRAMES");
   command->add_flag("--resume", a->resume, "keep the frames that are there and whole, and draw the others");
+  command->add_flag(
+      "--checkpoint", a->checkpoint,
+      "draw a long frame in tiles of 512x512 pixels and keep those that are finished in a file beside the "
+      "picture, NAME.tiles, until that is written; with --resume go on from them");
   command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
   command->add_option("--progress", a->progress,
                       "auto (default), plain lines, json (events on standard output, one a line) or none");

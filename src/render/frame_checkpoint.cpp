@@ -1,0 +1,215 @@
+// The file: records (base/record_file.h), the first of which is the hashes of the frame's files and the pixels; then,
+// of each tile, its pixels' place, its colours and its planes, as floats.
+#include "render/frame_checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "base/byte_record.h"
+#include "base/file.h"
+#include "base/record_file.h"
+#include "render/aov_planes.h"
+#include "render/frame_files.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '1'};
+// A multiple of what the visibility structure is made of. unit: pixels.
+constexpr int kEdge = 512;
+
+void putRows(const std::vector<float>& from, int channels, const PixelRect& at, const PixelRect& whole,
+             std::vector<float>& to) {
+  const auto row = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(channels);
+  for (int y = 0; y < at.height(); ++y) {
+    const std::size_t first = static_cast<std::size_t>(at.y0 - whole.y0 + y) * static_cast<std::size_t>(whole.width()) +
+                              static_cast<std::size_t>(at.x0 - whole.x0);
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y) * row), row,
+                to.begin() + static_cast<std::ptrdiff_t>(first * static_cast<std::size_t>(channels)));
+  }
+}
+
+// The image has the planes of the tile, or none yet.
+void putTileOfFrame(const Image& tile, const PixelRect& at, const PixelRect& whole, Image& image) {
+  putRows(tile.rgba, 4, at, whole, image.rgba);
+  for (std::size_t i = 0; i < tile.planes.size(); ++i) {
+    if (i == image.planes.size())
+      image.planes.push_back({tile.planes[i].name, std::vector<float>(image.rgba.size() / 4)});
+    putRows(tile.planes[i].values, 1, at, whole, image.planes[i].values);
+  }
+}
+
+std::vector<std::byte> bytesOf(const PixelRect& at, const Image& tile) {
+  std::vector<std::byte> out;
+  const auto put = [&](const std::vector<float>& values) {
+    const auto bytes = std::as_bytes(std::span(values));
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  };
+  out.reserve(sizeof at + (4 + tile.planes.size()) * tile.rgba.size());
+  appendValue(out, at);
+  put(tile.rgba);
+  appendValue(out, static_cast<std::uint32_t>(tile.planes.size()));
+  for (const Plane& plane : tile.planes) {
+    appendText(out, plane.name);
+    put(plane.values);
+  }
+  return out;
+}
+
+std::vector<float> takeFloats(ByteTaker& taker, std::size_t count) {
+  const std::span<const std::byte> bytes = taker.takeBytes(count * sizeof(float));
+  std::vector<float> out(bytes.size() / sizeof(float));
+  std::memcpy(out.data(), bytes.data(), bytes.size());
+  return out;
+}
+
+// Of the tile that lies at `at`, or nothing.
+std::optional<Image> tileFrom(ByteTaker& taker, const PixelRect& at) {
+  const auto pixels = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(at.height());
+  Image out;
+  out.width = at.width();
+  out.height = at.height();
+  out.rgba = takeFloats(taker, 4 * pixels);
+  const auto planes = taker.take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < planes && taker.ok; ++i) {
+    std::string name = taker.takeText();
+    out.planes.push_back({std::move(name), takeFloats(taker, pixels)});
+  }
+  return taker.ok && taker.left.empty() ? std::optional(std::move(out)) : std::nullopt;
+}
+
+using Place = std::tuple<int, int, int, int>;
+Place placeOf(const PixelRect& at) { return {at.x0, at.y0, at.x1, at.y1}; }
+
+class TileFile {
+ public:
+  TileFile(fs::path path, std::string identity) : path_(std::move(path)), identity_(std::move(identity)) {}
+
+  // Puts the tiles that are there into the image; returns which.
+  std::set<Place> read(const std::vector<PixelRect>& tiles, const PixelRect& whole, Image& image) {
+    std::set<Place> known, found;
+    for (const PixelRect& tile : tiles) known.insert(placeOf(tile));
+    bool is_first = true, is_ours = false;
+    const std::optional<std::uint64_t> bytes = readRecords(path_, kMagic, [&](std::span<const std::byte> payload) {
+      ByteTaker taker{payload};
+      if (std::exchange(is_first, false)) return is_ours = taker.takeText() == identity_;
+      const auto at = taker.take<PixelRect>();
+      if (!taker.ok || !known.contains(placeOf(at))) return false;
+      const std::optional<Image> tile = tileFrom(taker, at);
+      if (!tile) return false;
+      putTileOfFrame(*tile, at, whole, image);
+      found.insert(placeOf(at));
+      return true;
+    });
+    begun_ = bytes && is_ours;
+    // What was torn is cut off, so that the next one is read again.
+    std::error_code failed;
+    if (begun_) fs::resize_file(path_, *bytes, failed);
+    if (failed) throw systemError(failed.value(), path_, "shortening");
+    return found;
+  }
+
+  void add(const PixelRect& at, const Image& tile) {
+    FileSystem& disk = FileSystem::real();
+    if (!std::exchange(begun_, true)) {
+      std::vector<std::byte> beginning = beginningOf(kMagic), identity;
+      appendText(identity, identity_);
+      appendRecord(beginning, identity);
+      disk.writeAtomic(path_, beginning, WriteMode::kUnsynced);
+    }
+    std::vector<std::byte> record;
+    appendRecord(record, bytesOf(at, tile));
+    disk.appendFile(path_, record);
+  }
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  const fs::path path_;
+  const std::string identity_;
+  bool begun_ = false;
+};
+
+std::string identityOf(const OpenedJob& opened, int frame, const FrameScene& scene) {
+  std::string out;
+  for (const OutputFile& file : filesOf(opened.job(), frame))
+    out += contentHash(opened.job(), file, scene, opened.store()) + "\n";
+  return out;
+}
+
+}  // namespace
+
+fs::path checkpointOf(const RenderJob& job, int frame) { return filesOf(job, frame).front().path.string() + ".tiles"; }
+
+std::uint64_t checkpointBytes(const RenderJob& job) {
+  // A tile and its record, twice where the record is put together.
+  return 3 * (16 + aovBytes(drawnAovs(job))) * std::uint64_t{kEdge} * kEdge;
+}
+
+void requireCheckpoint(const RenderJob& job) {
+  if (job.picture.skip_damaged)
+    throw Error(ErrorCode::kUsage,
+                "--checkpoint: tiles of a picture with --skip-damaged are not kept; give one of them");
+  if (job.speed.visibility.method == VisibilityMethod::kQuadtree)
+    throw Error(ErrorCode::kUsage,
+                "--checkpoint: what --visibility quadtree hides depends on the tiles; choose an exact method");
+}
+
+std::vector<PixelRect> checkpointTiles(const PixelRect& pixels) {
+  std::vector<PixelRect> out;
+  bool backwards = false;
+  for (int y = pixels.y0 / kEdge * kEdge; y < pixels.y1; y += kEdge, backwards = !backwards) {
+    const std::size_t row = out.size();
+    for (int x = pixels.x0 / kEdge * kEdge; x < pixels.x1; x += kEdge)
+      out.push_back(intersection(PixelRect{x, y, x + kEdge, y + kEdge}, pixels));
+    if (backwards) std::reverse(out.begin() + static_cast<std::ptrdiff_t>(row), out.end());
+  }
+  return out;
+}
+
+DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& progress) {
+  DrawnFrame out;
+  out.scene = opened.sceneAt(frame);
+  const FrameRequest request = opened.requestFor(out.scene);
+  out.view = request.view;
+  const PixelRect whole = drawnPixels(request.view.size, request.crop);
+  const std::vector<PixelRect> tiles = checkpointTiles(whole);
+  out.image = Image(whole.width(), whole.height());
+  TileFile file(checkpointOf(opened.job(), frame), identityOf(opened, frame, out.scene));
+  const std::set<Place> kept = resume ? file.read(tiles, whole, out.image) : std::set<Place>();
+  if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
+  const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, progress);
+  const std::string step = fmt::format("frame {}", frame);
+  const auto count = [](const PixelRect& at) {
+    return static_cast<std::uint64_t>(at.width()) * static_cast<std::uint64_t>(at.height());
+  };
+  std::uint64_t done = 0;
+  for (const PixelRect& at : tiles) done += kept.contains(placeOf(at)) ? count(at) : 0;
+  std::size_t finished = kept.size();
+  try {
+    progress.advance(step.c_str(), "pixels", done, count(whole));
+    for (const PixelRect& at : tiles) {
+      if (kept.contains(placeOf(at))) continue;
+      const Image tile = painter->draw(at);
+      file.add(at, tile);
+      putTileOfFrame(tile, at, whole, out.image);
+      ++finished;
+      progress.advance(step.c_str(), "pixels", done += count(at), count(whole));
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kCancelled || finished == 0) throw;
+    throw Error(error.code(),
+                fmt::format("{}; {} of {} tiles are kept in {}, and the same command with --resume goes on",
+                            error.what(), finished, tiles.size(), file.path().string()));
+  }
+  out.statistics = opened.finish(*painter, frame);
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,99 @@
+// One frame that is drawn in tiles, stopped and gone on with. Known because the frame drawn at once has the same
+// pixels, and its file the same bytes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "support/run_tool.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+const fs::path& store() {
+  static const fs::path made = makeStore(
+      head({{48, 40, 36}, VoxelType::u8, obliqueAffine()}, usualRange(VoxelType::u8)), "checkpoint_store", 16);
+  return made;
+}
+
+// Of 3 x 2 tiles, the crop beginning within one.
+std::vector<std::string> frameTo(const fs::path& out, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments = {"render", store().string(), "-o", out.string(), "--tf", "iso:120"};
+  arguments.insert(arguments.end(), {"--size", "1400x1300", "--crop", "100,200,1200,800", "--aov", "depth,normal"});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+class Checkpoint : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = freshDirectory("checkpoint");
+    ASSERT_EQ(runTool(frameTo(directory_ / "whole.exr")).exit_code, 0);
+  }
+  // Ctrl-C once a tile is there.
+  ToolResult stopped(const std::vector<std::string>& more = {}) const {
+    ToolOptions options;
+    options.interrupt_when = [this] {
+      std::error_code none;
+      return fs::file_size(tiles(), none) > 100000 && !none;
+    };
+    std::vector<std::string> arguments = {"--checkpoint"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runTool(frameTo(picture(), arguments), options);
+  }
+  fs::path picture() const { return directory_ / "frame.exr"; }
+  fs::path tiles() const { return directory_ / "frame.exr.tiles"; }
+  void expectWhole(const ToolResult& result) const {
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(readFile(picture()), readFile(directory_ / "whole.exr"));
+    EXPECT_FALSE(fs::exists(tiles()));
+  }
+
+  fs::path directory_;
+};
+
+TEST_F(Checkpoint, ChangesNoByteOfThePicture) {
+  const ToolResult drawn = runTool(frameTo(picture(), {"--checkpoint"}));
+  expectWhole(drawn);
+}
+
+TEST_F(Checkpoint, GoesOnFromTheTilesThatAreWhole) {
+  const ToolResult first = stopped();
+  ASSERT_TRUE(first.interrupted) << "drawn before it could be stopped";
+  EXPECT_EQ(first.exit_code, 1);
+  EXPECT_NE(first.err.find("of 6 tiles are kept in " + tiles().string()), std::string::npos) << first.err;
+  EXPECT_FALSE(fs::exists(picture()));
+  // As a kill in the middle of writing leaves it: half a record behind the last whole one.
+  FileSystem::real().appendFile(tiles(), std::vector<std::byte>(70000, std::byte{1}));
+  const ToolResult second = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
+  EXPECT_NE(second.err.find("of 6 tiles are finished already"), std::string::npos) << second.err;
+  expectWhole(second);
+}
+
+TEST_F(Checkpoint, TakesNoTilesOfAnotherFrameAndNoneUnasked) {
+  ASSERT_TRUE(stopped({"--zoom", "1.5"}).interrupted);
+  const ToolResult other = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
+  EXPECT_EQ(other.err.find("finished already"), std::string::npos) << other.err;
+  expectWhole(other);
+  fs::remove(picture());
+  ASSERT_TRUE(stopped().interrupted);
+  const ToolResult anew = runTool(frameTo(picture(), {"--checkpoint"}));
+  EXPECT_EQ(anew.err.find("finished already"), std::string::npos) << anew.err;
+  expectWhole(anew);
+}
+
+TEST_F(Checkpoint, IsRefusedWherePixelsWouldDependOnIt) {
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--visibility", "quadtree"}, {"--skip-damaged"}, {"--repeat", "2"}}) {
+    std::vector<std::string> arguments = {"--checkpoint"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolResult refused = runTool(frameTo(picture(), arguments));
+    EXPECT_EQ(refused.exit_code, 2) << more.front();
+    EXPECT_NE(refused.err.find("--checkpoint"), std::string::npos) << refused.err;
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
