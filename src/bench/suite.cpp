@@ -104,7 +104,9 @@ void readMethods(const JobObject& root, Suite& suite) {
     root.complain("methods", "must begin with \"none\", octree only, which the others are measured against");
   if (const auto projections = root.choices("projections", kProjectionNames))
     suite.projections = named<Projection>(*projections);
-  if (suite.projections.empty()) root.refuse("projections", "\"orthographic\", \"perspective\" or both");
+  if (suite.projections.empty() ||
+      std::count(suite.projections.begin(), suite.projections.end(), Projection::kEquirectangular) > 0)
+    root.refuse("projections", "\"orthographic\", \"perspective\" or both");
 }
 
 void readDrawing(const JobObject& root, Suite& suite) {

@@ -5,14 +5,16 @@
 #include "output/exr_file.h"
 
 #include <ImathBox.h>
-#include <ImathMatrix.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
-#include <ImfStandardAttributes.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
 
@@ -20,30 +22,10 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/pixel_rect.h"
+#include "output/exr_parts.h"
 
 namespace kiln {
 namespace {
-
-constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
-
-class MemoryWriter : public Imf::OStream {
- public:
-  MemoryWriter() : Imf::OStream("memory") {}
-  void write(const char data[], int count) override {
-    const auto size = static_cast<std::size_t>(count);
-    if (place_ + size > bytes_.size()) bytes_.resize(place_ + size);
-    std::memcpy(bytes_.data() + place_, data, size);
-    place_ += size;
-  }
-  std::uint64_t tellp() override { return place_; }
-  void seekp(std::uint64_t place) override { place_ = place; }
-  std::vector<std::byte> take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::byte> bytes_;
-  std::size_t place_ = 0;
-};
 
 class MemoryReader : public Imf::IStream {
  public:
@@ -63,43 +45,6 @@ class MemoryReader : public Imf::IStream {
   std::uint64_t place_ = 0;
 };
 
-// Imath multiplies row vectors (v·M), glm column vectors (M·v): the same map is the transpose, and as glm's [i] is a
-// column where Imath's is a row, the entries keep their indices.
-Imath::M44f imathOf(const glm::dmat4& m) {
-  Imath::M44f out;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) out[i][j] = static_cast<float>(m[i][j]);
-  }
-  return out;
-}
-
-Imf::Compression compressionNamed(const std::string& name) {
-  static const std::map<std::string, Imf::Compression> kCompressions = {
-      {"none", Imf::NO_COMPRESSION},   {"rle", Imf::RLE_COMPRESSION}, {"zips", Imf::ZIPS_COMPRESSION},
-      {"zip", Imf::ZIP_COMPRESSION},   {"piz", Imf::PIZ_COMPRESSION}, {"dwaa", Imf::DWAA_COMPRESSION},
-      {"dwab", Imf::DWAB_COMPRESSION},
-  };
-  const auto found = kCompressions.find(name);
-  if (found != kCompressions.end()) return found->second;
-  throw Error(ErrorCode::kUsage, "'" + name + "' is no compression of OpenEXR's that Kiln writes");
-}
-
-Imf::Header headerFor(const Image& image, const ImageMetadata& metadata, Imf::PixelType type,
-                      Imf::Compression compression) {
-  const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole{0, 0, image.width, image.height});
-  Imf::Header header(whole.width, whole.height);
-  header.dataWindow() = {{whole.x, whole.y}, {whole.x + image.width - 1, whole.y + image.height - 1}};
-  header.compression() = compression;
-  for (const char* name : kChannelNames) {
-    if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
-  }
-  for (const Plane& plane : image.planes) header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
-  if (metadata.world_to_camera) Imf::addWorldToCamera(header, imathOf(*metadata.world_to_camera));
-  if (metadata.world_to_ndc) Imf::addWorldToNDC(header, imathOf(*metadata.world_to_ndc));
-  for (const auto& [name, text] : metadata.text) header.insert(name, Imf::StringAttribute(text));
-  return header;
-}
-
 // One row that every scanline of the file is written from or read into: a stride of 0 from row to row.
 template <class T>
 Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
@@ -107,9 +52,20 @@ Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
   char* base = reinterpret_cast<char*>(row.data()) - static_cast<std::ptrdiff_t>(first_x) * 4 * sizeof(T);
   for (std::size_t channel = 0; channel < 4; ++channel) {
     const double fill = channel == 3 ? 1 : 0;
-    buffer.insert(kChannelNames[channel], Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), 0, 1, 1, fill));
+    buffer.insert(kExrChannelNames[channel],
+                  Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), 0, 1, 1, fill));
   }
   return buffer;
+}
+
+Imf::Header headerOf(const Image& image, const ImageMetadata& metadata, Imf::PixelType type,
+                     Imf::Compression compression) {
+  Imf::Header header = exrHeader(image.width, image.height, metadata, compression);
+  for (const char* name : kExrChannelNames) {
+    if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
+  }
+  for (const Plane& plane : image.planes) header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
+  return header;
 }
 
 // OpenEXR counts pixels from the display window's corner, and never writes to what it reads.
@@ -120,8 +76,9 @@ Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
 }
 
-template <class T, class Convert>
-void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, Convert convert) {
+// `File` is a file of one part, or a part.
+template <class T, class File, class Convert>
+void writeRowsAs(File& file, const Image& image, Imf::PixelType type, Convert convert) {
   std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
   const Imath::V2i& first = file.header().dataWindow().min;
   // A slice of no channel of the file is passed over.
@@ -134,7 +91,25 @@ void writeRows(Imf::OutputFile& file, const Image& image, Imf::PixelType type, C
   }
 }
 
-half clampedHalf(float v) { return half(std::clamp(v, -65504.0f, 65504.0f)); }
+template <class File>
+void writeRows(File& file, const Image& image, Imf::PixelType type) {
+  if (type == Imf::FLOAT)
+    writeRowsAs<float>(file, image, type, [](float v) { return v; });
+  else
+    writeRowsAs<half>(file, image, type, clampedHalf);
+}
+
+// Runs what writes into a stream; whatever OpenEXR throws becomes an error of the file.
+template <class Write>
+std::vector<std::byte> writing(const std::filesystem::path& path, Write write) {
+  try {
+    ExrWriter stream;
+    write(stream);
+    return stream.take();
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+}
 
 // Runs what reads a hostile file; whatever OpenEXR throws becomes an error of the file.
 template <class Read>
@@ -209,6 +184,22 @@ void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const 
   file.readPixels(window.min.y, window.max.y);
 }
 
+// Every channel of every row. `File` is a file of one part, or a part.
+template <class File>
+void readAll(File& file) {
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  if (width < 1 || width > kLargestSide_px) throw std::runtime_error("its data window is no picture's");
+  std::vector<float> row(static_cast<std::size_t>(width));
+  char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
+  Imf::FrameBuffer buffer;
+  for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
+    buffer.insert(channel.name(),
+                  Imf::Slice(Imf::FLOAT, base, 4, 0, channel.channel().xSampling, channel.channel().ySampling));
+  file.setFrameBuffer(buffer);
+  for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
+}
+
 }  // namespace
 
 bool looksLikeExr(std::span<const std::byte> data) {
@@ -218,21 +209,33 @@ bool looksLikeExr(std::span<const std::byte> data) {
 
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path) {
-  const Imf::Compression compression = compressionNamed(options.exr_compression);
-  try {
-    const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-    MemoryWriter stream;
-    {
-      Imf::OutputFile file(stream, headerFor(image, metadata, type, compression), 0);
-      if (options.exr_float)
-        writeRows<float>(file, image, type, [](float v) { return v; });
-      else
-        writeRows<half>(file, image, type, clampedHalf);
-    }  // the destructor writes the table of scanline offsets
-    return stream.take();
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
-  }
+  const Imf::Compression compression = exrCompression(options.exr_compression);
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  return writing(path, [&](ExrWriter& stream) {
+    // Its destructor writes the table of scanline offsets.
+    Imf::OutputFile file(stream, headerOf(image, metadata, type, compression), 0);
+    writeRows(file, image, type);
+  });
+}
+
+std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                                      const std::filesystem::path& path) {
+  const Imf::Compression compression = exrCompression(options.exr_compression);
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  return writing(path, [&](ExrWriter& stream) {
+    std::vector<Imf::Header> headers;
+    for (const ImageView& view : views) {
+      Imf::Header& header = headers.emplace_back(headerOf(*view.image, view.metadata, type, compression));
+      header.setType(Imf::SCANLINEIMAGE);
+      header.setName(view.name);
+      header.setView(view.name);
+    }
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      Imf::OutputPart part(file, static_cast<int>(i));
+      writeRows(part, *views[i].image, type);
+    }
+  });
 }
 
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
@@ -249,18 +252,18 @@ Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& pa
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path) {
   reading(path, [&] {
     MemoryReader stream(data);
-    Imf::InputFile file(stream, 0);
-    const Imath::Box2i window = file.header().dataWindow();
-    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-    if (width < 1 || width > kLargestSide_px) throw std::runtime_error("its data window is no picture's");
-    std::vector<float> row(static_cast<std::size_t>(width));
-    char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
-    Imf::FrameBuffer buffer;
-    for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
-      buffer.insert(channel.name(),
-                    Imf::Slice(Imf::FLOAT, base, 4, 0, channel.channel().xSampling, channel.channel().ySampling));
-    file.setFrameBuffer(buffer);
-    for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
+    Imf::MultiPartInputFile parts(stream, 0);
+    if (parts.parts() > 1) {
+      for (int i = 0; i < parts.parts(); ++i) {
+        Imf::InputPart part(parts, i);
+        readAll(part);
+      }
+      return;
+    }
+    // Deep samples are read as a flat picture.
+    MemoryReader again(data);
+    Imf::InputFile file(again, 0);
+    readAll(file);
   });
 }
 

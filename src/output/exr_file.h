@@ -21,11 +21,16 @@ bool looksLikeExr(std::span<const std::byte> data);
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
+/// The same of several views: scanline parts whose attributes `name` and `view` are the view's name.
+std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                                      const std::filesystem::path& path);
+
 /// The data window of the first part, with the planes that are named. throws: Error kFormat, kUnsupported, naming
 /// `path`.
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
                 std::span<const std::string> planes = {});
-/// Reads every channel of every row. throws: Error kFormat where a part of the file is damaged or missing.
+/// Reads every channel of every row of every part. throws: Error kFormat where a part of the file is damaged or
+/// missing.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path);
 std::map<std::string, std::string> decodeExrText(std::span<const std::byte> data, const std::filesystem::path& path);
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "base/deep_samples.h"
 
 namespace kiln {
 
@@ -19,6 +22,7 @@ struct Image {
   int width = 0, height = 0;
   std::vector<float> rgba;
   std::vector<Plane> planes;
+  std::shared_ptr<DeepSamples> deep;  // of the same pixels, counted as in the whole picture; null where not asked for
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), rgba(static_cast<std::size_t>(w) * h * 4) {}

@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "output/exr_deep.h"
 #include "output/exr_file.h"
 #include "output/png_file.h"
 
@@ -39,6 +40,16 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   requireImagePath(path, !image.planes.empty());
   disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options, path)
                                          : encodePng(image, options.png_bits, path, metadata.text));
+}
+
+void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                     const std::filesystem::path& path, FileSystem& disk) {
+  disk.writeAtomic(path, encodeExrViews(views, options, path));
+}
+
+void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
+                    const std::filesystem::path& path, FileSystem& disk) {
+  disk.writeAtomic(path, encodeDeepExr(samples, metadata, options, path));
 }
 
 Image readImage(const std::filesystem::path& path, std::span<const std::string> planes) {

@@ -23,6 +23,7 @@ struct ImageMetadata {
   };
   std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
+  bool panorama = false;  // of all directions: an EXR's attribute envmap
   /// String attributes (of a PNG, texts) by name: "kiln:job", "comments", …
   std::map<std::string, std::string> text;
 };
@@ -39,6 +40,25 @@ struct ImageFileOptions {
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
+/// One of several views of a scene, such as what an eye sees.
+struct ImageView {
+  std::string name;
+  const Image* image = nullptr;
+  ImageMetadata metadata;
+};
+
+/// Writes an EXR of as many parts as there are views, each with the attribute `view`. A program that knows of no parts
+/// reads the first. requires: all of one size. throws: as writeImage.
+void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                     const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+
+/// Writes a deep EXR: per pixel R G B A, of the options' type, and Z and ZBack as 32-bit floats, from front to back.
+/// Half floats are chosen so that what they are when laid over one another is half a float's rounding from what the
+/// samples are. "zip" is written as "zips". throws: as writeImage; Error kUsage for a compression that deep files have
+/// not.
+void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
+                    const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+
 /// Whether `writeImage` makes the path an EXR.
 bool isExrPath(const std::filesystem::path& path);
 
@@ -47,7 +67,7 @@ bool isExrPath(const std::filesystem::path& path);
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
 
 /// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; which, its first
-/// bytes say.
+/// bytes say. Of a deep EXR, its samples laid over one another.
 /// throws: Error kFormat, kNotFound, kUnsupported.
 Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {});
 /// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.

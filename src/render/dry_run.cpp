@@ -1,6 +1,7 @@
 #include "render/dry_run.h"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
@@ -17,12 +18,17 @@ DryRun dryRun(const RenderJob& given) {
   const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(job);
   const std::vector<const StoreReader*> stores = readersOf(opened);
   const SceneOfJob scenes(job, manifestsOf(opened));
-  const FrameRequest request = requestOf(scenes.at(framesOf(job).front()), job.speed);
   DryRun out;
   out.memory = memoryOf(job, stores, scenes);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
-  for (const StoredBrick& seen : bricksInView(stores, request, counts)) {
+  std::set<StoredBrick> bricks;
+  FrameScene scene = scenes.at(framesOf(job).front());
+  for (const PictureOptions& picture : eyesOf(scene.picture)) {
+    scene.picture = picture;
+    for (const StoredBrick& brick : bricksInView(stores, requestOf(scene, job.speed), counts)) bricks.insert(brick);
+  }
+  for (const StoredBrick& seen : bricks) {
     const StoreReader& store = *stores[static_cast<std::size_t>(seen.store)];
     const BrickEntry& entry = store.index().at(seen.key);
     ++out.bricks_in_view;
@@ -36,23 +42,24 @@ DryRun dryRun(const RenderJob& given) {
 }
 
 std::string dryRunText(const DryRun& run) {
-  const nlohmann::ordered_json out = {{"dry_run", true},
-                                      {"bricks",
-                                       {{"total", run.bricks_total},
-                                        {"interesting", run.bricks_interesting},
-                                        {"in_view", run.bricks_in_view},
-                                        {"files_in_view", run.files_in_view},
-                                        {"file_bytes_in_view", run.file_bytes_in_view},
-                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
-                                      {"memory",
-                                       {{"budget_bytes", run.budget_bytes},
-                                        {"smallest_bytes", run.memory.smallest()},
-                                        {"framebuffer_bytes", run.memory.image + run.memory.band},
-                                        {"visibility_bytes", run.memory.visibility},
-                                        {"slabs_bytes", run.memory.slabs},
-                                        {"trace_bytes", run.memory.trace},
-                                        {"index_bytes", run.memory.index},
-                                        {"brick_bytes", run.memory.brick}}}};
+  const nlohmann::ordered_json out = {
+      {"dry_run", true},
+      {"bricks",
+       {{"total", run.bricks_total},
+        {"interesting", run.bricks_interesting},
+        {"in_view", run.bricks_in_view},
+        {"files_in_view", run.files_in_view},
+        {"file_bytes_in_view", run.file_bytes_in_view},
+        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
+      {"memory",
+       {{"budget_bytes", run.budget_bytes},
+        {"smallest_bytes", run.memory.smallest()},
+        {"framebuffer_bytes", run.memory.image + run.memory.face + run.memory.band + run.memory.deep},
+        {"visibility_bytes", run.memory.visibility},
+        {"slabs_bytes", run.memory.slabs},
+        {"trace_bytes", run.memory.trace},
+        {"index_bytes", run.memory.index},
+        {"brick_bytes", run.memory.brick}}}};
   return out.dump(1) + "\n";
 }
 

@@ -159,6 +159,12 @@ void requireCheckpoint(const RenderJob& job) {
   if (job.speed.visibility.method == VisibilityMethod::kQuadtree)
     throw Error(ErrorCode::kUsage,
                 "--checkpoint: what --visibility quadtree hides depends on the tiles; choose an exact method");
+  const char* const view = drawsDeep(job)                                                  ? "a deep image"
+                           : drawsBothEyes(job.picture.stereo)                             ? "both eyes"
+                           : job.picture.camera.projection == Projection::kEquirectangular ? "a panorama"
+                                                                                           : nullptr;
+  if (view != nullptr)
+    throw Error(ErrorCode::kUsage, fmt::format("--checkpoint: tiles of {} are not kept; leave it out", view));
 }
 
 std::vector<PixelRect> checkpointTiles(const PixelRect& pixels) {
@@ -177,12 +183,11 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   DrawnFrame out;
   out.scene = opened.sceneAt(frame);
   const FrameRequest request = opened.requestFor(out.scene);
-  out.view = request.view;
   const PixelRect whole = drawnPixels(request.view.size, request.crop);
   const std::vector<PixelRect> tiles = checkpointTiles(whole);
-  out.image = Image(whole.width(), whole.height());
+  Image& image = out.views.emplace_back(DrawnView{Image(whole.width(), whole.height()), request.view}).image;
   TileFile file(checkpointOf(opened.job(), frame), identityOf(opened, frame, out.scene));
-  const std::set<Place> kept = resume ? file.read(tiles, whole, out.image) : std::set<Place>();
+  const std::set<Place> kept = resume ? file.read(tiles, whole, image) : std::set<Place>();
   if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
   const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, progress);
   const std::string step = fmt::format("frame {}", frame);
@@ -198,7 +203,7 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
       if (kept.contains(placeOf(at))) continue;
       const Image tile = painter->draw(at);
       file.add(at, tile);
-      putTileOfFrame(tile, at, whole, out.image);
+      putTileOfFrame(tile, at, whole, image);
       ++finished;
       progress.advance(step.c_str(), "pixels", done += count(at), count(whole));
     }

@@ -137,6 +137,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,
                  aovPixels(request_.aovs, image, 0, 0)};
   all.aovs.filled = filled.data();
+  if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep);
+  all.deep = image.deep.get();
   if (plan_.mix) {
     mix(all);
     return;

@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "base/hash.h"
 #include "base/span.h"
 #include "output/image_file.h"
 #include "render/composite_parts.h"
+#include "render/file_part.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 
@@ -21,12 +24,6 @@ namespace {
 constexpr const char* kHashKey = "kiln:jobHash";
 constexpr const char* kDamageKey = "kiln:damagedBricks";
 constexpr const char* kJobKey = "kiln:job";
-
-bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
-
-bool isOf(const Plane& plane, const Aovs& aovs) {
-  return plane.name == "value" ? aovs.value : plane.name.starts_with("N.") ? aovs.normal : aovs.depth;
-}
 
 // The job that draws what the file holds of the frame, and nothing else.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
@@ -41,6 +38,7 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
   }
   out.picture = scene.picture;
   out.picture.aovs = aovsOf(job, file);
+  if (file.eye && out.picture.stereo) out.picture.stereo->eye = *file.eye;
   out.picture.skip_damaged = false;  // a whole picture's header does not depend on it
   out.speed = job.speed;
   return out;
@@ -50,7 +48,7 @@ std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
   return resolvedJobText(of_file, scene.camera, scene.transfer_function);
 }
 
-ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn,
+ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,
                          const StoreReader& store) {
   RenderJob of_file = jobOfFile(job, file, drawn.scene);
   ImageMetadata out;
@@ -60,8 +58,9 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   }
   if (const auto& crop = job.picture.crop)
     out.whole = {crop->x0, crop->y0, job.picture.size.width, job.picture.size.height};
-  out.world_to_camera = exrWorldToCamera(drawn.view);
-  out.world_to_ndc = exrWorldToNdc(drawn.view);
+  out.world_to_camera = exrWorldToCamera(view);
+  out.panorama = view.projection == Projection::kEquirectangular;
+  if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
   out.text[kJobKey] = textOf(of_file, drawn.scene);
   out.text["kiln:version"] = KILN_VERSION;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
@@ -76,47 +75,65 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   return out;
 }
 
-// Takes the file's part out of the image, and puts it back.
-class FilePart {
- public:
-  FilePart(Image& whole, const OutputFile& file, const Aovs& aovs) : whole_(whole) {
-    part_.width = whole.width;
-    part_.height = whole.height;
-    if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
-    const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(), [&](const Plane& plane) {
-      return plane.name == kCoveragePlane ? holdsColors(file.content) : isOf(plane, aovs);
-    });
-    std::move(whole.planes.begin(), others, std::back_inserter(part_.planes));
-    whole.planes.erase(whole.planes.begin(), others);
-  }
-  ~FilePart() {
-    if (!part_.rgba.empty()) part_.rgba.swap(whole_.rgba);
-    std::move(part_.planes.begin(), part_.planes.end(), std::back_inserter(whole_.planes));
-  }
-  FilePart(const FilePart&) = delete;
-  FilePart& operator=(const FilePart&) = delete;
-  const Image& image() const { return part_; }
+// The views that the file holds, of those that were drawn.
+std::span<DrawnView> viewsIn(const OutputFile& file, DrawnFrame& drawn) {
+  const std::span<DrawnView> all(drawn.views);
+  if (!file.eye || all.size() == 1) return all;
+  return all.subspan(*file.eye == StereoEye::kLeft ? 0 : 1, 1);
+}
 
- private:
-  Image& whole_;
-  Image part_;
-};
+// One beside the other, as they are looked at by eyes that cross, or by players of such pictures: the left eye's is on
+// the left.
+Image besideEachOther(const Image& left, const Image& right) {
+  Image out(left.width + right.width, left.height);
+  for (int y = 0; y < out.height; ++y) {
+    std::copy_n(left.pixel(0, y), 4 * left.width, out.pixel(0, y));
+    std::copy_n(right.pixel(0, y), 4 * right.width, out.pixel(left.width, y));
+  }
+  return out;
+}
 
-OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / "######.png", Content::kColor}; }
+OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / "######.png", Content::kColor, {}}; }
+
+// Whether a video may take it: of a pair, both eyes'.
+bool isVideoFrame(const OutputFile& file) { return holdsColors(file.content) && !hasEyePlace(file.path); }
 
 // Names still without numbers.
 std::vector<OutputFile> patternsOf(const RenderJob& job) {
   std::vector<OutputFile> out;
-  if (!job.output.path.empty()) out.push_back({job.output.path, Content::kPicture});
+  if (!job.output.path.empty())
+    out.push_back({job.output.path, job.output.deep ? Content::kDeep : Content::kPicture, {}});
   for (OutputFile file : job.output.files) {
     // Beside an EXR with more planes, a PNG is what can be seen of it.
     if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
     out.push_back(file);
   }
-  const auto colored = [](const OutputFile& file) { return holdsColors(file.content); };
-  if (!job.output.video.path.empty() && std::none_of(out.begin(), out.end(), colored))
+  if (!job.output.video.path.empty() && std::none_of(out.begin(), out.end(), isVideoFrame))
     out.push_back(keptFrame(job.output.video));
-  return out;
+  return ofEyes(out, job.picture.stereo);
+}
+
+void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const StoreReader& store) {
+  const bool deep = file.content == Content::kDeep;
+  const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
+  const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression};
+  std::deque<FilePart> parts;
+  std::vector<ImageView> views;
+  for (DrawnView& view : viewsIn(file, drawn)) {
+    const Image& image = parts.emplace_back(view.image, file, aovsOf(job, file)).image();
+    const auto eye = views.empty() ? StereoEye::kLeft : StereoEye::kRight;
+    views.push_back(
+        {std::string(nameIn(kStereoEyeNames, eye)), &image, metadataOf(job, file, drawn, view.view, store)});
+  }
+  const Image& first = *views.front().image;
+  if (deep)
+    writeDeepImage(*first.deep, views.front().metadata, options, file.path);
+  else if (views.size() == 1)
+    writeImage(first, views.front().metadata, options, file.path);
+  else if (isExrPath(file.path))
+    writeImageViews(views, options, file.path);
+  else
+    writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
 }
 
 // Where two texts of a job first differ, as a line of each; the name of the volume, which says nothing, is in front.
@@ -149,7 +166,8 @@ std::vector<OutputFile> filesOf(const RenderJob& job, int frame) {
 
 fs::path videoFrameOf(const RenderJob& job, int frame) {
   const std::vector<OutputFile> files = filesOf(job, frame);
-  return std::find_if(files.begin(), files.end(), [](const OutputFile& file) { return holdsColors(file.content); })
+  return std::find_if(files.begin(), files.end(),
+                      [](const OutputFile& file) { return holdsColors(file.content) && !file.eye; })
       ->path;
 }
 
@@ -177,9 +195,11 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
     of_file.volumes[i].volume.clear();
     if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
   }
-  const std::string kind = isExrPath(file.path) ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half",
-                                                              job.output.exr_compression)
-                                                : fmt::format("png {}", job.output.png_bits);
+  std::string kind = isExrPath(file.path)
+                         ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half", job.output.exr_compression)
+                         : fmt::format("png {}", job.output.png_bits);
+  if (file.content == Content::kDeep)
+    kind += fmt::format(" {} {}", job.output.deep_bound.samples, job.output.deep_bound.error);
   return toHex(
       hashOf(std::string_view(fmt::format("{}\n{}\n{}\n{}\n{}", KILN_VERSION, checksums,
                                           nameIn(kContentNames, file.content), kind, textOf(of_file, scene)))));
@@ -190,10 +210,7 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreR
   for (const OutputFile& file : filesOf(job, frame)) {
     Span span(Activity::kWrite);
     if (span.traced()) span.note("file", file.path.filename().native());
-    const FilePart part(drawn.image, file, aovsOf(job, file));
-    const bool as_float = job.output.exr_float || drawsPart(job.picture);
-    writeImage(part.image(), metadataOf(job, file, drawn, store),
-               {as_float, job.output.png_bits, job.output.exr_compression}, file.path);
+    writeFile(job, file, drawn, store);
   }
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -13,6 +14,7 @@
 #include "frame/volume_mix.h"
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
+#include "render/panorama.h"
 #include "splat/coverage.h"
 #include "splat/projected_values.h"
 
@@ -23,6 +25,18 @@ namespace {
 std::uint64_t pixelBytes(const RenderJob& job) {
   const bool projects = job.picture.mode != Mode::kComposite;
   return 16 + aovBytes(job.picture.aovs) + (projects ? ProjectedValues::bytesOfPixel(job.picture.mode) : 0);
+}
+
+// Pictures in memory at a time: of both eyes, and as many again while one is put beside the other.
+std::uint64_t picturesHeld(const RenderJob& job) {
+  if (!drawsBothEyes(job.picture.stereo)) return 1;
+  const auto beside = [](const std::filesystem::path& path) {
+    return !path.empty() && path.extension() != ".exr" && !hasEyePlace(path);
+  };
+  const std::vector<OutputFile>& files = job.output.files;
+  const bool any = beside(job.output.path) || beside(job.output.video.path) ||
+                   std::any_of(files.begin(), files.end(), [&](const OutputFile& file) { return beside(file.path); });
+  return any ? 4 : 2;
 }
 
 bool drawsSlabs(const RenderJob& job) {
@@ -81,10 +95,22 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) *
-              (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job));
+              (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
+  if (drawsDeep(job)) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height());
+    out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
+  }
+  ImageSize tested{edge * size.width, edge * size.height};
+  if (job.picture.camera.projection == Projection::kEquirectangular) {
+    View panorama;
+    panorama.focal_px = size.height / std::numbers::pi;
+    tested = panoramaFaces(panorama).front().size;
+    out.face =
+        static_cast<std::uint64_t>(tested.width) * static_cast<std::uint64_t>(tested.height) * drawnPixelBytes(job) +
+        static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * sizeof(float);
+  }
   const bool composites = job.picture.mode == Mode::kComposite;
-  if (composites)
-    out.visibility = visibilityBytes(job.speed.visibility.method, {edge * size.width, edge * size.height});
+  if (composites) out.visibility = visibilityBytes(job.speed.visibility.method, tested);
   const std::uint64_t of_brick = job.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
   for (const StoreReader* const store : stores) out.index += store->index().bytes() + store->index().size() * of_brick;
   out.brick = brick_bytes;
@@ -112,13 +138,16 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
 
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store) {
   if (memory.smallest() > budget_bytes) {
+    const auto part = [](std::uint64_t bytes, const char* of) {
+      return bytes > 0 ? fmt::format("{} of {}, ", formatBytes(bytes), of) : std::string();
+    };
     throw Error(ErrorCode::kBudget, store, "--memory",
-                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {} of visibility, {} "
+                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
                             "of index, {} of slabs, {}{} {})",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
-                            formatBytes(memory.image + memory.least_band), formatBytes(memory.visibility),
-                            formatBytes(memory.index), formatBytes(memory.least_slabs),
-                            memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "",
+                            formatBytes(memory.image + memory.face + memory.least_band),
+                            part(memory.deep, "deep samples (--deep-samples)"), formatBytes(memory.visibility),
+                            formatBytes(memory.index), formatBytes(memory.least_slabs), part(memory.trace, "the trace"),
                             formatBytes(memory.brick), memory.brickText()));
   }
   return budget_bytes - memory.besideBricks();

@@ -38,6 +38,7 @@ Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
     case Content::kPicture:
       return job.picture.aovs;
     case Content::kColor:
+    case Content::kDeep:
       return {};
     case Content::kDepth:
       return {true, false};
@@ -100,6 +101,7 @@ FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed);
   request.sweep_px = memory_.sweep_px;
   request.band_px = memory_.band_px;
+  if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
   return request;
 }
 
@@ -120,11 +122,17 @@ DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
   if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
   out.scene = sceneAt(frame);
-  const FrameRequest request = requestFor(out.scene);
-  out.view = request.view;
-  FramePainter painter(store(), cache_, request, progress);
-  out.image = painter.draw(drawnPixels(request.view.size, request.crop));
-  out.statistics = finish(painter, frame);
+  FrameScene seen = out.scene;
+  for (const PictureOptions& picture : eyesOf(out.scene.picture)) {
+    seen.picture = picture;
+    const FrameRequest request = requestFor(seen);
+    FrameStatistics statistics;
+    out.views.push_back({renderFrame(store(), cache_, request, progress, statistics), request.view});
+    out.statistics.addView(statistics);
+  }
+  out.statistics.frame = frame;
+  out.statistics.peak_cache_bytes = cache_.peakBytes();
+  out.statistics.peak_rss_bytes = peakResidentBytes();
   return out;
 }
 
@@ -141,7 +149,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.cache_bytes = cache_.budgetBytes();
   statistics.peak_cache_bytes = std::max(statistics.peak_cache_bytes, cache_.peakBytes());
   statistics.peak_rss_bytes = peakResidentBytes();
-  statistics.framebuffer_bytes = memory_.image + memory_.band;
+  statistics.framebuffer_bytes = memory_.image + memory_.face + memory_.band + memory_.deep;
   statistics.visibility_bytes = memory_.visibility;
   statistics.index_bytes = memory_.index;
   statistics.slabs_bytes = memory_.slabs;

@@ -17,10 +17,14 @@
 
 namespace kiln {
 
-struct DrawnFrame {
+struct DrawnView {
   Image image;  // with the planes that any of the job's files holds
-  FrameScene scene;
   View view;
+};
+
+struct DrawnFrame {
+  std::vector<DrawnView> views;  // one, or the left eye's and the right eye's
+  FrameScene scene;
   FrameStatistics statistics;
 };
 

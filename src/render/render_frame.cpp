@@ -11,6 +11,7 @@
 #include "render/aov_planes.h"
 #include "render/background.h"
 #include "render/frame_drawing.h"
+#include "render/panorama.h"
 
 namespace kiln {
 namespace {
@@ -91,31 +92,56 @@ double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+// What is projected onto a plane, and its pixels.
+struct DrawnPlane {
+  FrameRequest request;
+  PixelRect pixels;
+};
+
+// Of a frame, in sub-pixels: itself; of a panorama, the faces that it is made of.
+std::vector<DrawnPlane> planesOf(const FrameRequest& request) {
+  const PixelRect pixels = drawnPixels(request.view.size, request.crop);
+  const int edge = subPixelsAlongEdge(request.samples);
+  if (request.view.projection != Projection::kEquirectangular)
+    return {{ofSubPixels(request, edge), subPixelsOf(pixels, edge)}};
+  const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
+  const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
+  std::vector<DrawnPlane> out;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (drawn[i].empty()) continue;
+    out.push_back({request, drawn[i]});
+    out.back().request.view = faces[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts) {
   requireRequest(stores, request);
-  const int edge = subPixelsAlongEdge(request.samples);
-  const PixelRect pixels = subPixelsOf(drawnPixels(request.view.size, request.crop), edge);
-  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
-  const FramePlan plan(stores, of_sub_pixels);
   std::vector<StoredBrick> out;
-  if (plan.mix) {
-    counts = plan.mix->counts();
-    out = plan.mix->inView(pixels);
-  } else {
-    for (const BrickInView& brick : plan.bricks->inView(pixels, counts)) out.push_back({brick.key});
+  for (const DrawnPlane& plane : planesOf(request)) {
+    const FramePlan plan(stores, plane.request);
+    if (plan.mix) {
+      counts = plan.mix->counts();
+      const std::vector<StoredBrick> seen = plan.mix->inView(plane.pixels);
+      out.insert(out.end(), seen.begin(), seen.end());
+    } else {
+      for (const BrickInView& brick : plan.bricks->inView(plane.pixels, counts)) out.push_back({brick.key});
+    }
   }
   return out;
 }
 
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
-  const int edge = subPixelsAlongEdge(request.samples);
-  const PixelRect pixels = subPixelsOf(drawnPixels(request.view.size, request.crop), edge);
-  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
-  return FramePlan(stores, of_sub_pixels).mix->mostBytes(tilesOf(request.tile_px, pixels, pixels));
+  std::uint64_t out = 0;
+  for (const DrawnPlane& plane : planesOf(request)) {
+    const FramePlan plan(stores, plane.request);
+    out = std::max(out, plan.mix->mostBytes(tilesOf(request.tile_px, plane.pixels, plane.pixels)));
+  }
+  return out;
 }
 
 FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
@@ -161,6 +187,15 @@ FrameStatistics FramePainter::finish() {
 
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics) {
+  if (request.view.projection == Projection::kEquirectangular) {
+    const auto begin = std::chrono::steady_clock::now();
+    const BusyTimes before = BusyTimes::now();
+    requireRequest(cache.stores(), request);
+    Image panorama = renderPanorama(store, cache, request, progress, statistics);
+    statistics.wall_s = secondsSince(begin);
+    statistics.busy = BusyTimes::now().since(before);
+    return panorama;
+  }
   FramePainter painter(store, cache, request, progress);
   Image image = painter.draw(drawnPixels(request.view.size, request.crop));
   statistics = painter.finish();

@@ -37,6 +37,7 @@ struct FrameRequest {
   std::optional<PixelRect> crop;  // these pixels of the whole picture are drawn; else all
   int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
   Aovs aovs;                      // what the image has planes of
+  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in the pixel lattice, samples == 1
   std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
   int tile_px = 64;    // as SpeedOptions has it
@@ -47,7 +48,7 @@ struct FrameRequest {
   std::vector<VolumeRequest> volumes;
 };
 
-/// The bricks that a frame asks for if nothing hides anything, each once.
+/// The bricks that a frame asks for if nothing hides anything, each once; of a panorama, for each of its faces.
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);
 
@@ -56,7 +57,7 @@ std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const
 
 class FrameDrawing;
 
-/// A frame that is drawn piece by piece, in any order; what the pieces cost adds up.
+/// A frame that is drawn piece by piece, in any order; what the pieces cost adds up. No panorama.
 class FramePainter {
  public:
   /// requires: all but `request` outlive this; nobody else uses the cache. throws: as renderFrame.

@@ -54,6 +54,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
   requirePart(job);
   requireVolumes(job);
+  requireViews(job);
   requireOutputs(job, 1);
   const ThreadLimit threads(job.speed.threads);
   std::optional<Trace> trace;
@@ -71,7 +72,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   }
   noteDamage(result.statistics.frames.back(), progress);
   opened.describeMemory(result.statistics);
-  result.image = std::move(drawn.image);
+  result.image = std::move(drawn.views.front().image);
   result.camera = drawn.scene.camera;
   result.transfer_function = drawn.scene.transfer_function;
   if (trace) trace->finish();

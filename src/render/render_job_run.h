@@ -12,7 +12,7 @@
 namespace kiln {
 
 struct RenderResult {
-  Image image;
+  Image image;                         // of both eyes, the left's
   Camera camera;                       // with every choice made
   TransferFunction transfer_function;  // the same
   RenderStatistics statistics;

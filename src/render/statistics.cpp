@@ -56,6 +56,26 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
 
 }  // namespace
 
+void FrameStatistics::addView(const FrameStatistics& view) {
+  wall_s += view.wall_s, load_s += view.load_s, output_s += view.output_s;
+  voxels_visited += view.voxels_visited, voxels_splats += view.voxels_splats;
+  nodes_tested += view.nodes_tested, nodes_hidden += view.nodes_hidden;
+  bricks_total = std::max(bricks_total, view.bricks_total);
+  bricks_damaged = std::max(bricks_damaged, view.bricks_damaged);
+  bricks_interesting += view.bricks_interesting, bricks_read += view.bricks_read;
+  bricks_hidden += view.bricks_hidden, bricks_unused += view.bricks_unused, bricks_read_bytes += view.bricks_read_bytes;
+  bricks_contributing += view.bricks_contributing, bricks_contributing_bytes += view.bricks_contributing_bytes;
+  slab_bytes = std::max(slab_bytes, view.slab_bytes);
+  threads = view.threads;
+  busy.add(view.busy);
+  levels.resize(std::max(levels.size(), view.levels.size()));
+  for (std::size_t i = 0; i < view.levels.size(); ++i) {
+    levels[i].bricks += view.levels[i].bricks;
+    levels[i].voxels_visited += view.levels[i].voxels_visited;
+    levels[i].voxels_splats += view.levels[i].voxels_splats;
+  }
+}
+
 void RenderStatistics::add(const FrameStatistics& frame) {
   frames.push_back(frame);
   load_s += frame.load_s;

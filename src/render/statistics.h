@@ -39,6 +39,8 @@ struct FrameStatistics {
   BusyTimes busy;        // of what was done within wall_s
   /// The part of the drawing threads' time for which there was work, above 1 where readers have cores of their own.
   double utilisation() const { return wall_s > 0 ? busy.total() / (wall_s * threads) : 0; }
+  /// Adds what another view of the frame has cost: the bricks in total, and those that are damaged, are the same.
+  void addView(const FrameStatistics& view);
   void addContributing(std::uint64_t file_bytes) {
     ++bricks_contributing;
     bricks_contributing_bytes += file_bytes;

@@ -29,7 +29,14 @@ void requireSize(const ImageSize& size) {
 
 double focalOf(const Camera& camera, const ImageSize& size) {
   double focal_px = 0;
-  if (camera.projection == Projection::kPerspective) {
+  if (camera.projection == Projection::kEquirectangular) {
+    if (size.width != 2 * size.height)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("an equirectangular image of {}x{} pixels: it shows 360 by 180 degrees, "
+                              "so it is twice as wide as high, such as 2048x1024",
+                              size.width, size.height));
+    focal_px = size.height / glm::pi<double>();
+  } else if (camera.projection == Projection::kPerspective) {
     if (!(camera.fov_deg > 0 && camera.fov_deg < 180)) {
       throw refused("the field of view must be between 0 and 180 degrees, but is " + std::to_string(camera.fov_deg));
     }
@@ -87,6 +94,11 @@ View resolve(const Camera& camera, const ImageSize& size) {
     view.view_from_world[3][row] = -glm::dot(rows[row], camera.eye);
   }
   return view;
+}
+
+glm::dvec3 panoramaDirection(const View& view, const glm::dvec2& pixel) {
+  const glm::dvec2 angle = (pixel - view.centre_px) / view.focal_px;
+  return {std::sin(angle.x) * std::cos(angle.y), std::sin(angle.y), std::cos(angle.x) * std::cos(angle.y)};
 }
 
 View enlarged(const View& view, int times) {

@@ -10,12 +10,17 @@
 
 namespace kiln {
 
-enum class Projection { kPerspective, kOrthographic };
+/// kEquirectangular: all directions round the eye, a panorama: from left to right all longitudes, the direction of view
+/// in the middle, from top to bottom all latitudes, what is up at the top.
+enum class Projection { kPerspective, kOrthographic, kEquirectangular };
 
 /// unit: pixels.
 struct ImageSize {
   int width = 1024, height = 1024;
 };
+
+/// Of a panorama of which nobody says a size.
+inline constexpr ImageSize kPanoramaSize{2048, 1024};
 
 /// The pixels of an image that are drawn: all of them, or `crop`. throws: Error kUsage where the crop is empty or
 /// reaches outside of the image.
@@ -35,11 +40,11 @@ struct View {
   ImageSize size;
   glm::dmat4 view_from_world{1.0};
   glm::dvec3 eye_world{0};
-  /// Perspective: pixels per unit of x/z. Orthographic: pixels per world unit.
+  /// Perspective: pixels per unit of x/z. Orthographic: pixels per world unit. Equirectangular: pixels per radian.
   double focal_px = 1;
   glm::dvec2 centre_px{0};
 
-  /// requires: perspective points have depth > 0.
+  /// requires: perspective points have depth > 0; no panorama.
   glm::dvec2 pixelOf(const glm::dvec3& view_point) const {
     const double scale = projection == Projection::kPerspective ? focal_px / view_point.z : focal_px;
     return centre_px + scale * glm::dvec2(view_point);
@@ -48,12 +53,17 @@ struct View {
   glm::dvec3 forward_world{0, 0, 1};
 };
 
-/// throws: Error kUsage where eye and target coincide, up is along the view, or fov, height or size are out of range.
+/// throws: Error kUsage where eye and target coincide, up is along the view, fov, height or size are out of range, or a
+/// panorama is not twice as wide as high.
 View resolve(const Camera& camera, const ImageSize& size);
 
 /// What the same camera sees in an image `times` as large along each side: pixel (x, y) is then the times² pixels from
 /// times (x, y) on. requires: times >= 1.
 View enlarged(const View& view, int times);
+
+/// The direction of a panorama's pixel (column, row), in view space; a pixel's centre is half a pixel after its corner.
+/// Unit length.
+glm::dvec3 panoramaDirection(const View& view, const glm::dvec2& pixel);
 
 /// World to camera as EXR files hold it (camera looks along -z, y up), and to normalised device coordinates in [0,1],
 /// y down (RenderMan's screen), third coordinate 1/depth in perspective and depth else. shape: for column vectors, M·p.

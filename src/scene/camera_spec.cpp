@@ -15,6 +15,11 @@ void refuseContradictions(const CameraSpec& spec) {
   if (spec.height && !spec.projection) {
     refuse("height is of an orthographic camera; give projection orthographic too, or fov instead");
   }
+  if (spec.projection == Projection::kEquirectangular) {
+    const char* const of_others = spec.fov_deg ? "fov" : spec.height ? "height" : spec.zoom ? "zoom" : nullptr;
+    if (of_others)
+      refuse(std::string(of_others) + " is not of an equirectangular camera, which sees all round; leave it out");
+  }
   if (!spec.eye) return;
   const char* framing = spec.side            ? "view"
                         : spec.azimuth_deg   ? "azimuth"
@@ -49,8 +54,19 @@ Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const I
   framing.zoom = spec.zoom.value_or(framing.zoom);
   framing.projection = spec.projection.value_or(framing.projection);
   framing.fov_deg = spec.fov_deg.value_or(framing.fov_deg);
+  const bool panorama = framing.projection == Projection::kEquirectangular;
+  if (panorama) framing.projection = Projection::kPerspective;
   Camera camera = frameVolume(volume, framing, size);
-  if (spec.target) {
+  if (panorama) {
+    // In the middle of the volume, which is all round then.
+    camera.projection = Projection::kEquirectangular;
+    const glm::dvec3 ahead = camera.target - camera.eye;
+    camera.eye = camera.target;
+    camera.target += ahead;
+  }
+  if (spec.target && panorama) {
+    camera.target = *spec.target;
+  } else if (spec.target) {
     camera.eye += *spec.target - camera.target;
     camera.target = *spec.target;
   }

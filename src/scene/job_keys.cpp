@@ -196,6 +196,10 @@ constexpr JobKey kExrKeys[] = {
     {"owner", R"({"$ref": "text"})"},
     {"comments", R"({"$ref": "text"})"},
     {"statistics", R"({"type": "boolean", "description": "what drawing has cost, in the header"})"},
+    {"deep", R"({"type": "boolean", "description": "of what output names"})"},
+    {"deepSamples", R"({"type": "integer", "minimum": 1, "maximum": 1024, "description": "of a pixel, at most"})"},
+    {"deepError", R"({"type": "number", "minimum": 0, "maximum": 1,
+                      "description": "what a cut may show, by merging neighbours, of 1"})"},
 };
 constexpr JobKey kPngKeys[] = {{"bits", R"({"enum": [8, 16]})"}};
 

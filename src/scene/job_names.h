@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-inline constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
+inline constexpr std::array<std::string_view, 3> kProjectionNames = {"perspective", "orthographic", "equirectangular"};
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
@@ -19,8 +19,9 @@ inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "di
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
-inline constexpr std::array<std::string_view, 5> kContentNames = {"picture", "color", "depth", "normal", "value"};
-inline constexpr std::array<std::string_view, 2> kStereoEyeNames = {"left", "right"};
+inline constexpr std::array<std::string_view, 6> kContentNames = {"picture", "color", "depth",
+                                                                  "normal",  "value", "deep"};
+inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "right", "both"};
 // The first five lose nothing.
 inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none", "rle",  "zips", "zip",
                                                                          "piz",  "dwaa", "dwab"};

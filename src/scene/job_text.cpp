@@ -17,7 +17,7 @@ ordered_json jsonOf(const Camera& camera) {
   out["projection"] = nameIn(kProjectionNames, camera.projection);
   if (camera.projection == Projection::kPerspective)
     out["fov"] = camera.fov_deg;
-  else
+  else if (camera.projection == Projection::kOrthographic)
     out["height"] = camera.height;
   out["eye"] = listOf(camera.eye);
   out["target"] = listOf(camera.target);

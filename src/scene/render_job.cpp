@@ -38,7 +38,7 @@ std::optional<Stereo> stereoFrom(const JobObject& object) {
   constexpr std::string_view kExpected = "a number of world units above 0";
   Stereo out;
   const auto eye = object.choice("eye", kStereoEyeNames);
-  if (!eye) object.complain("eye", "is missing; a picture shows what the left or the right eye sees");
+  if (!eye) object.complain("eye", "is missing; a picture shows what the left eye sees, the right eye, or both");
   out.eye = static_cast<StereoEye>(*eye);
   const auto interocular = object.number("interocular", kExpected, legal::positiveLength);
   if (!interocular) object.complain("interocular", "is missing; it is the distance between both eyes");
@@ -138,7 +138,7 @@ void readOutput(const JobObject& root, OutputOptions& output) {
     if (!path) file.complain("path", "is missing; an output has the name of its file");
     const auto content = static_cast<Content>(file.choice("content", kContentNames).value_or(0));
     if (isVideo(*path)) file.complain("path", "a video is what \"output\" names");
-    output.files.push_back({besideJob(*path, root.path()), content});
+    output.files.push_back({besideJob(*path, root.path()), content, std::nullopt});
   }
   if (const auto video = root.object("video")) {
     video->requireKnown(job_keys::kVideo);
@@ -155,6 +155,11 @@ void readOutput(const JobObject& root, OutputOptions& output) {
     output.owner = exr->text("owner", "a name").value_or("");
     output.comments = exr->text("comments", "a text").value_or("");
     output.statistics_in_header = exr->flag("statistics").value_or(false);
+    output.deep = exr->flag("deep").value_or(false);
+    DeepBound& bound = output.deep_bound;
+    bound.samples = static_cast<int>(exr->integer("deepSamples", 1, DeepBound::kMostSamples).value_or(bound.samples));
+    const auto legal_error = [](double v) { return v >= 0 && v <= 1; };
+    bound.error = static_cast<float>(exr->number("deepError", "a number from 0 to 1", legal_error).value_or(0));
   }
   if (const auto png = root.object("png")) {
     png->requireKnown(job_keys::kPng);
@@ -300,8 +305,12 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
     if (!volume) root.complain("volume", "is missing; a job names the store or volume file to draw");
     job.volume = besideJob(*volume, path);
   }
-  if (const auto image = root.object("image")) readImage(*image, job.picture);
+  const auto image = root.object("image");
+  if (image) readImage(*image, job.picture);
   readCamera(root, job);
+  if (job.picture.camera.projection == Projection::kEquirectangular &&
+      !(image && (image->has("width") || image->has("height"))))
+    job.picture.size = kPanoramaSize;
   if (const auto stereo = root.object("stereo")) job.picture.stereo = stereoFrom(*stereo);
   readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
   job.picture.window = windowFrom(root);

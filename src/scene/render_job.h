@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/deep_samples.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_spec.h"
@@ -88,7 +89,7 @@ struct PictureOptions {
   Mode mode = Mode::kComposite;
   Aovs aovs;
   CameraSpec camera;
-  std::optional<Stereo> stereo;  // draw one eye of a pair, of which the camera is the middle
+  std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
   /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends
@@ -123,12 +124,14 @@ struct SpeedOptions {
 };
 
 /// What of a picture a file holds: colours, with the planes that are asked for where it is an EXR; colours alone; or
-/// the planes of depth, normals or values alone, of an EXR.
-enum class Content { kPicture, kColor, kDepth, kNormal, kValue };
+/// the planes of depth, normals or values alone, of an EXR; or what lies in each pixel slab by slab, in a deep EXR,
+/// which has no background.
+enum class Content { kPicture, kColor, kDepth, kNormal, kValue, kDeep };
 
 struct OutputFile {
   std::filesystem::path path;
   Content content = Content::kPicture;
+  std::optional<StereoEye> eye;  // of a pair that is drawn: the one that it holds; else both
 };
 
 /// Frames one after the other in a file that another program makes, which must be there.
@@ -145,6 +148,8 @@ struct OutputOptions {
   std::string exr_compression = "zip";  // one of kExrCompressionNames
   std::string owner, comments;          // in a file's header, if not empty
   bool statistics_in_header = false;    // which then is another each time
+  bool deep = false;                    // the picture at `path` is Content::kDeep
+  DeepBound deep_bound;                 // of all that are
   int png_bits = 8;                     // 8 or 16
   std::vector<OutputFile> files;        // more of the same frame
   VideoOptions video;
@@ -190,6 +195,16 @@ void requirePart(const RenderJob& job);
 void requireVolumes(const RenderJob& job);
 /// Makes the job's one volume the first of several. requires: there are no others yet.
 void makeFirstOfSeveral(RenderJob& job);
+
+/// Whether any of the job's files is deep.
+bool drawsDeep(const RenderJob& job);
+/// throws: Error kUsage where the job draws a deep image or a stereo pair that its scene has not, or that could not be
+/// written.
+void requireViews(const RenderJob& job);
+/// The pictures that are drawn of one frame: the picture, or, where it is of both eyes, the left's and the right's.
+std::vector<PictureOptions> eyesOf(const PictureOptions& picture);
+/// The files, of those with a place for the name of an eye one of each eye that is drawn.
+std::vector<OutputFile> ofEyes(const std::vector<OutputFile>& files, const std::optional<Stereo>& stereo);
 
 /// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
 /// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.

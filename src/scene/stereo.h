@@ -1,14 +1,16 @@
-// One eye of a pair: both look in parallel, and their pictures are shifted so that what is at the distance of
+// One eye of a pair, or both: they look in parallel, and their pictures are shifted so that what is at the distance of
 // convergence has the same place in both. Nothing is turned in, so that no height differs.
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "scene/camera.h"
 
 namespace kiln {
 
-enum class StereoEye { kLeft, kRight };
+enum class StereoEye { kLeft, kRight, kBoth };
 
 struct Stereo {
   StereoEye eye = StereoEye::kLeft;
@@ -17,8 +19,16 @@ struct Stereo {
   bool operator==(const Stereo&) const = default;
 };
 
-/// The view of the camera, or where `stereo` is given, of that eye of a pair of which the camera is the middle. throws:
-/// as resolve; Error kUsage for an orthographic camera, in which depth shifts nothing.
+inline bool drawsBothEyes(const std::optional<Stereo>& stereo) { return stereo && stereo->eye == StereoEye::kBoth; }
+
+/// The view of the camera, or where `stereo` is given, of that eye of a pair of which the camera is the middle; of both
+/// eyes, the middle's. throws: as resolve; Error kUsage for a camera that is not a perspective one, in which depth
+/// shifts nothing.
 View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const ImageSize& size);
+
+/// Whether the path has a place for the name of an eye: "%V", or "%v" for its first letter.
+bool hasEyePlace(const std::filesystem::path& pattern);
+/// The path with "left" or "right" (or "l", "r") in each such place. requires: one eye.
+std::filesystem::path pathOfEye(const std::filesystem::path& pattern, StereoEye eye);
 
 }  // namespace kiln

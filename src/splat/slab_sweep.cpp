@@ -427,8 +427,8 @@ class Sweep {
     in.width = area.width(), in.height = area.height();
     in.takes = takes;
     in.opaque_at = opaque_at_;
-    if (aovs_)
-      layWithAovs(v, in, area, slab);
+    if (aovs_ || tile_.deep != nullptr)
+      layTelling(v, in, area, slab);
     else
       close(laySheet(in, nullptr), v, area);
   }
@@ -448,17 +448,26 @@ class Sweep {
     }
   }
 
-  [[gnu::noinline]] void layWithAovs(std::size_t v, const SheetBlock& block, const PixelRect& area, int slab) {
+  // Lays a block of a volume's sheet, and tells what it added to each pixel beside colours.
+  [[gnu::noinline]] void layTelling(std::size_t v, const SheetBlock& block, const PixelRect& area, int slab) {
     LaidPixels pixels;
+    float before[kBlockEdge][4 * kBlockEdge];
+    for (int y = 0; y < area.height(); ++y) std::copy_n(block.pixels + y * block.stride, 4 * area.width(), before[y]);
     const LaidBlock laid = laySheet(block, &pixels);
+    close(laid, v, area);
     for (int y = area.y0; y < area.y1; ++y) {
       const auto row = static_cast<std::size_t>(y - area.y0);
       for (unsigned rest = laid.changed[row]; rest != 0; rest &= rest - 1) {
         const int x = std::countr_zero(rest);
-        addToAovs(v, area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
+        if (aovs_) addToAovs(v, area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
+        if (tile_.deep != nullptr) addToDeep(area.x0 + x, y, slab, &before[row][4 * x]);
       }
     }
-    close(laid, v, area);
+  }
+
+  void addToDeep(int x, int y, int slab, const float* before) {
+    const auto depthOf = [&](int border) { return static_cast<float>(zone_.near + border * zone_.thickness); };
+    tile_.deep->add(x, y, depthOf(slab), depthOf(slab + 1), before, tile_.rgba + 4 * tile_.placeOf(x, y));
   }
 
   void addToAovs(std::size_t v, int x, int y, int slab, const LaidPixel& laid) {

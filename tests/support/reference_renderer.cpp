@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -277,6 +278,14 @@ void forEachPixel(const Scene& scene, const Draw& draw) {
 Ray rayThrough(const View& view, const glm::dvec2& pixel) {
   const glm::dmat4 world_from_view = glm::inverse(view.view_from_world);
   const glm::dvec2 offset = (pixel - view.centre_px) / view.focal_px;
+  if (view.projection == Projection::kEquirectangular) {
+    // Turned about what is up, then raised. View space has down.
+    const double longitude = 2 * glm::pi<double>() * (pixel.x / view.size.width - 0.5);
+    const double latitude = glm::pi<double>() * (0.5 - pixel.y / view.size.height);
+    const glm::dvec3 level = std::cos(longitude) * glm::dvec3(0, 0, 1) + std::sin(longitude) * glm::dvec3(1, 0, 0);
+    const glm::dvec3 direction = std::cos(latitude) * level + std::sin(latitude) * glm::dvec3(0, -1, 0);
+    return {glm::dvec3(world_from_view[3]), glm::normalize(glm::dvec3(world_from_view * glm::dvec4(direction, 0))), 0};
+  }
   if (view.projection == Projection::kPerspective) {
     const glm::dvec3 direction = glm::dvec3(world_from_view * glm::dvec4(offset, 1, 0));
     return {glm::dvec3(world_from_view[3]), glm::normalize(direction), 0};

@@ -28,13 +28,13 @@ struct RenderArguments {
       interpolation, level, memory, exr_type, compression, owner, comments, part, stereo, window;
   std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold;
   std::optional<unsigned> threads;
-  std::optional<int> png_bits, epsilon, tile, samples;
+  std::optional<int> png_bits, epsilon, tile, samples, deep_samples;
   std::vector<std::string> aovs, added, added_tfs;
   std::optional<std::string> frames;
   std::optional<int> turntable;
-  std::optional<double> rate;
+  std::optional<double> rate, deep_error;
   bool nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false, resume = false,
-       checkpoint = false;
+       checkpoint = false, deep = false;
   int repeat = 1;
   SceneArguments scene;
   SourceArguments source;
@@ -102,6 +102,8 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
     picture.size = {width, height};
   }
   if (a.crop) picture.crop = parseCrop(*a.crop, "--crop");
+  if (a.projection == kProjectionNames[2] && !a.size && fs::path(a.input).extension() != ".json")
+    picture.size = kPanoramaSize;
   drawnPixels(picture.size, picture.crop);
   if (a.samples) picture.samples = *a.samples;
   if (!a.aovs.empty()) picture.aovs = {};
@@ -161,6 +163,16 @@ void applyVideo(const RenderArguments& a, VideoOptions& video) {
         "write pictures");
 }
 
+void applyDeep(const RenderArguments& a, OutputOptions& output) {
+  if (a.deep) output.deep = true;
+  if (a.deep_samples)
+    output.deep_bound.samples =
+        static_cast<int>(between(*a.deep_samples, 0, DeepBound::kMostSamples, "--deep-samples"));
+  if (a.deep_error && (!(*a.deep_error >= 0) || *a.deep_error > 1))
+    throw Error(ErrorCode::kUsage, fmt::format("--deep-error: expected a number from 0 to 1, found {}", *a.deep_error));
+  if (a.deep_error) output.deep_bound.error = static_cast<float>(*a.deep_error);
+}
+
 void applyOutput(const RenderArguments& a, OutputOptions& output) {
   if (!a.output.empty()) {
     output.path.clear();
@@ -183,6 +195,7 @@ void applyOutput(const RenderArguments& a, OutputOptions& output) {
   if (a.owner) output.owner = *a.owner;
   if (a.comments) output.comments = *a.comments;
   if (a.exr_statistics) output.statistics_in_header = true;
+  applyDeep(a, output);
   if (a.png_bits) {
     if (*a.png_bits != 8 && *a.png_bits != 16)
       throw Error(ErrorCode::kUsage, fmt::format("--png-bits: expected 8 or 16, found {}", *a.png_bits));
@@ -227,6 +240,9 @@ RenderJob jobOf(const RenderArguments& a) {
   if (!a.trace.empty()) job.trace = a.trace;
   requirePart(job);
   requireVolumes(job);
+  requireViews(job);
+  if ((a.deep_samples || a.deep_error) && !drawsDeep(job))
+    throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
   requireOutputs(job, framesOf(job).size());
   return job;
 }
@@ -246,6 +262,8 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
   if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
+  if (memory.face > 0) fmt::print("{} of a face that it is made of, ", formatBytes(memory.face));
+  if (memory.deep > 0) fmt::print("{} of deep samples, ", formatBytes(memory.deep));
   fmt::print("{} of visibility, {} of index, {} of slabs, {}{} {}\n", formatBytes(memory.visibility),
              formatBytes(memory.index), formatBytes(memory.slabs),
              memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
@@ -328,7 +346,10 @@ void run(const RenderArguments& a, Context& context) {
 }
 
 void addCameraOptions(CLI::App& command, RenderArguments& a) {
-  command.add_option("--projection", a.projection, "perspective or orthographic");
+  command.add_option("--projection", a.projection,
+                     "perspective, orthographic, or equirectangular: a panorama of all directions round the eye, the "
+                     "middle ahead, the top "
+                     "up; its depths are distances from the eye");
   command.add_option("--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
   command.add_option("--height", a.height, "world units the image spans vertically, orthographic");
   command.add_option("--eye", a.eye, "where the eye is, in the world")->type_name("X,Y,Z");
@@ -338,7 +359,10 @@ void addCameraOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--azimuth", a.azimuth, "turn the eye about the up axis")->type_name("DEG");
   command.add_option("--elevation", a.elevation, "raise the eye")->type_name("DEG");
   command.add_option("--zoom", a.zoom, "2 draws twice as large");
-  command.add_option("--stereo", a.stereo, "draw what the left or the right eye of a pair sees: left or right");
+  command.add_option("--stereo", a.stereo,
+                     "draw what the left or the right eye of a pair sees, left or right, or both: an EXR of two parts, "
+                     "views left and right, a PNG of one "
+                     "beside the other; or two files where the name has %V, which becomes left and right");
   command.add_option("--interocular", a.interocular, "how far the eyes of a pair are apart, in world units");
   command.add_option("--convergence", a.convergence,
                      "the depth at which both eyes see the same place; the target's if not given");
@@ -377,7 +401,8 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
   command->add_option("--progress", a->progress,
                       "auto (default), plain lines, json (events on standard output, one a line) or none");
-  command->add_option("--size", a->size, "pixels; 1024x1024 if not given")->type_name("WIDTHxHEIGHT");
+  command->add_option("--size", a->size, "pixels; 1024x1024 if not given, of a panorama 2048x1024")
+      ->type_name("WIDTHxHEIGHT");
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
   command->add_option("--samples", a->samples, "sub-pixels whose mean a pixel is: 1 (default), 4 or 16");
@@ -447,6 +472,15 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--compression", a->compression,
                       fmt::format("of an EXR: {}; zip if not given, the last two lose something",
                                   fmt::join(kExrCompressionNames, ", ")));
+  command->add_flag("--deep", a->deep,
+                    "a deep EXR: RGBA, Z and ZBack of each slab, for compositing with others; it has no background");
+  command->add_option(
+      "--deep-samples", a->deep_samples,
+      "deep samples of a pixel, at most: with more slabs, neighbours become one where that shows least; "
+      "24 if not given");
+  command->add_option("--deep-error", a->deep_error,
+                      "make one sample of neighbouring slabs as long as a cut at any depth shows at most so much else, "
+                      "of 1; 0 if not given");
   command->add_option("--owner", a->owner, "an EXR's attribute owner");
   command->add_option("--comments", a->comments, "an EXR's attribute comments");
   command->add_flag("--exr-statistics", a->exr_statistics,

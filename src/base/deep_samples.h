@@ -1,0 +1,94 @@
+// What lies in each pixel, layer by layer: samples from front to back which, laid over one another, are the pixel. A
+// pixel keeps a bounded number of them: neighbours become one where that tells least to whoever puts something between
+// them. Laid over one another they are the same pixel before and after.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/pixel_rect.h"
+
+namespace kiln {
+
+/// A layer by itself, evenly filled between its depths. unit: world, along the view; premultiplied RGBA.
+struct DeepSample {
+  float z = 0, z_back = 0;
+  std::array<float, 4> rgba{};
+};
+
+struct DeepBound {
+  static constexpr int kMostSamples = 1024;
+  int samples = 24;  // of a pixel, at most; from 1 to kMostSamples
+  /// Neighbours become one as long as a cut at any depth of the pixel shows in front of it, by this at most, another
+  /// value of any channel than the layers themselves. With more layers than `samples` it may be more.
+  float error = 0;
+};
+
+class DeepSamples {
+ public:
+  /// Of the pixels of `rect`.
+  DeepSamples(const PixelRect& rect, const DeepBound& bound);
+  /// The most that so many pixels take. unit: bytes.
+  static std::uint64_t bytesFor(std::uint64_t pixels, const DeepBound& bound);
+
+  const PixelRect& rect() const { return rect_; }
+  /// A layer that changes what is in front of it, and with it, from `before` to `after`, in depths behind all of the
+  /// pixel's others. shape: premultiplied RGBA. thread: one at a time in each square of 64×64 pixels, counted from
+  /// pixel (0, 0).
+  void add(int x, int y, float z, float z_back, const float* before, const float* after);
+  int count(int x, int y) const { return pixels_[placeOf(x, y)].count; }
+  /// Writes the pixel's samples, from front to back. shape: `out` has room for count(x, y).
+  void copy(int x, int y, DeepSample* out) const;
+
+ private:
+  // A number above 0, rounded up: the upper half of a float.
+  using Rounded = std::uint16_t;
+  struct Kept {
+    DeepSample sample;
+    Rounded error;  // that merging has made so far
+    Rounded joint;  // the error of the sample that it would be with the next
+  };
+  static constexpr int kChunkSamples = 4, kPageChunks = 64, kSquare = 64;
+  struct Chunk {
+    Kept samples[kChunkSamples];
+    std::uint32_t next;
+  };
+  // The chunks of a square's pixels.
+  struct Square {
+    std::vector<std::unique_ptr<Chunk[]>> pages;
+    std::uint32_t used = 0;
+    Chunk& at(std::uint32_t i) const { return pages[i / kPageChunks][i % kPageChunks]; }
+    std::uint32_t take();
+  };
+  struct Pixel {
+    std::uint32_t first = 0;
+    std::uint16_t count = 0;
+  };
+
+  static Rounded rounded(float v);
+  static float valueOf(Rounded v);
+  static Kept joined(const Kept& a, const Kept& b);
+  static Rounded jointError(const Kept& a, const Kept& b, float in_front);
+
+  std::size_t placeOf(int x, int y) const {
+    return static_cast<std::size_t>(y - rect_.y0) * static_cast<std::size_t>(rect_.width()) +
+           static_cast<std::size_t>(x - rect_.x0);
+  }
+  std::size_t squareOf(int x, int y) const {
+    return static_cast<std::size_t>((y / kSquare - rect_.y0 / kSquare) * columns_ + x / kSquare - rect_.x0 / kSquare);
+  }
+  Chunk& lastChunk(const Square& square, const Pixel& pixel) const;
+  void append(Square& square, Pixel& pixel, const Kept& sample);
+  void joinLeast(const Square& square, const Pixel& pixel, const Kept& sample, float open);
+
+  const PixelRect rect_;
+  const DeepBound bound_;
+  const int columns_;
+  std::vector<Pixel> pixels_;
+  std::vector<Square> squares_;
+};
+
+}  // namespace kiln
