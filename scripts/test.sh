@@ -45,7 +45,7 @@ for preset in "${presets[@]}"; do
   # smaller ones go the same ways. (The former are for --nightly and --only dev.) How much memory a picture takes, a
   # sanitizer cannot say.
   if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then
-    chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Turn|Zoom|MemoryBudget|Ranks')
+    chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Panorama|Turn|Zoom|MemoryBudget|Ranks')
   fi
   if [ "$preset" = tsan ]; then
     chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],')

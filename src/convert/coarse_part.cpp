@@ -235,7 +235,7 @@ CoarsePart partFrom(std::span<const std::byte> bytes, const std::filesystem::pat
     throw Error(ErrorCode::kDamaged, place, "", "is no part of a brick; run the conversion again");
   part.voxels.assign(voxels.begin(), voxels.end());
   part.cells.resize(taker.left.size() / sizeof(ValueRange));
-  std::memcpy(part.cells.data(), taker.left.data(), taker.left.size());
+  if (!part.cells.empty()) std::memcpy(part.cells.data(), taker.left.data(), taker.left.size());
   return part;
 }
 
