@@ -15,7 +15,7 @@ View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const Im
   if (view.projection != Projection::kPerspective)
     throw Error(ErrorCode::kUsage,
                 "--stereo: a pair is of a perspective camera; an orthographic one sees the same with both eyes, and a "
-                "panorama has no left and right");
+                "panorama has no left and right; choose perspective");
   if (stereo->eye == StereoEye::kBoth) return view;
   const double offset = (stereo->eye == StereoEye::kLeft ? -0.5 : 0.5) * stereo->interocular;
   const double convergence = stereo->convergence.value_or(glm::length(camera.target - camera.eye));

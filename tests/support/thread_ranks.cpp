@@ -47,9 +47,9 @@ struct World {
 class WorldCounters : public SharedCounters {
  public:
   WorldCounters(World& world, std::size_t first) : world_(world), first_(first) {
-    // A rank that fails leaves its own behind (as MPI's must be): known here, so that it is no leak.
+    // A rank that fails leaves its own behind (as MPI's must be): known here to the end, so that it is no leak.
     static std::mutex mutex;
-    static std::deque<WorldCounters*> made;
+    static auto& made = *new std::deque<WorldCounters*>;
     const std::scoped_lock lock(mutex);
     made.push_back(this);
   }
