@@ -1,7 +1,7 @@
 // Ranks by MPI (written against Open MPI 4.1, and MPI 3.1's standard). All calls are serialised by one mutex, and every
 // wait is a test, a short sleep and another test: a rank that waits leaves its core to those that work, which counts
-// where there are more ranks than cores. A thread looks in every millisecond, so that messages and one-sided operations
-// go on while this rank draws: over TCP they do only while the target is inside of MPI.
+// where there are more ranks than cores. A thread looks in every millisecond, so that messages go on, and the first
+// rank's counters answer, while this rank draws: over TCP they do only while the target is inside of MPI.
 #define OMPI_SKIP_MPICXX 1
 #include <mpi.h>
 
@@ -11,6 +11,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <list>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -23,8 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Tags of Kiln's own are below; this one is the collectives'.
-constexpr int kGatherTag = Ranks::kTags;
+// Tags of Kiln's own are below; these are the collectives' and the counters'.
+constexpr int kGatherTag = Ranks::kTags, kAddTag = kGatherTag + 1, kAddedTag = kGatherTag + 2;
 // What one call of a collective moves at most: MPI counts in int.
 constexpr std::size_t kLargestCall = std::size_t{1} << 30;
 
@@ -36,6 +37,10 @@ void combineElements(void* front, void* behind, int* count, MPI_Datatype* /*type
                  static_cast<std::size_t>(*count));
 }
 
+struct CounterRequest {
+  std::uint64_t set, counter, amount;
+};
+
 class MpiRanks : public Ranks {
  public:
   MpiRanks() {
@@ -45,15 +50,16 @@ class MpiRanks : public Ranks {
       throw Error(ErrorCode::kUnsupported, "this MPI may not be called from more than one thread; use another build");
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &count_);
-    failures_ = makeCounters(1);
+    one_machine_ = ranksOfThisMachine() == count_;
     service_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+    failures_ = makeCounters(1);
   }
 
   ~MpiRanks() override {
-    barrier();
-    waitUntil([this] { return outgoingDone(); });
-    service_ = {};
     failures_.reset();
+    waitUntil([this] { return outgoingDone(); });
+    barrier();
+    service_ = {};
     if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
     MPI_Finalize();
   }
@@ -157,7 +163,8 @@ class MpiRanks : public Ranks {
   }
 
  private:
-  friend class MpiCounters;
+  friend class WindowCounters;
+  friend class MasterCounters;
   struct Outgoing {
     std::vector<std::byte> bytes;
     MPI_Request request = MPI_REQUEST_NULL;
@@ -261,12 +268,40 @@ class MpiRanks : public Ranks {
     return ordered_;
   }
 
+  static int ranksOfThisMachine() {
+    MPI_Comm machine;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    int out = 1;
+    MPI_Comm_size(machine, &out);
+    MPI_Comm_free(&machine);
+    // On a machine of fewer ranks than another, too.
+    MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    return out;
+  }
+
+  // Requires the lock, on the first rank.
+  std::uint64_t answer(const CounterRequest& request) {
+    std::uint64_t& value = sets_[request.set][request.counter];
+    return std::exchange(value, value + request.amount);
+  }
+
+  // Requires the lock. Questions and answers are so small that they are handed over at once.
+  void answerAll() {
+    int there = 0;
+    MPI_Status status;
+    while (MPI_Iprobe(MPI_ANY_SOURCE, kAddTag, MPI_COMM_WORLD, &there, &status), there != 0) {
+      CounterRequest request;
+      MPI_Recv(&request, sizeof(request), MPI_BYTE, status.MPI_SOURCE, kAddTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+      const std::uint64_t before = answer(request);
+      MPI_Send(&before, sizeof(before), MPI_BYTE, status.MPI_SOURCE, kAddedTag, MPI_COMM_WORLD);
+    }
+  }
+
   void serve(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       locked([&] {
-        int there = 0;
-        MPI_Iprobe(MPI_ANY_SOURCE, kGatherTag, MPI_COMM_WORLD, &there, MPI_STATUS_IGNORE);
+        answerAll();
         outgoingDone();
       });
     }
@@ -278,15 +313,17 @@ class MpiRanks : public Ranks {
   std::list<Outgoing> outgoing_;
   std::vector<int> order_;
   MPI_Comm ordered_ = MPI_COMM_NULL;
+  bool one_machine_ = true;
+  std::uint64_t next_set_ = 0;
+  std::map<std::uint64_t, std::vector<std::uint64_t>> sets_;  // of MasterCounters, on the first rank
   std::unique_ptr<SharedCounters> failures_;
   std::jthread service_;
 };
 
-// One-sided, in a window of the first rank's memory: no rank answers for another. Where all ranks are on one machine an
-// addition is an atomic instruction on shared memory; else the first rank's service thread lets it happen.
-class MpiCounters : public SharedCounters {
+// Ranks of one machine: one-sided, in a window of the first rank's memory; an addition is an atomic instruction.
+class WindowCounters : public SharedCounters {
  public:
-  MpiCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
+  WindowCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
     const std::scoped_lock lock(ranks.mutex_);
     const std::size_t bytes = ranks.first() ? count * sizeof(std::uint64_t) : 0;
     void* memory = nullptr;
@@ -297,7 +334,7 @@ class MpiCounters : public SharedCounters {
     MPI_Win_sync(window_);
     MPI_Barrier(MPI_COMM_WORLD);
   }
-  ~MpiCounters() override {
+  ~WindowCounters() override {
     // Freeing is collective and without a wait of its own that sleeps.
     ranks_.barrier();
     const std::scoped_lock lock(ranks_.mutex_);
@@ -318,8 +355,49 @@ class MpiCounters : public SharedCounters {
   MPI_Win window_ = MPI_WIN_NULL;
 };
 
+// Ranks of several machines: the first one's service thread answers. Open MPI 4.1 has no window over TCP by default,
+// and the one it can be told to take answers in 5 ms.
+class MasterCounters : public SharedCounters {
+ public:
+  MasterCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
+    {
+      const std::scoped_lock lock(ranks.mutex_);
+      set_ = ranks.next_set_++;
+      if (ranks.first()) ranks.sets_[set_].resize(count);
+    }
+    ranks.barrier();
+  }
+  ~MasterCounters() override {
+    ranks_.barrier();
+    const std::scoped_lock lock(ranks_.mutex_);
+    ranks_.sets_.erase(set_);
+  }
+
+  std::uint64_t add(std::size_t counter, std::uint64_t amount) override {
+    const CounterRequest request{set_, counter, amount};
+    if (ranks_.first()) {
+      const std::scoped_lock lock(ranks_.mutex_);
+      return ranks_.answer(request);
+    }
+    // One question of a rank at a time, so that its answer is the next.
+    const std::scoped_lock asking(asking_);
+    std::vector<std::byte> bytes(sizeof(request));
+    std::memcpy(bytes.data(), &request, sizeof(request));
+    ranks_.send(0, kAddTag, std::move(bytes));
+    std::uint64_t before = 0;
+    std::memcpy(&before, ranks_.receive(kAddedTag, 0).bytes.data(), sizeof(before));
+    return before;
+  }
+
+ private:
+  MpiRanks& ranks_;
+  std::uint64_t set_ = 0;
+  std::mutex asking_;
+};
+
 std::unique_ptr<SharedCounters> MpiRanks::makeCounters(std::size_t count) {
-  return std::make_unique<MpiCounters>(*this, count);
+  if (one_machine_) return std::make_unique<WindowCounters>(*this, count);
+  return std::make_unique<MasterCounters>(*this, count);
 }
 
 }  // namespace
