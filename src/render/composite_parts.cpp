@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/background.h"
+#include "render/part_order.h"
 #include "scene/render_job.h"
 
 namespace kiln {
@@ -69,47 +70,18 @@ void requireSameScene(const Part& first, const Part& other) {
   if (first.look.size() != other.look.size()) refuse("job");
 }
 
-// Rays in the volume's index space.
-struct Rays {
-  bool perspective;
-  glm::dvec3 vector;  // from where they start, or along which they run
-};
-
-Rays raysOf(const View& view, const VolumeGeometry& volume) {
-  const glm::dmat4 index_from_world = glm::inverse(volume.world_from_index);
-  const bool perspective = view.projection == Projection::kPerspective;
-  return {perspective, perspective ? glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1))
-                                   : glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0))};
-}
-
-// Whether a ray may pass `a` and then `b`: along every axis that parts the boxes it would run from one to the other.
-bool mayHide(const VoxelBox& a, const VoxelBox& b, const Rays& rays) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const double v = rays.vector[axis];
-    if (a.hi[axis] <= b.lo[axis] && !(rays.perspective ? v < static_cast<double>(a.hi[axis]) - 0.5 : v > 0))
-      return false;
-    if (b.hi[axis] <= a.lo[axis] && !(rays.perspective ? v > static_cast<double>(a.lo[axis]) - 0.5 : v < 0))
-      return false;
-  }
-  return true;
-}
-
 // Front to back.
-std::vector<Part> inOrder(std::vector<Part> parts, const Rays& rays) {
+std::vector<Part> inOrder(std::vector<Part> parts, const View& view, const VolumeGeometry& volume) {
+  std::vector<VoxelBox> boxes;
+  for (const Part& part : parts) boxes.push_back(part.box);
+  const auto order = frontToBack(boxes, view, volume);
+  if (!order)
+    throw Error(ErrorCode::kUsage, parts.front().path, "",
+                fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
+                            "turn; cut the volume by --part I/N, or by planes through all of it",
+                            parts.size() - 1));
   std::vector<Part> out;
-  while (!parts.empty()) {
-    const auto nearest = std::find_if(parts.begin(), parts.end(), [&](const Part& part) {
-      return std::none_of(parts.begin(), parts.end(),
-                          [&](const Part& other) { return &other != &part && mayHide(other.box, part.box, rays); });
-    });
-    if (nearest == parts.end())
-      throw Error(ErrorCode::kUsage, parts.front().path, "",
-                  fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
-                              "turn; cut the volume by --part I/N, or by planes through all of it",
-                              parts.size() - 1));
-    out.push_back(std::move(*nearest));
-    parts.erase(nearest);
-  }
+  for (const int place : *order) out.push_back(std::move(parts[static_cast<std::size_t>(place)]));
   return out;
 }
 
@@ -123,22 +95,17 @@ void requireDisjoint(const std::vector<Part>& parts) {
   }
 }
 
-// As slabs are laid behind each other (splat/lay_sheet.cpp): what the parts in front do not cover of a pixel is clear.
-// A pixel that reaches the threshold is divided by its alpha and closed, as when it is drawn.
-void layBehind(const Image& part, float opaque_at, Image& image, std::vector<float>& covered) {
+void layPart(const Image& part, float opaque_at, Image& image, std::vector<float>& covered) {
   const std::vector<float>& covers = part.planes.front().values;
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    float* const pixel = &image.rgba[i];
-    float& in_front = covered[i / 4];
-    const float behind = covers[i / 4];
-    if (pixel[3] == 1.0f || !(behind > 0)) continue;
-    const float density = in_front > 0 ? std::min(pixel[3] / in_front, 1.0f) : 0.0f;
-    const float seen = (behind - std::min(behind, in_front) * density) / behind;
-    for (std::size_t c = 0; c < 4; ++c) pixel[c] += seen * part.rgba[i + c];
-    in_front = std::max(in_front, behind);
-    if (pixel[3] < opaque_at) continue;
-    for (int c = 0; c < 3; ++c) pixel[c] /= pixel[3];
-    pixel[3] = 1.0f;
+  for (std::size_t i = 0; i < covers.size(); ++i) {
+    PartPixel front, behind;
+    std::copy_n(&image.rgba[4 * i], 4, front.rgba);
+    std::copy_n(&part.rgba[4 * i], 4, behind.rgba);
+    front.covered = covered[i];
+    behind.covered = covers[i];
+    layBehind(behind, opaque_at, front);
+    std::copy_n(front.rgba, 4, &image.rgba[4 * i]);
+    covered[i] = front.covered;
   }
 }
 
@@ -186,14 +153,14 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0;
   std::int64_t voxels = 0;
-  for (const Part& part : inOrder(std::move(parts), raysOf(view, volume))) {
+  for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");
     const Image image = readImage(part.path, planes);
     if (image.width != pixels.width() || image.height != pixels.height())
       throw Error(
           ErrorCode::kFormat, part.path, "dataWindow",
           fmt::format("{} x {} pixels, expected {} x {}", image.width, image.height, pixels.width(), pixels.height()));
-    layBehind(image, opaque_at, out.image, covered);
+    layPart(image, opaque_at, out.image, covered);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());
   }

@@ -187,7 +187,7 @@ std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick
     }
   }
   std::shared_ptr<const BrickBlock> block = cache_.get(brick.key);
-  if (!block) damaged_.insert({brick.key});
+  if (!block) statistics_.damaged.insert({brick.key});
   return block;
 }
 
@@ -241,7 +241,7 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, Splat
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
   counts_.add(drawn);
   statistics_.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
-  if (drawn.changed && contributing_.insert(key).second) statistics_.addContributing(store_.index().at(key).file_bytes);
+  if (drawn.changed) statistics_.addContributing({key}, store_.index().at(key).file_bytes);
 }
 
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
@@ -267,7 +267,7 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_hidden = walked_.hidden;
   out.bricks_read = after.reads - before_.reads;
   out.bricks_unused = after.unused - before_.unused;
-  out.bricks_damaged = damaged_.size();
+  out.bricks_damaged = out.damaged.size();
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
   out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : 0;
   out.load_s = after.load_seconds - before_.load_seconds;

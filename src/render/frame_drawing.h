@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
@@ -100,8 +99,7 @@ class FrameDrawing {
   FrameStatistics statistics_;
   SplatCounts counts_;
   BrickWalkCounts walked_;
-  std::set<BrickKey> contributing_;
-  std::set<StoredBrick> damaged_, mixed_;
+  std::set<StoredBrick> mixed_;
   const std::size_t drawn_together_;
   std::vector<DueBrick> due_;
 };

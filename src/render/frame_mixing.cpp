@@ -59,7 +59,7 @@ void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<c
   VolumeMix::Blocks blocks;
   for (const StoredBrick& key : keys) {
     blocks.push_back(cache_.get(key));
-    if (!blocks.back()) damaged_.insert(key);
+    if (!blocks.back()) statistics_.damaged.insert(key);
     const bool first = mixed_.insert(key).second;
     if (first && blocks.back()) ++statistics_.levels[static_cast<std::size_t>(key.key.level)].bricks;
   }

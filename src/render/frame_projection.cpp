@@ -50,7 +50,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
       block = cache_.get(brick.key);
       if (cache_.readsAhead()) cache_.announce(lookahead.after(brick.key, kAnnounced));
       if (!block) {
-        damaged_.insert({brick.key});
+        statistics_.damaged.insert({brick.key});
         continue;
       }
     }

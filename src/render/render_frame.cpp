@@ -134,6 +134,15 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
   return out;
 }
 
+std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
+  requireRequest({&store}, request);
+  const int edge = subPixelsAlongEdge(request.samples);
+  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
+  BrickWalkCounts ignored;
+  return FramePlan({&store}, of_sub_pixels)
+      .bricks->inView(subPixelsOf(drawnPixels(request.view.size, request.crop), edge), ignored);
+}
+
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
   std::uint64_t out = 0;

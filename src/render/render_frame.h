@@ -55,6 +55,9 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
 /// What of several volumes a frame has in memory at once, at least. unit: bytes.
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
+/// Those of one volume, with what of the image of sub-pixels each can touch. requires: no other volumes.
+std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request);
+
 class FrameDrawing;
 
 /// A frame that is drawn piece by piece, in any order; what the pieces cost adds up. No panorama.

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "render/frame_files.h"
+#include "cluster/ranks.h"
+#include "render/sequence_frames.h"
 #include "render/statistics.h"
 #include "scene/render_job.h"
 
@@ -29,8 +29,12 @@ struct SequenceOptions {
   bool resume = false;  // frames whose files are there and whole are kept
   /// A frame is drawn in tiles, which are kept until its files are there; those of an earlier run with `resume`.
   bool checkpoint = false;
-  /// The store for a volume, which may be a foreign file; else the volume is one.
-  std::function<std::filesystem::path(const std::filesystem::path&)> store_for;
+  StoreFor store_for;  // if not given, volumes are stores
+  /// That share the frames; each calls runSequence with the same job. Null is this process alone.
+  Ranks* ranks = nullptr;
+  /// Where ranks share bricks: this rank's own part of the store (render/split_store.h), in whose name a run of # is
+  /// the rank's number, from 1 on; if not given, all read the job's.
+  std::filesystem::path store_local;
 };
 
 struct SequenceResult {
@@ -42,13 +46,9 @@ struct SequenceResult {
 /// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is
 /// made then. throws: Error kUsage where the job as a whole cannot be drawn, kExists where, resuming, a file is of
 /// another job; kCancelled saying how to go on; kNotFound, kIo of the video.
+/// Of several ranks, the first tells the listener and returns the result; an error of another that is no frame's alone
+/// is thrown there.
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener);
-
-/// The job over the volume of a frame.
-RenderJob jobAtFrame(const RenderJob& job, int frame);
-
-/// Renames the job's volume, or each of several.
-void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
 
 }  // namespace kiln

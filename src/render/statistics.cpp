@@ -54,26 +54,82 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
           {"levels", levelsOf(frame)}};
 }
 
+nlohmann::ordered_json ranksOf(const RenderStatistics& s) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const RankStatistics& rank : s.ranks)
+    out.push_back({{"rank", rank.rank},
+                   {"busy_s", rank.busy_s},
+                   {"idle_s", rank.idle_s},
+                   {"tiles", rank.tiles},
+                   {"frames_written", rank.frames_written},
+                   {"sent_bytes", rank.sent_bytes},
+                   {"received_bytes", rank.received_bytes},
+                   {"bricks", {{"read", rank.bricks_read}, {"read_bytes", rank.bricks_read_bytes}}},
+                   {"voxels", {{"visited", rank.voxels_visited}, {"splats", rank.voxels_splats}}},
+                   {"memory", {{"peak_cache_bytes", rank.peak_cache_bytes}, {"peak_rss_bytes", rank.peak_rss_bytes}}}});
+  return out;
+}
+
+// The greatest busy time over the mean: 1 is even.
+double imbalanceOf(const std::vector<RankStatistics>& ranks) {
+  double sum = 0, greatest = 0;
+  for (const RankStatistics& rank : ranks) {
+    sum += rank.busy_s;
+    greatest = std::max(greatest, rank.busy_s);
+  }
+  return sum > 0 ? greatest * static_cast<double>(ranks.size()) / sum : 1;
+}
+
 }  // namespace
 
 void FrameStatistics::addView(const FrameStatistics& view) {
-  wall_s += view.wall_s, load_s += view.load_s, output_s += view.output_s;
-  voxels_visited += view.voxels_visited, voxels_splats += view.voxels_splats;
-  nodes_tested += view.nodes_tested, nodes_hidden += view.nodes_hidden;
-  bricks_total = std::max(bricks_total, view.bricks_total);
-  bricks_damaged = std::max(bricks_damaged, view.bricks_damaged);
-  bricks_interesting += view.bricks_interesting, bricks_read += view.bricks_read;
-  bricks_hidden += view.bricks_hidden, bricks_unused += view.bricks_unused, bricks_read_bytes += view.bricks_read_bytes;
-  bricks_contributing += view.bricks_contributing, bricks_contributing_bytes += view.bricks_contributing_bytes;
-  slab_bytes = std::max(slab_bytes, view.slab_bytes);
-  threads = view.threads;
-  busy.add(view.busy);
-  levels.resize(std::max(levels.size(), view.levels.size()));
-  for (std::size_t i = 0; i < view.levels.size(); ++i) {
-    levels[i].bricks += view.levels[i].bricks;
-    levels[i].voxels_visited += view.levels[i].voxels_visited;
-    levels[i].voxels_splats += view.levels[i].voxels_splats;
+  const std::uint64_t interesting = bricks_interesting + view.bricks_interesting;
+  merge(view);
+  wall_s += view.wall_s, output_s += view.output_s;
+  bricks_interesting = interesting;
+}
+
+void FrameStatistics::addContributing(const StoredBrick& brick, std::uint64_t file_bytes) {
+  if (!contributing.emplace(brick, file_bytes).second) return;
+  ++bricks_contributing;
+  bricks_contributing_bytes += file_bytes;
+}
+
+void FrameStatistics::merge(const FrameStatistics& other) {
+  load_s += other.load_s;
+  voxels_visited += other.voxels_visited;
+  voxels_splats += other.voxels_splats;
+  nodes_tested += other.nodes_tested;
+  nodes_hidden += other.nodes_hidden;
+  bricks_read += other.bricks_read;
+  bricks_read_bytes += other.bricks_read_bytes;
+  bricks_hidden += other.bricks_hidden;
+  bricks_unused += other.bricks_unused;
+  bricks_total = std::max(bricks_total, other.bricks_total);
+  bricks_interesting = std::max(bricks_interesting, other.bricks_interesting);
+  slab_bytes = std::max(slab_bytes, other.slab_bytes);
+  busy.add(other.busy);
+  threads = std::max(threads, other.threads);
+  peak_cache_bytes = std::max(peak_cache_bytes, other.peak_cache_bytes);
+  peak_rss_bytes = std::max(peak_rss_bytes, other.peak_rss_bytes);
+  levels.resize(std::max(levels.size(), other.levels.size()));
+  for (std::size_t i = 0; i < other.levels.size(); ++i) {
+    levels[i].bricks += other.levels[i].bricks;
+    levels[i].voxels_visited += other.levels[i].voxels_visited;
+    levels[i].voxels_splats += other.levels[i].voxels_splats;
   }
+  for (const auto& [brick, file_bytes] : other.contributing) addContributing(brick, file_bytes);
+  damaged.insert(other.damaged.begin(), other.damaged.end());
+  bricks_damaged = damaged.size();
+}
+
+void RankStatistics::add(const FrameStatistics& share) {
+  bricks_read += share.bricks_read;
+  bricks_read_bytes += share.bricks_read_bytes;
+  voxels_visited += share.voxels_visited;
+  voxels_splats += share.voxels_splats;
+  peak_cache_bytes = std::max(peak_cache_bytes, share.peak_cache_bytes);
+  peak_rss_bytes = std::max(peak_rss_bytes, share.peak_rss_bytes);
 }
 
 void RenderStatistics::add(const FrameStatistics& frame) {
@@ -105,6 +161,11 @@ std::string statisticsText(const RenderStatistics& s) {
                    {"slabs_bytes", s.slabs_bytes},           {"peak_slabs_bytes", s.peak_slabs_bytes},
                    {"trace_bytes", s.trace_bytes},           {"peak_rss_bytes", s.peak_rss_bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
+  if (!s.ranks.empty()) {
+    out["shared_by"] = s.shared_by;
+    out["ranks"] = ranksOf(s);
+    out["imbalance"] = imbalanceOf(s.ranks);
+  }
   return out.dump(1) + "\n";
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/span.h"
+#include "cache/brick_cache.h"
 
 namespace kiln {
 
@@ -39,12 +42,24 @@ struct FrameStatistics {
   BusyTimes busy;        // of what was done within wall_s
   /// The part of the drawing threads' time for which there was work, above 1 where readers have cores of their own.
   double utilisation() const { return wall_s > 0 ? busy.total() / (wall_s * threads) : 0; }
-  /// Adds what another view of the frame has cost: the bricks in total, and those that are damaged, are the same.
+  std::map<StoredBrick, std::uint64_t> contributing;  // the bytes of their files
+  std::set<StoredBrick> damaged;
+  void addContributing(const StoredBrick& brick, std::uint64_t file_bytes);
+  /// Adds what was drawn of the same frame elsewhere. Not: when it was begun, wall_s and output_s.
+  void merge(const FrameStatistics& other);
+  /// Adds what another view of the frame has cost, one after the other.
   void addView(const FrameStatistics& view);
-  void addContributing(std::uint64_t file_bytes) {
-    ++bricks_contributing;
-    bricks_contributing_bytes += file_bytes;
-  }
+};
+
+/// What a rank did for a job. `busy_s` is all time but that in which it waited for others.
+struct RankStatistics {
+  int rank = 0;
+  double busy_s = 0, idle_s = 0;
+  std::uint64_t tiles = 0, frames_written = 0;
+  std::uint64_t sent_bytes = 0, received_bytes = 0;
+  std::uint64_t bricks_read = 0, bricks_read_bytes = 0, voxels_visited = 0, voxels_splats = 0;
+  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
+  void add(const FrameStatistics& share);
 };
 
 struct RenderStatistics {
@@ -55,7 +70,9 @@ struct RenderStatistics {
   std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
-  std::vector<int> kept, failed;  // frames of a sequence that are not in `frames`
+  std::vector<RankStatistics> ranks;  // where there are several
+  std::string shared_by;              // what was handed out to them: "tiles", "frames", "bricks"
+  std::vector<int> kept, failed;      // frames of a sequence that are not in `frames`
   /// Puts a frame behind the others, and into the sums.
   void add(const FrameStatistics& frame);
 };

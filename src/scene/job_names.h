@@ -25,6 +25,7 @@ inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "rig
 // The first five lose nothing.
 inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none", "rle",  "zips", "zip",
                                                                          "piz",  "dwaa", "dwab"};
+inline constexpr std::array<std::string_view, 4> kDistributionNames = {"auto", "tiles", "frames", "bricks"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 /// The word of `names` for an enumerator.

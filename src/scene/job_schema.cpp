@@ -75,6 +75,7 @@ std::span<const std::string_view> wordsOf(const std::string& name) {
   if (name == "compression") return kExrCompressionNames;
   if (name == "ease") return kEaseNames;
   if (name == "pivot") return kPivotNames;
+  if (name == "distribution") return kDistributionNames;
   if (name == "area") return kProjectedAreaNames;
   return kColorSpaces;
 }

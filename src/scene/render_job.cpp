@@ -326,6 +326,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (!samplesKnown(job.picture.samples)) root.refuse("samples", "1, 4 or 16");
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
+  job.distribution = static_cast<Distribution>(root.choice("distribute", kDistributionNames).value_or(0));
   readOutput(root, job.output);
   if (const auto trace = root.text("trace", "a file name")) job.trace = besideJob(*trace, path);
   return job;

@@ -171,6 +171,10 @@ struct VolumeOptions {
   Clipping clipping;               // of this one alone
 };
 
+/// How ranks share a job: frames one by one, or tiles of frames, as it reads fewer bytes (kAuto); tiles or frames
+/// always; or bricks, of which each rank draws its own of every frame.
+enum class Distribution { kAuto, kTiles, kFrames, kBricks };
+
 /// `volume` and `output.path` may have a place for the frame's number (scene/frame_list.h).
 struct RenderJob {
   std::filesystem::path volume;
@@ -181,6 +185,7 @@ struct RenderJob {
   Animation animation;
   std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
   SpeedOptions speed;
+  Distribution distribution = Distribution::kAuto;
   OutputOptions output;
   std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
 };

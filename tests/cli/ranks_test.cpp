@@ -1,9 +1,16 @@
-// Several ranks under mpirun are one program: what they print, how they end. Skipped where Kiln is built without MPI or
-// mpirun is not there.
+// Several ranks under mpirun are one program: what they print, how they end, and that what they draw is what one
+// process draws. Skipped where Kiln is built without MPI or mpirun is not there.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 
+#include "base/file.h"
+#include "output/compare.h"
+#include "output/image_file.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
 
@@ -46,6 +53,189 @@ TEST_F(Ranks, OneSentenceSaysWhatFailed) {
   const ToolResult wrong = run(3, {"info", "--sideways"});
   EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
   EXPECT_EQ(said(wrong), 1) << wrong.err;
+}
+
+// Kills one process of the program whose command line names the folder.
+bool killOneRank(const std::string& folder) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream file(entry.path() / "cmdline");
+    const std::string words((std::istreambuf_iterator<char>(file)), {});
+    if (words.starts_with(KILN_TOOL) && words.find(folder) != std::string::npos)
+      return ::kill(std::stoi(name), SIGKILL) == 0;
+  }
+  return false;
+}
+
+class RanksRender : public Ranks {
+ protected:
+  void SetUp() override {
+    Ranks::SetUp();
+    if (IsSkipped()) return;
+    directory_ =
+        freshDirectory(std::string("ranks_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    for (const char* folder : {"one", "many"}) fs::create_directories(directory_ / folder);
+    volume_ = (directory_ / "h.kiln").string();
+    EXPECT_EQ(runTool({"convert", "phantom:head:64x64x64", volume_, "--brick-size", "16"}).exit_code, 0);
+  }
+
+  // Draws to `folder`; returns what --stats says.
+  nlohmann::json drawn(int ranks, const std::string& folder, std::vector<std::string> more) {
+    const std::string stats = (directory_ / (folder + ".json")).string();
+    std::vector<std::string> arguments = {"render", volume_, "--threads", "1", "--stats", stats};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    for (std::string& argument : arguments) {
+      if (argument.starts_with("OUT/")) argument = (directory_ / folder / argument.substr(4)).string();
+    }
+    const ToolResult result = run(ranks, arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(readTextFile(stats));
+  }
+
+  std::string volume_;
+  fs::path directory_;
+};
+
+// Known because every pixel of a crop is the whole picture's, and a frame of a sequence the still picture's.
+TEST_F(RanksRender, AFrameInTilesIsTheSameToTheBit) {
+  for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
+           {"-o", "OUT/a.exr", "--size", "300x200", "--tf", "ct-bone-and-skin", "--aov", "depth,normal"},
+           {"-o", "OUT/b.exr", "--size", "300x330", "--crop", "10,20,250,300", "--eye", "0,0,0", "--target", "1,5,0",
+            "--background", "1,0,0:0,0,1", "--samples", "4", "--tf", "ct-skin"},
+           {"-o", "OUT/c.exr", "--size", "260x260", "--mode", "mip", "--aov", "value"}}) {
+    const auto one = drawn(0, "one", look);
+    const auto many = drawn(3, "many", look);
+    EXPECT_TRUE(filesOf(directory_ / "one") == filesOf(directory_ / "many")) << look[1];
+    EXPECT_EQ(many["shared_by"], "tiles");
+    ASSERT_EQ(many["ranks"].size(), 3u);
+    std::uint64_t read = 0, tiles = 0, sent = 0;
+    for (const auto& rank : many["ranks"]) {
+      read += rank["bricks"]["read_bytes"].get<std::uint64_t>();
+      tiles += rank["tiles"].get<std::uint64_t>();
+      sent += rank["sent_bytes"].get<std::uint64_t>();
+      EXPECT_GE(rank["busy_s"].get<double>(), 0.0);
+    }
+    EXPECT_EQ(read, many["bricks"]["read_bytes"]);
+    EXPECT_EQ(many["bricks"]["contributing"], one["bricks"]["contributing"]);
+    EXPECT_GE(tiles, 4u);
+    EXPECT_GT(sent, 300u * 200 * 16);
+  }
+}
+
+TEST_F(RanksRender, FramesAreTheSameHoweverTheyAreShared) {
+  const std::vector<std::string> look = {"-o", "OUT/t_##.png", "--size", "140x130", "--turntable", "8"};
+  drawn(0, "one", look);
+  const auto whole = filesOf(directory_ / "one");
+  EXPECT_EQ(whole.size(), 8u);
+  for (const char* shared_by : {"tiles", "frames"}) {
+    std::vector<std::string> shared = look;
+    shared.insert(shared.end(), {"--distribute", shared_by});
+    const auto stats = drawn(2, "many", shared);
+    EXPECT_TRUE(filesOf(directory_ / "many") == whole) << shared_by;
+    EXPECT_EQ(stats["shared_by"], shared_by);
+    EXPECT_EQ(stats["frames"].size(), 8u);
+    // What is there is kept, what is not is drawn.
+    fs::remove(directory_ / "many/t_02.png");
+    fs::resize_file(directory_ / "many/t_07.png", 100);
+    shared.emplace_back("--resume");
+    const auto resumed = drawn(3, "many", shared);
+    EXPECT_EQ(resumed["kept"].size(), 6u);
+    EXPECT_EQ(resumed["frames"].size(), 2u);
+    EXPECT_TRUE(filesOf(directory_ / "many") == whole) << shared_by;
+    for (const auto& entry : fs::directory_iterator(directory_ / "many")) fs::remove(entry);
+  }
+}
+
+// Known because parts that fill the volume make the whole (tests/property/partial_image_test.cpp) but for pixels that
+// an edge goes through: what of a pixel a part covers is one number, whichever of its slabs cover it.
+TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
+  const auto expectClose = [&](const std::string& name) {
+    const ImageDifference difference =
+        compareImages(readImage(directory_ / "one" / name), readImage(directory_ / "many" / name));
+    EXPECT_LT(difference.largest, 6 / 255.0) << name;
+    EXPECT_GT(difference.foreground_psnr_db, 55) << name;
+  };
+  const std::vector<std::vector<std::string>> looks = {
+      {"-o", "OUT/a.exr", "--tf", "ct-bone-and-skin", "--background", "0.2,0.1,0"},
+      {"-o", "OUT/b.exr", "--tf", "ct-skin", "--eye", "3,-9,5", "--target", "20,60,30", "--fov", "100"},
+      {"-o", "OUT/c.exr", "--tf", "ct-bone", "--projection", "orthographic", "--view", "top", "--crop", "20,10,90,80"}};
+  for (const int ranks : {2, 5}) {
+    for (std::vector<std::string> look : looks) {
+      look.insert(look.end(), {"--size", "150x120", "--exr-type", "float"});
+      drawn(0, "one", look);
+      look.insert(look.end(), {"--distribute", "bricks"});
+      const auto stats = drawn(ranks, "many", look);
+      EXPECT_EQ(stats["shared_by"], "bricks");
+      const std::string name = look[1].substr(4);
+      expectClose(name);
+      EXPECT_EQ(readImageText(directory_ / "many" / name), readImageText(directory_ / "one" / name));
+    }
+  }
+  // Each rank has no more than its part, and the job's own volume is not there.
+  const std::string parts = (directory_ / "part_#.kiln").string();
+  const ToolResult split = runTool({"split", volume_, "-o", parts, "--parts", "3", "--tf", "ct-skin"});
+  ASSERT_EQ(split.exit_code, 0) << split.err;
+  EXPECT_LT(filesOf(directory_ / "part_1.kiln").size(), filesOf(volume_).size());
+  std::vector<std::string> look = looks[1];
+  look.insert(look.end(), {"--size", "150x120", "--exr-type", "float"});
+  drawn(0, "one", look);
+  fs::rename(volume_, directory_ / "away.kiln");
+  look.insert(look.end(), {"--distribute", "bricks", "--store-local", parts});
+  drawn(3, "many", look);
+  expectClose("b.exr");
+  const ToolResult fewer = run(
+      2, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--distribute", "bricks", "--store-local", parts});
+  EXPECT_EQ(fewer.exit_code, 2);
+  EXPECT_NE(fewer.err.find("run as many ranks as kiln split made parts"), std::string::npos) << fewer.err;
+}
+
+// A brick that cannot be read fails the frames that need it and no others, whichever rank finds it.
+TEST_F(RanksRender, AFrameThatFailsCostsNoOther) {
+  const fs::path brick = fs::path(volume_) / "bricks/0/2_2_2.vdb";
+  ASSERT_TRUE(fs::exists(brick));
+  fs::resize_file(brick, fs::file_size(brick) - 1);
+  const auto failing = [&](const std::string& name, const std::string& shared_by, const std::string& turn) {
+    return run(2, {"render", volume_, "-o", (directory_ / name).string(), "--size", "140x130", "--turntable", turn,
+                   "--distribute", shared_by, "--threads", "1"});
+  };
+  for (const char* shared_by : {"tiles", "frames"}) {
+    const ToolResult result = failing("f_##.png", shared_by, "4");
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.err.find("failed; the first: rank "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("2_2_2.vdb"), std::string::npos) << result.err;
+  }
+  const ToolResult one = failing("f.png", "tiles", "1");
+  EXPECT_EQ(one.exit_code, 1);
+  EXPECT_NE(one.err.find(" of 2: frame 1: "), std::string::npos) << one.err;
+  EXPECT_FALSE(fs::exists(directory_ / "f.png"));
+}
+
+// The sentence about the rank is mpirun's own.
+TEST_F(RanksRender, ARankThatIsKilledEndsTheJobAndResumeCompletesIt) {
+  const std::vector<std::string> look = {"-o",          "OUT/t_##.exr", "--size", "400x400",
+                                         "--turntable", "12",           "--tf",   "ct-skin"};
+  drawn(0, "one", look);
+  ToolOptions options;
+  options.ranks = 3;
+  options.seconds = 60;
+  bool killed = false;
+  options.interrupt_when = [&] {
+    if (!killed && fs::exists(directory_ / "many/t_02.exr")) killed = killOneRank((directory_ / "many").string());
+    return false;
+  };
+  const ToolResult result = runTool({"render", volume_, "--threads", "1", "-o", (directory_ / "many/t_##.exr").string(),
+                                     "--size", "400x400", "--turntable", "12", "--tf", "ct-skin"},
+                                    options);
+  EXPECT_FALSE(result.timed_out);
+  if (killed && result.exit_code != 0)
+    EXPECT_NE(result.err.find("exited on signal 9"), std::string::npos) << result.err;
+  std::vector<std::string> resumed = look;
+  resumed.emplace_back("--resume");
+  drawn(2, "many", resumed);
+  auto files = filesOf(directory_ / "many");
+  std::erase_if(files, [](const auto& file) { return file.first.ends_with(".tmp"); });
+  EXPECT_TRUE(files == filesOf(directory_ / "one"));
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ struct RenderArguments {
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples, deep_samples;
   std::vector<std::string> aovs, added, added_tfs;
+  std::optional<std::string> distribute, store_local;
   std::optional<std::string> frames;
   std::optional<int> turntable;
   std::optional<double> rate, deep_error;
@@ -238,6 +239,7 @@ RenderJob jobOf(const RenderArguments& a) {
   applyVolumes(a, job);
   applyOutput(a, job.output);
   if (!a.trace.empty()) job.trace = a.trace;
+  if (a.distribute) job.distribution = named<Distribution>(kDistributionNames, *a.distribute, "--distribute");
   requirePart(job);
   requireVolumes(job);
   requireViews(job);
@@ -283,6 +285,7 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
   SequenceReport report(context.progress, a.progress == "json");
   try {
     const SequenceResult result = runSequence(job, options, context.progress, report);
+    if (!context.ranks->first()) return;
     if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
     report.finished(job, result);
     const std::vector<int>& failed = result.statistics.failed;
@@ -322,11 +325,16 @@ void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.progress, context.progress);
   const RenderJob job = jobOf(a);
+  if (!context.ranks->first() && (a.dry_run || a.repeat > 1)) return;
   if (a.dry_run) {
     sayCost(a, job);
     return;
   }
   SequenceOptions options;
+  options.ranks = context.ranks;
+  options.store_local = a.store_local.value_or("");
+  if (a.store_local && (job.distribution != Distribution::kBricks || context.ranks->alone()))
+    throw Error(ErrorCode::kUsage, "--store-local: is for --distribute bricks, under mpirun with several ranks");
   options.resume = a.resume;
   options.checkpoint = a.checkpoint;
   if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
@@ -401,6 +409,15 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
   command->add_option("--progress", a->progress,
                       "auto (default), plain lines, json (events on standard output, one a line) or none");
+  command->add_option(
+      "--distribute", a->distribute,
+      "under mpirun, what the ranks share: tiles of frames, whole frames, bricks (each rank draws its own, "
+      "and the partial images are composited), or auto (default): tiles or frames, whichever reads less");
+  command
+      ->add_option("--store-local", a->store_local,
+                   "with --distribute bricks: where each rank finds its part of the store, made by kiln split; a run "
+                   "of # is the rank's number, from 1 on")
+      ->type_name("DIR");
   command->add_option("--size", a->size, "pixels; 1024x1024 if not given, of a panorama 2048x1024")
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
@@ -487,7 +504,10 @@ void addRender(CLI::App& app, Context& context) {
                     "what --stats writes, as an EXR's attribute kiln:statistics");
   command->add_option("--png-bits", a->png_bits, "8 or 16");
   addSourceArguments(*command, a->source);
-  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+  command->callback([a, &context] {
+    context.by_all_ranks = true;
+    context.action = [a, &context] { run(*a, context); };
+  });
 }
 
 }  // namespace kiln::tool

@@ -25,6 +25,7 @@ void addExport(CLI::App& app, Context& context);
 void addSlice(CLI::App& app, Context& context);
 void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
+void addSplit(CLI::App& app, Context& context);
 void addComposite(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addSchema(CLI::App& app, Context& context);

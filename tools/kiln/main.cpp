@@ -67,6 +67,7 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   addSlice(app, context);
   addTf(app, context);
   addRender(app, context);
+  addSplit(app, context);
   addComposite(app, context);
   addCompare(app, context);
   addSchema(app, context);

@@ -1,0 +1,188 @@
+#include "render/brick_sequence.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+#include "cluster/parcel.h"
+#include "render/background.h"
+#include "render/composite_parts.h"
+#include "render/composite_ranks.h"
+#include "render/ranked_sequence.h"
+#include "render/split_store.h"
+#include "scene/frame_list.h"
+#include "scene/frame_scene.h"
+
+namespace kiln {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A part's pixels lie behind each other as a whole picture's slabs do in one way of drawing only.
+void requireParts(const RenderJob& job) {
+  const PictureOptions& picture = job.picture;
+  const auto refuse = [](const char* what) {
+    throw Error(ErrorCode::kUsage, std::string("--distribute bricks: ") + what + "; use --distribute tiles");
+  };
+  if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
+  if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
+  if (picture.lattice != Lattice::kPixel) refuse("the voxel lattice is not drawn in parts");
+  if (picture.samples != 1) refuse("a pixel is one sample");
+  if (drawnAovs(job).any()) refuse("depth and normals are not drawn in parts");
+  if (!job.volumes.empty()) refuse("several volumes are not drawn in parts");
+  if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
+}
+
+// Of the first frame's transfer function, so that a rank keeps its bricks. One rank cuts for all.
+std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores, Ranks& ranks) {
+  ParcelWriter out;
+  if (ranks.first()) {
+    const StoreReader store(stores(job.volume));
+    const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
+    out.put(boxesForRanks(store, scene.transfer_function, ranks.count()));
+  }
+  std::vector<std::byte> bytes = out.take();
+  ranks.broadcast(bytes);
+  return ParcelReader(bytes).getList<VoxelBox>();
+}
+
+// What each rank holds on its own disk.
+std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ranks) {
+  const StoreReader store(part);
+  ParcelWriter mine;
+  mine.put(boxOfStorePart(part));
+  mine.put(store.manifest().index_checksum);
+  ParcelWriter all;
+  if (const auto parts = ranks.gather(mine.take()); ranks.first()) {
+    std::vector<VoxelBox> boxes;
+    for (const auto& bytes : parts) {
+      ParcelReader in(bytes);
+      boxes.push_back(in.get<VoxelBox>());
+      if (in.get<Hash128>() != store.manifest().index_checksum)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("--store-local: rank {} holds a part of another store than rank 0", boxes.size() - 1));
+    }
+    requireWhole(boxes, store.manifest().geometry().dims);
+    all.put(boxes);
+  }
+  std::vector<std::byte> bytes = all.take();
+  ranks.broadcast(bytes);
+  return ParcelReader(bytes).getList<VoxelBox>();
+}
+
+// The part as it is composited, and as others' arrive.
+std::uint64_t partBytes(const RenderJob& job) {
+  const PixelRect crop = drawnPixels(job.picture.size, job.picture.crop);
+  return 3 * sizeof(PartPixel) * static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height());
+}
+
+struct Plan {
+  StoreFor stores;
+  std::vector<VoxelBox> boxes;
+};
+
+Plan planFor(const RenderJob& job, const SequenceOptions& options) {
+  requireParts(job);
+  if (!options.store_local.empty()) {
+    const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
+    return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, *options.ranks)};
+  }
+  Plan out{sharedStores(job, options), {}};
+  out.boxes = boxesOfRanks(job, out.stores, *options.ranks);
+  return out;
+}
+
+class BrickSequence : public RankedSequence {
+ public:
+  BrickSequence(const RenderJob& job, const SequenceOptions& options, const Plan& plan, Progress& progress,
+                SequenceListener& listener)
+      : RankedSequence(job, options, plan.stores, progress, listener, partBytes(job),
+                       plan.boxes[static_cast<std::size_t>(options.ranks->rank())]),
+        boxes_(plan.boxes) {}
+
+ private:
+  const char* sharedBy() const override { return "bricks"; }
+
+  void share() override {
+    ranks_.barrier();
+    const Clock::time_point begin = Clock::now();
+    const double waited_before = ranks_.traffic().waited_s;
+    for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawFrame(i);
+    own_.idle_s = ranks_.traffic().waited_s - waited_before;
+    own_.busy_s = std::chrono::duration<double>(Clock::now() - begin).count() - own_.idle_s;
+  }
+
+  void drawFrame(std::uint32_t i) {
+    const Clock::time_point begin = Clock::now();
+    started(i);
+    FrameReport report;
+    report.frame = i;
+    DrawnFrame drawn;
+    attempt(report, [&] {
+      drawn = frames_.openedFor(toDraw()[i]).draw(toDraw()[i], progress_);
+      report.statistics = std::move(drawn.statistics);
+    });
+    own_.add(report.statistics);
+    ++own_.tiles;
+    if (!collect(report)) {
+      if (ranks_.first()) hear(report);
+      return;
+    }
+    composite(drawn);
+    if (!ranks_.first()) return;
+    attempt(report, [&] {
+      OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+      drawn.scene = frames_.sceneToWrite(opened, toDraw()[i]);
+      report.statistics.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+      drawn.statistics = std::move(report.statistics);
+      write(opened, i, drawn);
+      report.statistics = std::move(drawn.statistics);
+    });
+    hear(report);
+  }
+
+  // All ranks' reports, on the first, in one; whether none of them failed, on all.
+  bool collect(FrameReport& report) {
+    const auto reports = ranks_.gather(packed(report));
+    if (ranks_.first()) {
+      for (std::size_t rank = 1; rank < reports.size(); ++rank) {
+        const FrameReport other = reportFrom(reports[rank]);
+        report.statistics.merge(other.statistics);
+        if (other.failure && !report.failure) report.failure = other.failure;
+      }
+    }
+    std::vector<std::byte> failed(1, std::byte(report.failure ? 1 : 0));
+    ranks_.broadcast(failed);
+    return failed[0] == std::byte{0};
+  }
+
+  void composite(DrawnFrame& drawn) {
+    const auto order =
+        frontToBack(boxes_, drawn.view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
+    std::vector<PartPixel> pixels(drawn.image.rgba.size() / 4);
+    const std::vector<float>& covered = drawn.image.planes.front().values;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      std::copy_n(&drawn.image.rgba[4 * i], 4, pixels[i].rgba);
+      pixels[i].covered = covered[i];
+    }
+    drawn.image.planes.clear();
+    compositeRanks(ranks_, pixels, drawn.image.width, *order, static_cast<float>(job_.picture.opacity_threshold),
+                   fasterComposite(pixels.size(), ranks_.count()));
+    if (!ranks_.first()) return;
+    for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &drawn.image.rgba[4 * i]);
+    const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
+    layOverBackground(drawn.image, crop.y0, job_.picture.size.height, job_.picture.background);
+  }
+
+  const std::vector<VoxelBox> boxes_;
+};
+
+}  // namespace
+
+SequenceResult shareBricksOfSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+                                     SequenceListener& listener) {
+  return BrickSequence(job, options, planFor(job, options), progress, listener).run();
+}
+
+}  // namespace kiln

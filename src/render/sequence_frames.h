@@ -1,0 +1,68 @@
+// What a sequence is made of, whoever draws which of its frames: their folders, the store of each, which of them are
+// there already, and the video.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/progress.h"
+#include "render/frame_files.h"
+#include "render/opened_job.h"
+
+namespace kiln {
+
+/// Whether each frame of the job may have a volume of its own.
+bool isSeries(const RenderJob& job);
+/// The job over the volume of a frame.
+RenderJob jobAtFrame(const RenderJob& job, int frame);
+
+/// Renames the job's volume, or each of several.
+void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
+/// The names of its volumes.
+std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
+
+/// The store for a volume, which may be a foreign file.
+using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;
+
+class SequenceFrames {
+ public:
+  /// `beside_bytes` is charged to the memory with the image. With `part`, what is opened draws that part of each
+  /// picture; the job's files are of the whole. requires: the others outlive this. throws: Error kUsage
+  /// where the job names no files for its frames.
+  SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes = 0,
+                 std::optional<VoxelBox> part = std::nullopt);
+
+  const std::vector<int>& numbers() const { return numbers_; }
+  const RenderJob& job() const { return job_; }
+  /// A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
+  void makeFolders() const;
+  /// What is wrong with a frame is known before the first is drawn. Of a time series it is not.
+  void requireScenes();
+  /// The frame's store, the only one that is open. throws: as OpenedJob.
+  OpenedJob& openedFor(int frame);
+  /// Whether all files of a frame are there and whole. throws: Error kExists where one is another job's.
+  bool isThere(int frame);
+  /// What the frame shows, and the job, as its files say: without the part.
+  FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
+  RenderJob jobToWrite(const OpenedJob& opened) const;
+  void makeVideo() const;
+  /// Of the stores that were open.
+  void describeMemory(RenderStatistics& statistics) const;
+  /// That says how to go on, where `done` frames are finished.
+  Error interrupted(std::size_t done) const;
+
+ private:
+  const RenderJob& job_;
+  const StoreFor store_for_;
+  Progress& progress_;
+  const std::uint64_t beside_bytes_;
+  const std::optional<VoxelBox> part_;
+  const std::vector<int> numbers_;
+  std::vector<std::filesystem::path> volumes_;
+  std::unique_ptr<OpenedJob> opened_;
+  RenderStatistics memory_;
+};
+
+}  // namespace kiln

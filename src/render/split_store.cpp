@@ -1,0 +1,118 @@
+#include "render/split_store.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <sstream>
+
+#include "base/file.h"
+#include "render/brick_shares.h"
+#include "scene/clip_region.h"
+#include "store/store_writer.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kPartFile = "part.txt";
+
+// How many voxels of level 0 a voxel of the level spans.
+Extent3 spanOf(const Manifest& volume, int level) {
+  const auto edge = [&](int of, int axis) {
+    return glm::length(glm::dvec3(volume.levels[static_cast<std::size_t>(of)].geometry.world_from_index[axis]));
+  };
+  const auto along = [&](int axis) { return std::llround(edge(level, axis) / edge(0, axis)); };
+  return {along(0), along(1), along(2)};
+}
+
+// Links or copies a file under the same name of another directory.
+void bring(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  fs::create_hard_link(from, to, failed);
+  if (failed) FileSystem::real().writeAtomic(to, readFile(from), WriteMode::kUnsynced);
+}
+
+// Calls use(key) for the stored bricks that drawing the box may ask for.
+template <class Use>
+void eachBrickOf(const StoreReader& store, const VoxelBox& box, const Use& use) {
+  for (int level = 0; level < store.index().levels(); ++level) {
+    Clipping clipping;
+    clipping.part = box;
+    const ClipRegion region(clipping, store.manifest().geometry(), spanOf(store.manifest(), level));
+    const Extent3& lattice = store.index().lattice(level);
+    for (std::int32_t z = 0; z < lattice.z; ++z) {
+      for (std::int32_t y = 0; y < lattice.y; ++y) {
+        for (std::int32_t x = 0; x < lattice.x; ++x) {
+          const BrickKey key{level, {x, y, z}};
+          if (store.index().at(key).constant) continue;
+          if (region.part().touches(dilated(store.frame(key).core(), store.manifest().apron))) use(key);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks) {
+  const Manifest& volume = store.manifest();
+  return shareBricks(
+      store, Classifier(function, function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range), ranks);
+}
+
+std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& directory,
+                             Progress& progress) {
+  FileSystem& disk = FileSystem::real();
+  if (fs::exists(directory))
+    throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
+  std::vector<BrickKey> bricks;
+  eachBrickOf(store, box, [&](const BrickKey& key) { bricks.push_back(key); });
+  disk.makeDirectories(directory);
+  std::uint64_t bytes = 0, done = 0;
+  for (const BrickKey& key : bricks) {
+    progress.throwIfCancelled("splitting");
+    const fs::path name = brickPath(key);
+    disk.makeDirectories((directory / name).parent_path());
+    bring(store.path() / name, directory / name);
+    bytes += store.index().at(key).file_bytes;
+    progress.advance("splitting", "bricks", ++done, bricks.size());
+  }
+  bring(store.path() / "index.bin", directory / "index.bin");
+  disk.writeAtomic(directory / kPartFile,
+                   fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
+  disk.syncAll(directory);
+  disk.writeAtomic(directory / "manifest.json", readFile(store.path() / "manifest.json"));
+  return bytes;
+}
+
+VoxelBox boxOfStorePart(const fs::path& directory) {
+  const fs::path path = directory / kPartFile;
+  std::istringstream in(readTextFile(path, 1024));
+  VoxelBox box;
+  for (VoxelCoord* const corner : {&box.lo, &box.hi}) {
+    for (int axis = 0; axis < 3; ++axis) in >> (*corner)[axis];
+  }
+  if (!in || box.empty()) throw Error(ErrorCode::kFormat, path, "", "is not the box of a part that kiln split made");
+  return box;
+}
+
+void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims) {
+  std::int64_t voxels = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    voxels += boxes[i].count();
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!intersection(boxes[i], boxes[j]).empty())
+        throw Error(
+            ErrorCode::kUsage,
+            fmt::format("--store-local: ranks {} and {} hold the same voxels; each needs a part of its own", j, i));
+    }
+  }
+  if (voxels != dims.count())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--store-local: the parts of {} ranks hold {} of {} voxels; run as many ranks as kiln "
+                            "split made parts",
+                            boxes.size(), voxels, dims.count()));
+}
+
+}  // namespace kiln

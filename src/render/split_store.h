@@ -1,0 +1,30 @@
+// A store cut up for machines that hold a part of it on a disk of their own: what a rank reads that draws one box of
+// the volume, at every level, beside the whole manifest and index.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "base/progress.h"
+#include "scene/transfer_function_choice.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+/// The boxes of the ranks of a job that shares bricks, by what the function shows.
+std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
+
+/// Makes `directory` the part of the store that drawing `box` reads: its bricks are links to the store's where both are
+/// on one file system, else copies. Returns their bytes. throws: Error kExists where something is there, kNoSpace, kIo,
+/// kNotFound.
+std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const std::filesystem::path& directory,
+                             Progress& progress);
+
+/// The box that `writeStorePart` made a directory for. throws: Error kNotFound, kFormat where it is no such part.
+VoxelBox boxOfStorePart(const std::filesystem::path& directory);
+
+/// Of boxes that ranks hold: throws Error kUsage where they do not fill the volume, each voxel once.
+void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims);
+
+}  // namespace kiln

@@ -1,0 +1,56 @@
+#include <fmt/format.h>
+
+#include "base/memory.h"
+#include "commands.h"
+#include "render/render_job_run.h"
+#include "render/split_store.h"
+#include "scene/frame_list.h"
+#include "scene_arguments.h"
+
+namespace kiln::tool {
+namespace {
+
+struct SplitArguments {
+  std::string store, output, tf = "auto";
+  int parts = 0;
+};
+
+void run(const SplitArguments& a, Context& context) {
+  if (!hasFramePlace(a.output))
+    throw Error(ErrorCode::kUsage, a.output, "", "has no place for the parts' numbers; write a run of #");
+  if (a.parts < 1 || a.parts > kMostParts)
+    throw Error(ErrorCode::kUsage, fmt::format("--parts: expected 1 to {}, found {}", kMostParts, a.parts));
+  const StoreReader store(a.store);
+  PictureOptions picture;
+  picture.transfer_function = transferFunctionNamed(a.tf, "--tf");
+  const std::vector<VoxelBox> boxes = boxesForRanks(store, transferFunctionFor(picture, store), a.parts);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const std::filesystem::path path = pathOfFrame(a.output, static_cast<int>(i) + 1);
+    const std::uint64_t bytes = writeStorePart(store, boxes[i], path, context.progress);
+    context.progress.clear();
+    const VoxelBox& box = boxes[i];
+    fmt::print("{}: voxels {},{},{} to {},{},{}, {}\n", path.string(), box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y,
+               box.hi.z, formatBytes(bytes));
+  }
+}
+
+}  // namespace
+
+void addSplit(CLI::App& app, Context& context) {
+  auto a = std::make_shared<SplitArguments>();
+  CLI::App* command = app.add_subcommand(
+      "split", "cut a store into parts for the disks of many machines, for render --distribute bricks --store-local");
+  command->add_option("STORE", a->store, "the store")->required();
+  command
+      ->add_option("-o,--output", a->output,
+                   "the parts, in whose name a run of # is the part's number: 1 is the first rank's")
+      ->required();
+  command->add_option("--parts", a->parts, "how many, one a rank")->required()->type_name("N");
+  command
+      ->add_option("--tf", a->tf,
+                   "the transfer function that is to be drawn: each part has an even share of what it shows")
+      ->capture_default_str();
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
