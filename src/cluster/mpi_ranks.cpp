@@ -10,6 +10,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
+#include <exception>
 #include <list>
 #include <map>
 #include <mutex>
@@ -320,6 +321,9 @@ class MpiRanks : public Ranks {
   std::jthread service_;
 };
 
+// An error that ends this rank is about to end all: the others are not waited for.
+bool endsByError() { return std::uncaught_exceptions() > 0; }
+
 // Ranks of one machine: one-sided, in a window of the first rank's memory; an addition is an atomic instruction.
 class WindowCounters : public SharedCounters {
  public:
@@ -335,6 +339,7 @@ class WindowCounters : public SharedCounters {
     MPI_Barrier(MPI_COMM_WORLD);
   }
   ~WindowCounters() override {
+    if (endsByError()) return;
     // Freeing is collective and without a wait of its own that sleeps.
     ranks_.barrier();
     const std::scoped_lock lock(ranks_.mutex_);
@@ -368,6 +373,7 @@ class MasterCounters : public SharedCounters {
     ranks.barrier();
   }
   ~MasterCounters() override {
+    if (endsByError()) return;
     ranks_.barrier();
     const std::scoped_lock lock(ranks_.mutex_);
     ranks_.sets_.erase(set_);

@@ -101,9 +101,10 @@ class RanksRender : public Ranks {
 TEST_F(RanksRender, AFrameInTilesIsTheSameToTheBit) {
   for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
            {"-o", "OUT/a.exr", "--size", "300x200", "--tf", "ct-bone-and-skin", "--aov", "depth,normal"},
-           {"-o", "OUT/b.exr", "--size", "300x330", "--crop", "10,20,250,300", "--eye", "0,0,0", "--target", "1,5,0",
-            "--background", "1,0,0:0,0,1", "--samples", "4", "--tf", "ct-skin"},
-           {"-o", "OUT/c.exr", "--size", "260x260", "--mode", "mip", "--aov", "value"}}) {
+           {"-o", "OUT/b.exr", "--size", "300x330", "--crop", "10,20,250,300", "--azimuth", "30", "--background",
+            "1,0,0:0,0,1", "--samples", "4", "--tf", "ct-skin"},
+           {"-o", "OUT/c.exr", "--size", "260x260", "--mode", "mip", "--aov", "value"},
+           {"-o", "OUT/d.exr", "--size", "260x150", "--eye", "0,0,0", "--target", "1,5,0", "--tf", "ct-skin"}}) {
     const auto one = drawn(0, "one", look);
     const auto many = drawn(3, "many", look);
     EXPECT_TRUE(filesOf(directory_ / "one") == filesOf(directory_ / "many")) << look[1];
@@ -118,8 +119,8 @@ TEST_F(RanksRender, AFrameInTilesIsTheSameToTheBit) {
     }
     EXPECT_EQ(read, many["bricks"]["read_bytes"]);
     EXPECT_EQ(many["bricks"]["contributing"], one["bricks"]["contributing"]);
-    EXPECT_GE(tiles, 4u);
-    EXPECT_GT(sent, 300u * 200 * 16);
+    EXPECT_GE(tiles, 3u);
+    EXPECT_GE(sent, 260u * 150 * 16);
   }
 }
 
