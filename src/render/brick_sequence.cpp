@@ -158,21 +158,21 @@ class BrickSequence : public RankedSequence {
   }
 
   void composite(DrawnFrame& drawn) {
-    const auto order =
-        frontToBack(boxes_, drawn.view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
-    std::vector<PartPixel> pixels(drawn.image.rgba.size() / 4);
-    const std::vector<float>& covered = drawn.image.planes.front().values;
+    auto& [image, view] = drawn.views.front();
+    const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
+    std::vector<PartPixel> pixels(image.rgba.size() / 4);
+    const std::vector<float>& covered = image.planes.front().values;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      std::copy_n(&drawn.image.rgba[4 * i], 4, pixels[i].rgba);
+      std::copy_n(&image.rgba[4 * i], 4, pixels[i].rgba);
       pixels[i].covered = covered[i];
     }
-    drawn.image.planes.clear();
-    compositeRanks(ranks_, pixels, drawn.image.width, *order, static_cast<float>(job_.picture.opacity_threshold),
+    image.planes.clear();
+    compositeRanks(ranks_, pixels, image.width, *order, static_cast<float>(job_.picture.opacity_threshold),
                    fasterComposite(pixels.size(), ranks_.count()));
     if (!ranks_.first()) return;
-    for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &drawn.image.rgba[4 * i]);
+    for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &image.rgba[4 * i]);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
-    layOverBackground(drawn.image, crop.y0, job_.picture.size.height, job_.picture.background);
+    layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
   }
 
   const std::vector<VoxelBox> boxes_;

@@ -189,8 +189,7 @@ class SharedSequence : public RankedSequence {
         OpenedJob& opened = frames_.openedFor(toDraw()[i]);
         DrawnFrame drawn;
         drawn.scene = opened.sceneAt(toDraw()[i]);
-        drawn.view = opened.requestFor(drawn.scene).view;
-        drawn.image = std::move(frame.image);
+        drawn.views.push_back({std::move(frame.image), opened.requestFor(drawn.scene).view});
         report.statistics.frame = toDraw()[i];
         report.statistics.wall_s = secondsSince(begun_[i]);
         drawn.statistics = std::move(report.statistics);
