@@ -25,6 +25,14 @@ inline void appendText(std::vector<std::byte>& out, const std::string& text) {
   out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
+/// Adds how many values a list has, and them. requires: as appendValue.
+template <class T>
+void appendList(std::vector<std::byte>& out, const std::vector<T>& list) {
+  appendValue(out, static_cast<std::uint64_t>(list.size()));
+  const auto bytes = std::as_bytes(std::span(list));
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
 /// Takes values from the front of bytes; `ok` stays false once there was too little.
 struct ByteTaker {
   std::span<const std::byte> left;
@@ -42,6 +50,15 @@ struct ByteTaker {
     if (left.size() < count) return ok = false, std::span<const std::byte>();
     const std::span<const std::byte> out = left.first(count);
     left = left.subspan(count);
+    return out;
+  }
+  template <class T>
+  std::vector<T> takeList() {
+    const auto count = take<std::uint64_t>();
+    if (count > left.size() / sizeof(T)) return ok = false, std::vector<T>();
+    std::vector<T> out(count);
+    const std::span<const std::byte> bytes = takeBytes(count * sizeof(T));
+    if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
     return out;
   }
   std::string takeText() {

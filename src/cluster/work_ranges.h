@@ -1,12 +1,14 @@
 // Work that ranks share without a master: a row of units, of which each rank has a range, so that units that belong
-// together are drawn by one rank; who has finished its own takes from the other end of the range with most left. A
-// range is one shared number: how many units went from its front in the lower half, from its back in the upper half, so
-// that one addition hands out one unit.
+// together are one rank's; who has finished its own takes from the other end of the range with most left. A range is
+// one shared number: how many units went from its front in the lower half, from its back in the upper half, so that one
+// addition hands out units.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "cluster/ranks.h"
@@ -15,18 +17,30 @@ namespace kiln {
 
 class WorkRanges {
  public:
-  /// The units of the i-th rank are [bounds[i], bounds[i + 1]); its number is the counter `first_counter` + i.
-  /// requires: `counters` outlives this; less than 2³¹ units.
-  WorkRanges(SharedCounters& counters, std::size_t first_counter, std::vector<std::uint32_t> bounds, int rank)
-      : counters_(counters), first_(first_counter), bounds_(std::move(bounds)), rank_(static_cast<std::size_t>(rank)) {}
+  struct Units {
+    std::uint32_t begin, end;
+  };
 
-  /// The next unit for this rank: each unit is handed out once. Nothing once all are.
-  std::optional<std::uint32_t> take() {
-    if (const auto own = takeFrom(rank_, false)) return own;
-    while (const auto victim = fullest()) {
-      if (const auto stolen = takeFrom(*victim, true)) return stolen;
+  /// The bounds of ranges as large as one another.
+  static std::vector<std::uint32_t> evenBounds(std::size_t units, std::size_t ranges) {
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 0; i <= ranges; ++i) out.push_back(static_cast<std::uint32_t>(i * units / ranges));
+    return out;
+  }
+
+  /// The units of the i-th range are [bounds[i], bounds[i + 1]); its number is the counter `first_counter` + i.
+  /// `own` is the range this rank begins with. requires: `counters` outlives this; less than 2³¹ units.
+  WorkRanges(SharedCounters& counters, std::size_t first_counter, std::vector<std::uint32_t> bounds, std::size_t own)
+      : counters_(counters), first_(first_counter), bounds_(std::move(bounds)), range_(own), own_(own) {}
+
+  /// The next units for this rank, at most so many: each is handed out once. Nothing once all are.
+  std::optional<Units> take(std::uint32_t most) {
+    while (true) {
+      if (const auto units = takeFrom(range_, most)) return units;
+      const auto next = fullest();
+      if (!next) return std::nullopt;
+      range_ = *next;
     }
-    return std::nullopt;
   }
 
   /// Nobody takes any unit from here on.
@@ -36,14 +50,17 @@ class WorkRanges {
 
  private:
   static constexpr std::uint64_t kFromBack = std::uint64_t{1} << 32;
-  std::uint64_t size(std::size_t range) const { return bounds_[range + 1] - bounds_[range]; }
+  std::uint32_t size(std::size_t range) const { return bounds_[range + 1] - bounds_[range]; }
   static std::uint64_t taken(std::uint64_t counter) { return counter / kFromBack + counter % kFromBack; }
 
-  std::optional<std::uint32_t> takeFrom(std::size_t range, bool back) {
-    const std::uint64_t before = counters_.add(first_ + range, back ? kFromBack : 1);
+  std::optional<Units> takeFrom(std::size_t range, std::uint32_t most) {
+    const bool back = range != own_;
+    const std::uint64_t before = counters_.add(first_ + range, back ? kFromBack * most : most);
     if (taken(before) >= size(range)) return std::nullopt;
-    return back ? bounds_[range + 1] - 1 - static_cast<std::uint32_t>(before / kFromBack)
-                : bounds_[range] + static_cast<std::uint32_t>(before % kFromBack);
+    const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, size(range) - taken(before)));
+    const auto gone = static_cast<std::uint32_t>(back ? before / kFromBack : before % kFromBack);
+    const std::uint32_t begin = back ? bounds_[range + 1] - gone - count : bounds_[range] + gone;
+    return Units{begin, begin + count};
   }
 
   std::optional<std::size_t> fullest() {
@@ -61,7 +78,8 @@ class WorkRanges {
   SharedCounters& counters_;
   const std::size_t first_;
   const std::vector<std::uint32_t> bounds_;
-  const std::size_t rank_;
+  std::size_t range_;  // that is being taken from
+  const std::size_t own_;
 };
 
 }  // namespace kiln

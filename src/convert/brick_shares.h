@@ -1,5 +1,5 @@
 // Which process makes which bricks. Those of level 0 lie in the order of the lattice, a share for each rank; a rank
-// that is through with its own goes on with the next one's, so that nobody is idle while another has many left. A
+// that is through with its own helps whoever has most left (cluster/work_ranges.h). A
 // coarser brick is made by one rank that all know without asking, near its share.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "cluster/ranks.h"
+#include "cluster/work_ranges.h"
 #include "grid/coords.h"
 
 namespace kiln {
@@ -31,17 +31,13 @@ class BrickShares {
   void leaveBehind() { static_cast<void>(taken_.release()); }
 
  private:
-  std::uint64_t first(std::size_t share) const { return share * bricks_.size() / shares_; }
-
-  Ranks& ranks_;
   const std::vector<std::int64_t> bricks_;
-  const std::size_t shares_;
-  const std::uint64_t most_at_once_;
+  const std::vector<std::uint32_t> bounds_;  // of the shares
+  const std::uint32_t most_at_once_;
   std::mutex mutex_;                       // guards what follows
   std::unique_ptr<SharedCounters> taken_;  // of each share
-  std::size_t left_;                       // shares that have something left, as far as this rank knows
-  std::size_t share_;                      // the one that is being taken from
-  std::uint64_t at_ = 0, end_ = 0;         // what this rank has taken of it and not yet begun
+  WorkRanges work_;
+  WorkRanges::Units units_ = {};  // that this rank has taken and not yet begun
 };
 
 }  // namespace kiln

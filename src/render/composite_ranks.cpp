@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/pixel_rect.h"
-#include "cluster/parcel.h"
+#include "render/rank_messages.h"
 
 namespace kiln {
 namespace {
@@ -43,28 +43,28 @@ PixelRect coveredIn(const Pixels& pixels, int width, int y0, int y1) {
 }
 
 std::vector<std::byte> pixelsIn(const Pixels& pixels, int width, const PixelRect& rect) {
-  ParcelWriter out;
-  out.put(rect);
-  Pixels some;
+  std::vector<std::byte> out;
+  appendValue(out, rect);
   for (int y = rect.y0; y < rect.y1; ++y) {
-    const auto row = pixels.begin() + std::ptrdiff_t{y} * width;
-    some.insert(some.end(), row + rect.x0, row + rect.x1);
+    const auto row = std::as_bytes(std::span(pixels).subspan(
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(rect.x0),
+        static_cast<std::size_t>(rect.width())));
+    out.insert(out.end(), row.begin(), row.end());
   }
-  out.put(some);
-  return out.take();
+  return out;
 }
 
 // Calls put(pixel, place) for each that was sent, `place` in the whole image.
 template <class Put>
 void unpack(const std::vector<std::byte>& bytes, int width, const Put& put) {
-  ParcelReader in(bytes);
-  const auto rect = in.get<PixelRect>();
-  const Pixels some = in.getList<PartPixel>();
-  std::size_t i = 0;
-  for (int y = rect.y0; y < rect.y1; ++y) {
+  ByteTaker in{bytes};
+  const auto rect = in.take<PixelRect>();
+  for (int y = rect.y0; y < rect.y1 && in.ok; ++y) {
     for (int x = rect.x0; x < rect.x1; ++x)
-      put(some[i++], static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+      put(in.take<PartPixel>(),
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
   }
+  requireTaken(in);
 }
 
 void sendDirectly(Ranks& ranks, Pixels& pixels, int width, std::span<const int> order, float opaque_at) {

@@ -1,5 +1,5 @@
-// The file: records (base/record_file.h), the first of which is the hashes of the frame's files and the pixels; then,
-// of each tile, its pixels' place, its colours and its planes, as floats.
+// The file: records (base/record_file.h), the first of which is the hashes of the frame's files; then each tile
+// (render/tile_image.h).
 #include "render/frame_checkpoint.h"
 
 #include <fmt/format.h>
@@ -15,6 +15,7 @@
 #include "base/record_file.h"
 #include "render/aov_planes.h"
 #include "render/frame_files.h"
+#include "render/tile_image.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -23,66 +24,6 @@ namespace {
 constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '1'};
 // A multiple of what the visibility structure is made of. unit: pixels.
 constexpr int kEdge = 512;
-
-void putRows(const std::vector<float>& from, int channels, const PixelRect& at, const PixelRect& whole,
-             std::vector<float>& to) {
-  const auto row = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(channels);
-  for (int y = 0; y < at.height(); ++y) {
-    const std::size_t first = static_cast<std::size_t>(at.y0 - whole.y0 + y) * static_cast<std::size_t>(whole.width()) +
-                              static_cast<std::size_t>(at.x0 - whole.x0);
-    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(y) * row), row,
-                to.begin() + static_cast<std::ptrdiff_t>(first * static_cast<std::size_t>(channels)));
-  }
-}
-
-// The image has the planes of the tile, or none yet.
-void putTileOfFrame(const Image& tile, const PixelRect& at, const PixelRect& whole, Image& image) {
-  putRows(tile.rgba, 4, at, whole, image.rgba);
-  for (std::size_t i = 0; i < tile.planes.size(); ++i) {
-    if (i == image.planes.size())
-      image.planes.push_back({tile.planes[i].name, std::vector<float>(image.rgba.size() / 4)});
-    putRows(tile.planes[i].values, 1, at, whole, image.planes[i].values);
-  }
-}
-
-std::vector<std::byte> bytesOf(const PixelRect& at, const Image& tile) {
-  std::vector<std::byte> out;
-  const auto put = [&](const std::vector<float>& values) {
-    const auto bytes = std::as_bytes(std::span(values));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  };
-  out.reserve(sizeof at + (4 + tile.planes.size()) * tile.rgba.size());
-  appendValue(out, at);
-  put(tile.rgba);
-  appendValue(out, static_cast<std::uint32_t>(tile.planes.size()));
-  for (const Plane& plane : tile.planes) {
-    appendText(out, plane.name);
-    put(plane.values);
-  }
-  return out;
-}
-
-std::vector<float> takeFloats(ByteTaker& taker, std::size_t count) {
-  const std::span<const std::byte> bytes = taker.takeBytes(count * sizeof(float));
-  std::vector<float> out(bytes.size() / sizeof(float));
-  std::memcpy(out.data(), bytes.data(), bytes.size());
-  return out;
-}
-
-// Of the tile that lies at `at`, or nothing.
-std::optional<Image> tileFrom(ByteTaker& taker, const PixelRect& at) {
-  const auto pixels = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(at.height());
-  Image out;
-  out.width = at.width();
-  out.height = at.height();
-  out.rgba = takeFloats(taker, 4 * pixels);
-  const auto planes = taker.take<std::uint32_t>();
-  for (std::uint32_t i = 0; i < planes && taker.ok; ++i) {
-    std::string name = taker.takeText();
-    out.planes.push_back({std::move(name), takeFloats(taker, pixels)});
-  }
-  return taker.ok && taker.left.empty() ? std::optional(std::move(out)) : std::nullopt;
-}
 
 using Place = std::tuple<int, int, int, int>;
 Place placeOf(const PixelRect& at) { return {at.x0, at.y0, at.x1, at.y1}; }
@@ -101,9 +42,9 @@ class TileFile {
       if (std::exchange(is_first, false)) return is_ours = taker.takeText() == identity_;
       const auto at = taker.take<PixelRect>();
       if (!taker.ok || !known.contains(placeOf(at))) return false;
-      const std::optional<Image> tile = tileFrom(taker, at);
+      const std::optional<Image> tile = takeTile(taker, at);
       if (!tile) return false;
-      putTileOfFrame(*tile, at, whole, image);
+      putTile(*tile, at, whole, image);
       found.insert(placeOf(at));
       return true;
     });
@@ -123,8 +64,9 @@ class TileFile {
       appendRecord(beginning, identity);
       disk.writeAtomic(path_, beginning, WriteMode::kUnsynced);
     }
-    std::vector<std::byte> record;
-    appendRecord(record, bytesOf(at, tile));
+    std::vector<std::byte> bytes, record;
+    appendTile(bytes, at, tile);
+    appendRecord(record, bytes);
     disk.appendFile(path_, record);
   }
 
@@ -159,11 +101,7 @@ void requireCheckpoint(const RenderJob& job) {
   if (job.speed.visibility.method == VisibilityMethod::kQuadtree)
     throw Error(ErrorCode::kUsage,
                 "--checkpoint: what --visibility quadtree hides depends on the tiles; choose an exact method");
-  const char* const view = drawsDeep(job)                                                  ? "a deep image"
-                           : drawsBothEyes(job.picture.stereo)                             ? "both eyes"
-                           : job.picture.camera.projection == Projection::kEquirectangular ? "a panorama"
-                                                                                           : nullptr;
-  if (view != nullptr)
+  if (const char* const view = viewWithoutTiles(job))
     throw Error(ErrorCode::kUsage, fmt::format("--checkpoint: tiles of {} are not kept; leave it out", view));
 }
 
@@ -203,7 +141,7 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
       if (kept.contains(placeOf(at))) continue;
       const Image tile = painter->draw(at);
       file.add(at, tile);
-      putTileOfFrame(tile, at, whole, image);
+      putTile(tile, at, whole, image);
       ++finished;
       progress.advance(step.c_str(), "pixels", done += count(at), count(whole));
     }

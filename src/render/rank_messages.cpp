@@ -1,6 +1,8 @@
 #include "render/rank_messages.h"
 
-#include "cluster/parcel.h"
+#include <algorithm>
+
+#include "base/byte_record.h"
 
 namespace kiln {
 namespace {
@@ -19,84 +21,54 @@ void eachNumber(Statistics& s, const Do& what) {
     what(*count);
 }
 
-struct ContributingBrick {
-  StoredBrick key;
-  std::uint64_t bytes;
-};
-
 }  // namespace
 
-std::vector<std::byte> packed(const TileMessage& message) {
-  ParcelWriter out;
-  out.put(message.frame);
-  out.put(message.tile);
-  out.put(message.pixels.width);
-  out.put(message.pixels.height);
-  out.put(message.pixels.rgba);
-  out.put(message.pixels.planes.size());
-  for (const Plane& plane : message.pixels.planes) {
-    out.put(plane.name);
-    out.put(plane.values);
+std::vector<std::byte> packed(const FrameReport& report) {
+  std::vector<std::byte> out;
+  appendValue(out, report.frame);
+  const FrameStatistics& s = report.statistics;
+  eachNumber(s, [&](const auto& number) { appendValue(out, number); });
+  appendList(out, s.levels);
+  std::vector<StoredBrick> bricks;
+  std::vector<std::uint64_t> file_bytes;
+  for (const auto& [brick, size] : s.contributing) {
+    bricks.push_back(brick);
+    file_bytes.push_back(size);
   }
-  return out.take();
-}
-
-TileMessage tileFrom(const std::vector<std::byte>& bytes) {
-  ParcelReader in(bytes);
-  TileMessage out;
-  out.frame = in.get<std::uint32_t>();
-  out.tile = in.get<std::uint32_t>();
-  out.pixels.width = in.get<int>();
-  out.pixels.height = in.get<int>();
-  out.pixels.rgba = in.getList<float>();
-  out.pixels.planes.resize(in.get<std::size_t>());
-  for (Plane& plane : out.pixels.planes) {
-    plane.name = in.getText();
-    plane.values = in.getList<float>();
+  appendList(out, bricks);
+  appendList(out, file_bytes);
+  appendList(out, std::vector<StoredBrick>(s.damaged.begin(), s.damaged.end()));
+  appendValue(out, report.failure.has_value());
+  if (report.failure) {
+    appendValue(out, report.failure->code());
+    appendText(out, report.failure->what());
   }
   return out;
-}
-
-std::vector<std::byte> packed(const FrameReport& report) {
-  ParcelWriter out;
-  out.put(report.frame);
-  const FrameStatistics& s = report.statistics;
-  eachNumber(s, [&](const auto& number) { out.put(number); });
-  out.put(s.levels);
-  std::vector<ContributingBrick> contributing;
-  for (const auto& [key, file_bytes] : s.contributing) contributing.push_back({key, file_bytes});
-  out.put(contributing);
-  out.put(std::vector<StoredBrick>(s.damaged.begin(), s.damaged.end()));
-  out.put(report.failure.has_value());
-  if (report.failure) {
-    out.put(report.failure->code());
-    out.put(std::string(report.failure->what()));
-  }
-  return out.take();
 }
 
 FrameReport reportFrom(const std::vector<std::byte>& bytes) {
-  ParcelReader in(bytes);
+  ByteTaker in{bytes};
   FrameReport out;
-  out.frame = in.get<std::uint32_t>();
+  out.frame = in.take<std::uint32_t>();
   FrameStatistics& s = out.statistics;
-  eachNumber(s, [&](auto& number) { number = in.get<std::remove_reference_t<decltype(number)>>(); });
-  s.levels = in.getList<LevelStatistics>();
-  for (const ContributingBrick& brick : in.getList<ContributingBrick>()) s.contributing[brick.key] = brick.bytes;
-  for (const StoredBrick& key : in.getList<StoredBrick>()) s.damaged.insert(key);
-  if (in.get<bool>()) {
-    const auto code = in.get<ErrorCode>();
-    out.failure = Error(code, in.getText());
+  eachNumber(s, [&](auto& number) { number = in.take<std::remove_reference_t<decltype(number)>>(); });
+  s.levels = in.takeList<LevelStatistics>();
+  const auto bricks = in.takeList<StoredBrick>();
+  const auto file_bytes = in.takeList<std::uint64_t>();
+  for (std::size_t i = 0; i < std::min(bricks.size(), file_bytes.size()); ++i)
+    s.contributing[bricks[i]] = file_bytes[i];
+  for (const StoredBrick& brick : in.takeList<StoredBrick>()) s.damaged.insert(brick);
+  if (in.take<bool>()) {
+    const auto code = in.take<ErrorCode>();
+    out.failure = Error(code, in.takeText());
   }
+  requireTaken(in);
   return out;
 }
 
-std::vector<std::byte> packed(const RankStatistics& statistics) {
-  ParcelWriter out;
-  out.put(statistics);
-  return out.take();
+void requireTaken(const ByteTaker& taker) {
+  if (!taker.ok || !taker.left.empty())
+    throw Error(ErrorCode::kIo, "a message between ranks is cut short; are all of them the same version of Kiln?");
 }
-
-RankStatistics rankFrom(const std::vector<std::byte>& bytes) { return ParcelReader(bytes).get<RankStatistics>(); }
 
 }  // namespace kiln

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "cluster/parcel.h"
+#include "cluster/shared_lists.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -41,18 +41,8 @@ void RankedSequence::findKept() {
       if (frames_.isThere(numbers[i])) kept.push_back(numbers[i]);
     }
   }
-  ParcelWriter mine;
-  mine.put(kept);
-  kept.clear();
-  for (const auto& bytes : ranks_.gather(mine.take())) {
-    const auto some = ParcelReader(bytes).getList<int>();
-    kept.insert(kept.end(), some.begin(), some.end());
-  }
-  ParcelWriter all;
-  all.put(kept);
-  std::vector<std::byte> bytes = all.take();
-  ranks_.broadcast(bytes);
-  kept = ParcelReader(bytes).getList<int>();
+  kept = gatherLists(ranks_, kept);
+  broadcastList(ranks_, kept);
   for (const int frame : numbers) {
     if (std::find(kept.begin(), kept.end(), frame) == kept.end()) {
       to_draw_.push_back(frame);
@@ -107,7 +97,7 @@ void RankedSequence::finish() {
   own_.sent_bytes = traffic.sent_bytes;
   own_.received_bytes = traffic.received_bytes;
   RenderStatistics& s = result_.statistics;
-  for (const auto& bytes : ranks_.gather(packed(own_))) s.ranks.push_back(rankFrom(bytes));
+  s.ranks = gatherLists(ranks_, std::vector<RankStatistics>{own_});
   if (ranks_.first()) {
     s.shared_by = sharedBy();
     frames_.describeMemory(s);
@@ -123,14 +113,11 @@ StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options) {
   for (const int frame : framesOf(job)) {
     for (const fs::path& volume : volumesOf(jobAtFrame(job, frame))) {
       if (stores.contains(volume)) continue;
-      std::vector<std::byte> bytes;
-      if (options.ranks->first()) {
-        ParcelWriter path;
-        path.put((options.store_for ? options.store_for(volume) : volume).string());
-        bytes = path.take();
-      }
-      options.ranks->broadcast(bytes);
-      stores[volume] = ParcelReader(bytes).getText();
+      std::string store;
+      if (options.ranks->first()) store = (options.store_for ? options.store_for(volume) : volume).string();
+      std::vector<char> letters(store.begin(), store.end());
+      broadcastList(*options.ranks, letters);
+      stores[volume] = fs::path(letters.begin(), letters.end());
     }
   }
   return [stores](const fs::path& volume) { return stores.at(volume); };

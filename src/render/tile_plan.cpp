@@ -171,8 +171,7 @@ void addTiles(const Grid& grid, const PixelRect& part, std::vector<PixelRect>& o
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution) {
   const PictureOptions& picture = opened.job().picture;
   TilePlan out;
-  out.whole_frames = distribution == Distribution::kFrames;
-  if (out.whole_frames) return out;
+  if (distribution == Distribution::kFrames) return out;
   const PixelRect crop = drawnPixels(picture.size, picture.crop);
   const SampledFrames sampled = sample(opened, frames);
   const Grid grid(crop, tileEdge(crop, ranks), sampled);
@@ -188,10 +187,8 @@ TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks,
   }
   if (distribution == Distribution::kAuto && frames.size() >= static_cast<std::size_t>(2 * ranks)) {
     const bool few = sampled.empty() || grid.columns * grid.rows < kFewestTilesOfRank * ranks;
-    if (few || static_cast<double>(bytesOfFrames(sampled, ranks)) <= kWorthTiles * static_cast<double>(least)) {
-      out.whole_frames = true;
+    if (few || static_cast<double>(bytesOfFrames(sampled, ranks)) <= kWorthTiles * static_cast<double>(least))
       return out;
-    }
   }
   out.bounds.push_back(0);
   for (const PixelRect& part : parts) {
@@ -199,25 +196,6 @@ TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks,
     out.bounds.push_back(static_cast<std::uint32_t>(out.tiles.size()));
   }
   return out;
-}
-
-void putTile(const Image& tile, const PixelRect& at, const PixelRect& crop, Image& image) {
-  const auto put = [&](const std::vector<float>& from, std::vector<float>& to, std::size_t channels) {
-    for (int y = 0; y < at.height(); ++y) {
-      const std::size_t row = static_cast<std::size_t>(at.y0 - crop.y0 + y) * static_cast<std::size_t>(image.width);
-      std::copy_n(from.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(tile.width) * channels,
-                  static_cast<std::size_t>(tile.width) * channels,
-                  to.data() + (row + static_cast<std::size_t>(at.x0 - crop.x0)) * channels);
-    }
-  };
-  put(tile.rgba, image.rgba, 4);
-  for (const Plane& plane : tile.planes) {
-    const auto found = std::find_if(image.planes.begin(), image.planes.end(),
-                                    [&](const Plane& other) { return other.name == plane.name; });
-    Plane& to = found != image.planes.end() ? *found : image.planes.emplace_back(Plane{plane.name, {}});
-    to.values.resize(image.rgba.size() / 4);
-    put(plane.values, to.values, 1);
-  }
 }
 
 }  // namespace kiln

@@ -11,17 +11,14 @@
 namespace kiln {
 
 struct TilePlan {
-  bool whole_frames = false;          // frames are handed out, not their tiles; the rest is then empty
   std::vector<PixelRect> tiles;       // of the whole picture's pixels; they fill the crop, neighbours behind each other
   std::vector<std::uint32_t> bounds;  // the i-th rank's tiles are [bounds[i], bounds[i + 1])
+  bool wholeFrames() const { return tiles.empty(); }  // are handed out, not their tiles
 };
 
 /// The tiles of a rank lie in one rectangle of about an even share of the work: in rows, in columns or in blocks,
 /// whichever reads the fewest bytes over the frames. `kAuto` takes whole frames where there are enough of them and
 /// tiles would read as much, or be too few to share. requires: frames of one volume, `frames` not empty.
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution);
-
-/// A tile's pixels, put where they belong in an image of the crop.
-void putTile(const Image& tile, const PixelRect& at, const PixelRect& crop, Image& image);
 
 }  // namespace kiln
