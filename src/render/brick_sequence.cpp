@@ -5,7 +5,8 @@
 #include <chrono>
 #include <utility>
 
-#include "cluster/parcel.h"
+#include "base/elapsed.h"
+#include "cluster/shared_lists.h"
 #include "render/background.h"
 #include "render/composite_parts.h"
 #include "render/composite_ranks.h"
@@ -29,6 +30,10 @@ void requireParts(const RenderJob& job) {
   if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
   if (picture.lattice != Lattice::kPixel) refuse("the voxel lattice is not drawn in parts");
   if (picture.samples != 1) refuse("a pixel is one sample");
+  if (const char* const view = viewWithoutTiles(job)) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));
+  }
   if (drawnAovs(job).any()) refuse("depth and normals are not drawn in parts");
   if (!job.volumes.empty()) refuse("several volumes are not drawn in parts");
   if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
@@ -36,39 +41,30 @@ void requireParts(const RenderJob& job) {
 
 // Of the first frame's transfer function, so that a rank keeps its bricks. One rank cuts for all.
 std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores, Ranks& ranks) {
-  ParcelWriter out;
+  std::vector<VoxelBox> boxes;
   if (ranks.first()) {
     const StoreReader store(stores(job.volume));
     const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
-    out.put(boxesForRanks(store, scene.transfer_function, ranks.count()));
+    boxes = boxesForRanks(store, scene.transfer_function, ranks.count());
   }
-  std::vector<std::byte> bytes = out.take();
-  ranks.broadcast(bytes);
-  return ParcelReader(bytes).getList<VoxelBox>();
+  broadcastList(ranks, boxes);
+  return boxes;
 }
 
 // What each rank holds on its own disk.
 std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ranks) {
   const StoreReader store(part);
-  ParcelWriter mine;
-  mine.put(boxOfStorePart(part));
-  mine.put(store.manifest().index_checksum);
-  ParcelWriter all;
-  if (const auto parts = ranks.gather(mine.take()); ranks.first()) {
-    std::vector<VoxelBox> boxes;
-    for (const auto& bytes : parts) {
-      ParcelReader in(bytes);
-      boxes.push_back(in.get<VoxelBox>());
-      if (in.get<Hash128>() != store.manifest().index_checksum)
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("--store-local: rank {} holds a part of another store than rank 0", boxes.size() - 1));
-    }
+  std::vector<VoxelBox> boxes = gatherLists(ranks, std::vector<VoxelBox>{boxOfStorePart(part)});
+  const std::vector<Hash128> indexes = gatherLists(ranks, std::vector<Hash128>{store.manifest().index_checksum});
+  if (ranks.first()) {
+    const auto other = std::find_if(indexes.begin(), indexes.end(), [&](const Hash128& i) { return i != indexes[0]; });
+    if (other != indexes.end())
+      throw Error(ErrorCode::kUsage, fmt::format("--store-local: rank {} holds a part of another store than rank 0",
+                                                 other - indexes.begin()));
     requireWhole(boxes, store.manifest().geometry().dims);
-    all.put(boxes);
   }
-  std::vector<std::byte> bytes = all.take();
-  ranks.broadcast(bytes);
-  return ParcelReader(bytes).getList<VoxelBox>();
+  broadcastList(ranks, boxes);
+  return boxes;
 }
 
 // The part as it is composited, and as others' arrive.
@@ -110,7 +106,7 @@ class BrickSequence : public RankedSequence {
     const double waited_before = ranks_.traffic().waited_s;
     for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawFrame(i);
     own_.idle_s = ranks_.traffic().waited_s - waited_before;
-    own_.busy_s = std::chrono::duration<double>(Clock::now() - begin).count() - own_.idle_s;
+    own_.busy_s = secondsSince(begin) - own_.idle_s;
   }
 
   void drawFrame(std::uint32_t i) {
@@ -134,7 +130,7 @@ class BrickSequence : public RankedSequence {
     attempt(report, [&] {
       OpenedJob& opened = frames_.openedFor(toDraw()[i]);
       drawn.scene = frames_.sceneToWrite(opened, toDraw()[i]);
-      report.statistics.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+      report.statistics.wall_s = secondsSince(begin);
       drawn.statistics = std::move(report.statistics);
       write(opened, i, drawn);
       report.statistics = std::move(drawn.statistics);
@@ -152,9 +148,9 @@ class BrickSequence : public RankedSequence {
         if (other.failure && !report.failure) report.failure = other.failure;
       }
     }
-    std::vector<std::byte> failed(1, std::byte(report.failure ? 1 : 0));
-    ranks_.broadcast(failed);
-    return failed[0] == std::byte{0};
+    std::vector<char> failed(1, report.failure ? 1 : 0);
+    broadcastList(ranks_, failed);
+    return failed[0] == 0;
   }
 
   void composite(DrawnFrame& drawn) {

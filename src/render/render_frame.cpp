@@ -6,6 +6,7 @@
 #include <bit>
 #include <chrono>
 
+#include "base/elapsed.h"
 #include "base/parallel.h"
 #include "base/span.h"
 #include "render/aov_planes.h"
@@ -86,10 +87,6 @@ Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequ
   const Span span(Activity::kFinish);
   putAovs(request.aovs, request.view, image, 1, image, 0);
   return image;
-}
-
-double secondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 // What is projected onto a plane, and its pixels.

@@ -1,15 +1,19 @@
 #include "render/shared_sequence.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <map>
 #include <thread>
 #include <utility>
 
-#include "cluster/parcel.h"
+#include "base/elapsed.h"
+#include "cluster/shared_lists.h"
 #include "cluster/work_ranges.h"
 #include "render/aov_planes.h"
 #include "render/brick_sequence.h"
 #include "render/ranked_sequence.h"
+#include "render/tile_image.h"
 #include "render/tile_plan.h"
 
 namespace kiln {
@@ -18,8 +22,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
-
-double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 // Beside the image that a rank may put together: a tile of its own, one that it sends and one that it gets.
 std::uint64_t tileBytes(const RenderJob& job) {
@@ -43,34 +45,26 @@ class SharedSequence : public RankedSequence {
         crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
 
  private:
-  const char* sharedBy() const override { return plan_.whole_frames ? "frames" : "tiles"; }
+  const char* sharedBy() const override { return plan_.wholeFrames() ? "frames" : "tiles"; }
 
   // One rank plans, so that all have the same plan.
   void makePlan() {
-    ParcelWriter out;
     if (ranks_.first()) {
-      const bool by_frames = isSeries(job_) && toDraw().size() > 1;
+      const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
       plan_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(),
                         by_frames ? Distribution::kFrames : job_.distribution);
-      out.put(plan_.whole_frames);
-      out.put(plan_.tiles);
-      out.put(plan_.bounds);
     }
-    std::vector<std::byte> bytes = out.take();
-    ranks_.broadcast(bytes);
-    ParcelReader in(bytes);
-    plan_.whole_frames = in.get<bool>();
-    plan_.tiles = in.getList<PixelRect>();
-    plan_.bounds = in.getList<std::uint32_t>();
+    broadcastList(ranks_, plan_.tiles);
+    broadcastList(ranks_, plan_.bounds);
   }
 
   void share() override {
     makePlan();
     const std::size_t ranks = static_cast<std::size_t>(ranks_.count());
-    counters_ = ranks_.makeCounters(1 + ranks * (plan_.whole_frames ? 1 : toDraw().size()));
+    counters_ = ranks_.makeCounters(1 + ranks * (plan_.wholeFrames() ? 1 : toDraw().size()));
     ranks_.barrier();
     begin_ = Clock::now();
-    if (plan_.whole_frames)
+    if (plan_.wholeFrames())
       drawFrames();
     else
       for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawTilesOf(i);
@@ -84,20 +78,20 @@ class SharedSequence : public RankedSequence {
   bool allDone() { return ranks_.first() ? heard_ == toDraw().size() : counters_->add(0, 0) == toDraw().size(); }
 
   void drawFrames() {
-    std::vector<std::uint32_t> bounds;
     const auto ranks = static_cast<std::size_t>(ranks_.count());
-    for (std::size_t i = 0; i <= ranks; ++i) bounds.push_back(static_cast<std::uint32_t>(i * toDraw().size() / ranks));
-    WorkRanges work(*counters_, 1, bounds, ranks_.rank());
-    while (const auto i = work.take()) {
+    WorkRanges work(*counters_, 1, WorkRanges::evenBounds(toDraw().size(), ranks),
+                    static_cast<std::size_t>(ranks_.rank()));
+    while (const auto units = work.take(1)) {
+      const std::uint32_t i = units->begin;
       FrameReport report;
-      report.frame = *i;
+      report.frame = i;
       attempt(report, [&] {
-        OpenedJob& opened = frames_.openedFor(toDraw()[*i]);
-        started(*i);
-        DrawnFrame drawn = opened.draw(toDraw()[*i], progress_);
+        OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+        started(i);
+        DrawnFrame drawn = opened.draw(toDraw()[i], progress_);
         own_.add(drawn.statistics);
         ++own_.tiles;
-        write(opened, *i, drawn);
+        write(opened, i, drawn);
         report.statistics = std::move(drawn.statistics);
       });
       tellFirst(std::move(report));
@@ -119,7 +113,7 @@ class SharedSequence : public RankedSequence {
     begun_[i] = Clock::now();
     started(i);
     const auto ranks = static_cast<std::size_t>(ranks_.count());
-    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, ranks_.rank());
+    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, static_cast<std::size_t>(ranks_.rank()));
     FrameReport report;
     report.frame = i;
     attempt(report, [&] { drawTiles(i, work, report.statistics); });
@@ -133,9 +127,13 @@ class SharedSequence : public RankedSequence {
     OpenedJob& opened = frames_.openedFor(toDraw()[i]);
     const FrameScene scene = opened.sceneAt(toDraw()[i]);
     std::unique_ptr<FramePainter> painter;
-    while (const auto tile = work.take()) {
+    while (const auto units = work.take(1)) {
       if (!painter) painter = opened.painterFor(scene, progress_);
-      ranks_.send(ownerOf(i), kTileTag, packed(TileMessage{i, *tile, painter->draw(plan_.tiles[*tile])}));
+      const PixelRect& tile = plan_.tiles[units->begin];
+      std::vector<std::byte> message;
+      appendValue(message, i);
+      appendTile(message, tile, painter->draw(tile));
+      ranks_.send(ownerOf(i), kTileTag, std::move(message));
       ++own_.tiles;
       serve();
     }
@@ -147,12 +145,7 @@ class SharedSequence : public RankedSequence {
     bool any = false;
     while (auto message = ranks_.poll(kTileTag)) {
       any = true;
-      const TileMessage tile = tileFrom(message->bytes);
-      Assembly& frame = assemblies_[tile.frame];
-      if (frame.image.rgba.empty()) frame.image = Image(crop_.width(), crop_.height());
-      putTile(tile.pixels, plan_.tiles[tile.tile], crop_, frame.image);
-      ++frame.tiles;
-      completed(tile.frame);
+      putTogether(message->bytes);
     }
     while (auto message = ranks_.poll(kShareTag)) {
       any = true;
@@ -168,6 +161,19 @@ class SharedSequence : public RankedSequence {
       hear(reportFrom(message->bytes));
     }
     return any;
+  }
+
+  void putTogether(const std::vector<std::byte>& tile) {
+    ByteTaker taker{tile};
+    const auto i = taker.take<std::uint32_t>();
+    const auto at = taker.take<PixelRect>();
+    const std::optional<Image> pixels = takeTile(taker, at);
+    requireTaken(taker);
+    Assembly& frame = assemblies_[i];
+    if (frame.image.rgba.empty()) frame.image = Image(crop_.width(), crop_.height());
+    putTile(*pixels, at, crop_, frame.image);
+    ++frame.tiles;
+    completed(i);
   }
 
   void serveOrWait() {
@@ -215,6 +221,9 @@ SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& option
                              SequenceListener& listener) {
   if (options.checkpoint)
     throw Error(ErrorCode::kUsage, "--checkpoint: is one process's; under mpirun a frame's tiles are not kept");
+  if (const char* const view = viewWithoutTiles(job); view != nullptr && job.distribution == Distribution::kTiles)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--distribute tiles: {} is drawn as a whole; use --distribute frames", view));
   if (job.distribution == Distribution::kBricks) return shareBricksOfSequence(job, options, progress, listener);
   return SharedSequence(job, options, progress, listener).run();
 }

@@ -46,6 +46,12 @@ bool drawsDeep(const RenderJob& job) {
          std::any_of(files.begin(), files.end(), [](const OutputFile& file) { return file.content == Content::kDeep; });
 }
 
+const char* viewWithoutTiles(const RenderJob& job) {
+  if (drawsDeep(job)) return "a deep image";
+  if (drawsBothEyes(job.picture.stereo)) return "both eyes";
+  return job.picture.camera.projection == Projection::kEquirectangular ? "a panorama" : nullptr;
+}
+
 void requireViews(const RenderJob& job) {
   const OutputOptions& output = job.output;
   if (output.deep && !output.video.path.empty()) requireDeep(job, output.video.path);

@@ -203,6 +203,8 @@ void makeFirstOfSeveral(RenderJob& job);
 
 /// Whether any of the job's files is deep.
 bool drawsDeep(const RenderJob& job);
+/// What the job's frames are if they are not one image whose pixels can be drawn tile by tile, in words; else null.
+const char* viewWithoutTiles(const RenderJob& job);
 /// throws: Error kUsage where the job draws a deep image or a stereo pair that its scene has not, or that could not be
 /// written.
 void requireViews(const RenderJob& job);
