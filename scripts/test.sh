@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds and runs the tests: test.sh [--nightly] [--only dev|asan|tsan].
-# All of them under the address and undefined-behaviour sanitizers, but for those that sum up many pictures; those that
-# threads meet in under the thread sanitizer; and last, in the build nearest to what users run, those that a sanitizer is
-# too slow for or may hide: pictures with known answers, memory, Kiln's use as a library. With --nightly or --only dev
-# that build runs everything. Several ranks work together in that build only: Open MPI leaves memory behind at its end and
+# All of them under the address and undefined-behaviour sanitizers, but for those that draw many pictures or large ones;
+# those that threads meet in under the thread sanitizer; and last, in the build nearest to what users run, those that a
+# sanitizer is too slow for or may hide: these pictures, known answers, memory, Kiln's use as a library. With --nightly
+# or --only dev that build runs everything. Several ranks work together in that build only: Open MPI leaves memory behind at its end and
 # orders its threads in ways that the sanitizers do not see, and what ranks do alone, the other tests do.
 # The first stage that fails ends the script with its exit code; what is built is not built again.
 set -euo pipefail
@@ -31,6 +31,11 @@ scripts/check_includes.sh
 configure=(-DKILN_TESTS=ON "-DKILN_NIGHTLY=$nightly")
 if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 
+# What draws many pictures or large ones takes minutes under a sanitizer, and others go the same ways.
+large='LatticeWeights|Extinction|PictureQuality|VolumeMixPicture|UniformMediumHasNoSeams|Panorama|Turn|Zoom'
+large+='|DeepImages.*(OfParts|AreTheFlat)|PartialImages.OfOctants|Checkpoint.(GoesOn|ChangesNo)|SeveralVolumesAreDeep'
+large+='|Samples.AreMeans|TraceCli.SaysWhat|NeedsNoSliceInMemory'
+
 export ASAN_OPTIONS=detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
@@ -41,19 +46,18 @@ for preset in "${presets[@]}"; do
   # take long under the thread sanitizer and show nothing more.
   chosen=()
   targets=()
-  # The largest of the real files, and those that sum up many pictures, take minutes under the address sanitizer, and
-  # smaller ones go the same ways. (The former are for --nightly and --only dev.) How much memory a picture takes, a
-  # sanitizer cannot say.
+  # The largest of the real files take minutes, too; they are for --nightly and --only dev. How much memory a picture
+  # takes, a sanitizer cannot say.
   if [ "$preset" = asan ] && [ "$nightly" = OFF ]; then
-    chosen=(-E 'RealExport.*(smoke|sphere)|RealData.*vhm_head|LatticeWeights|Extinction|PictureQuality|Panorama|Turn|Zoom|MemoryBudget|Ranks')
+    chosen=(-E "RealExport.*(smoke|sphere)|RealData.*vhm_head|MemoryBudget|Ranks|$large")
   fi
   if [ "$preset" = tsan ]; then
-    chosen=(-L 'unit|property' -E 'ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],')
+    chosen=(-L 'unit|property' -E "ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],|SharedConversion.HasTheBytes|$large")
     targets=(--target kiln_unit_tests kiln_property_tests)
   fi
   if [ "$preset" = dev ] && [ "$whole_dev" = OFF ]; then
-    chosen=(-R '^known_answer|^consumer|MemoryBudget|Ranks')
-    targets=(--target kiln_tool kiln_known_answer_tests kiln_cli_tests)
+    chosen=(-R "^known_answer|^consumer|MemoryBudget|Ranks|$large")
+    targets=(--target kiln_tool kiln_known_answer_tests kiln_cli_tests kiln_property_tests kiln_format_tests)
   fi
   cmake --preset "$preset" "${configure[@]}"
   cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}"
