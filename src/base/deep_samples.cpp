@@ -19,8 +19,6 @@ float partInFront(float alpha, float t) {
   return alpha < 1e-4f ? t : -std::expm1(t * std::log1p(-alpha)) / alpha;
 }
 
-int squaresAlong(int from, int to, int edge) { return (to - 1) / edge - from / edge + 1; }
-
 }  // namespace
 
 DeepSamples::Rounded DeepSamples::rounded(float v) {
@@ -54,50 +52,18 @@ DeepSamples::Rounded DeepSamples::jointError(const Kept& a, const Kept& b, float
   return rounded(valueOf(a.error) + valueOf(b.error) + in_front * most);
 }
 
-std::uint32_t DeepSamples::Square::take() {
-  if (used == pages.size() * kPageChunks) pages.push_back(std::make_unique<Chunk[]>(kPageChunks));
-  return used++;
-}
-
-DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound)
-    : rect_(rect),
-      bound_(bound),
-      columns_(squaresAlong(rect.x0, rect.x1, kSquare)),
-      pixels_(static_cast<std::size_t>(rect.width()) * static_cast<std::size_t>(rect.height())),
-      squares_(static_cast<std::size_t>(columns_ * squaresAlong(rect.y0, rect.y1, kSquare))) {}
+DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound) : bound_(bound), lists_(rect) {}
 
 std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound) {
-  const auto chunks = static_cast<std::uint64_t>((bound.samples + kChunkSamples - 1) / kChunkSamples);
-  // A page that is not full, and who keeps it, of every square.
-  const std::uint64_t squares = pixels / (kSquare * kSquare) + 1;
-  return pixels * (sizeof(Pixel) + chunks * sizeof(Chunk)) + squares * (kPageChunks * sizeof(Chunk) + sizeof(Square));
-}
-
-DeepSamples::Chunk& DeepSamples::lastChunk(const Square& square, const Pixel& pixel) const {
-  Chunk* chunk = &square.at(pixel.first);
-  for (int before = kChunkSamples; before < pixel.count; before += kChunkSamples) chunk = &square.at(chunk->next);
-  return *chunk;
-}
-
-void DeepSamples::append(Square& square, Pixel& pixel, const Kept& sample) {
-  if (pixel.count % kChunkSamples == 0) {
-    const std::uint32_t next = square.take();
-    (pixel.count == 0 ? pixel.first : lastChunk(square, pixel).next) = next;
-  }
-  const int place = pixel.count++ % kChunkSamples;
-  lastChunk(square, pixel).samples[place] = sample;
+  return PixelLists<Kept>::bytesFor(pixels, bound.samples);
 }
 
 // `sample` comes behind a full pixel: of all neighbours, those become one whose error is least. `open`: what passes all
 // that is in front of the sample.
-void DeepSamples::joinLeast(const Square& square, const Pixel& pixel, const Kept& sample, float open) {
+void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
   std::array<Kept*, DeepBound::kMostSamples + 1> all;
-  Chunk* chunk = &square.at(pixel.first);
-  const auto count = static_cast<std::size_t>(pixel.count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0 && i % kChunkSamples == 0) chunk = &square.at(chunk->next);
-    all[i] = &chunk->samples[i % kChunkSamples];
-  }
+  std::size_t count = 0;
+  lists_.forEach(x, y, [&](Kept& kept) { all[count++] = &kept; });
   Kept last = sample;
   all[count] = &last;
   const auto least =
@@ -117,14 +83,13 @@ void DeepSamples::joinLeast(const Square& square, const Pixel& pixel, const Kept
 void DeepSamples::add(int x, int y, float z, float z_back, const float* before, const float* after) {
   const float open = 1 - before[kAlpha];
   if (!(open > 0) || std::equal(before, before + 4, after)) return;
-  Pixel& pixel = pixels_[placeOf(x, y)];
-  Square& square = squares_[squareOf(x, y)];
+  const int count = lists_.count(x, y);
   Kept sample{{z, z_back, {}}, 0, 0};
   for (std::size_t c = 0; c < 4; ++c) sample.sample.rgba[c] = std::max(after[c] - before[c], 0.0f) / open;
   float& alpha = sample.sample.rgba[kAlpha];
   alpha = after[kAlpha] >= 1 ? 1 : std::min(alpha, 1.0f);
-  if (pixel.count > 0) {
-    Kept& last = lastChunk(square, pixel).samples[(pixel.count - 1) % kChunkSamples];
+  if (count > 0) {
+    Kept& last = lists_.last(x, y);
     // Rounding does not put a slab into the one before.
     sample.sample.z = std::max(z, last.sample.z_back);
     sample.sample.z_back = std::max(z_back, sample.sample.z);
@@ -134,21 +99,14 @@ void DeepSamples::add(int x, int y, float z, float z_back, const float* before, 
       return;
     }
   }
-  if (pixel.count < bound_.samples)
-    append(square, pixel, sample);
+  if (count < bound_.samples)
+    lists_.append(x, y, sample);
   else
-    joinLeast(square, pixel, sample, open);
+    joinLeast(x, y, sample, open);
 }
 
 void DeepSamples::copy(int x, int y, DeepSample* out) const {
-  const Pixel& pixel = pixels_[placeOf(x, y)];
-  if (pixel.count == 0) return;
-  const Square& square = squares_[squareOf(x, y)];
-  const Chunk* chunk = &square.at(pixel.first);
-  for (int i = 0; i < pixel.count; ++i) {
-    if (i > 0 && i % kChunkSamples == 0) chunk = &square.at(chunk->next);
-    out[i] = chunk->samples[i % kChunkSamples].sample;
-  }
+  lists_.forEach(x, y, [&](const Kept& kept) { *out++ = kept.sample; });
 }
 
 }  // namespace kiln

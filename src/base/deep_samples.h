@@ -6,9 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <vector>
 
+#include "base/pixel_lists.h"
 #include "base/pixel_rect.h"
 
 namespace kiln {
@@ -34,12 +33,12 @@ class DeepSamples {
   /// The most that so many pixels take. unit: bytes.
   static std::uint64_t bytesFor(std::uint64_t pixels, const DeepBound& bound);
 
-  const PixelRect& rect() const { return rect_; }
+  const PixelRect& rect() const { return lists_.rect(); }
   /// A layer that changes what is in front of it, and with it, from `before` to `after`, in depths behind all of the
   /// pixel's others. shape: premultiplied RGBA. thread: one at a time in each square of 64×64 pixels, counted from
   /// pixel (0, 0).
   void add(int x, int y, float z, float z_back, const float* before, const float* after);
-  int count(int x, int y) const { return pixels_[placeOf(x, y)].count; }
+  int count(int x, int y) const { return lists_.count(x, y); }
   /// Writes the pixel's samples, from front to back. shape: `out` has room for count(x, y).
   void copy(int x, int y, DeepSample* out) const;
 
@@ -51,44 +50,16 @@ class DeepSamples {
     Rounded error;  // that merging has made so far
     Rounded joint;  // the error of the sample that it would be with the next
   };
-  static constexpr int kChunkSamples = 4, kPageChunks = 64, kSquare = 64;
-  struct Chunk {
-    Kept samples[kChunkSamples];
-    std::uint32_t next;
-  };
-  // The chunks of a square's pixels.
-  struct Square {
-    std::vector<std::unique_ptr<Chunk[]>> pages;
-    std::uint32_t used = 0;
-    Chunk& at(std::uint32_t i) const { return pages[i / kPageChunks][i % kPageChunks]; }
-    std::uint32_t take();
-  };
-  struct Pixel {
-    std::uint32_t first = 0;
-    std::uint16_t count = 0;
-  };
 
   static Rounded rounded(float v);
   static float valueOf(Rounded v);
   static Kept joined(const Kept& a, const Kept& b);
   static Rounded jointError(const Kept& a, const Kept& b, float in_front);
 
-  std::size_t placeOf(int x, int y) const {
-    return static_cast<std::size_t>(y - rect_.y0) * static_cast<std::size_t>(rect_.width()) +
-           static_cast<std::size_t>(x - rect_.x0);
-  }
-  std::size_t squareOf(int x, int y) const {
-    return static_cast<std::size_t>((y / kSquare - rect_.y0 / kSquare) * columns_ + x / kSquare - rect_.x0 / kSquare);
-  }
-  Chunk& lastChunk(const Square& square, const Pixel& pixel) const;
-  void append(Square& square, Pixel& pixel, const Kept& sample);
-  void joinLeast(const Square& square, const Pixel& pixel, const Kept& sample, float open);
+  void joinLeast(int x, int y, const Kept& sample, float open);
 
-  const PixelRect rect_;
   const DeepBound bound_;
-  const int columns_;
-  std::vector<Pixel> pixels_;
-  std::vector<Square> squares_;
+  PixelLists<Kept> lists_;
 };
 
 }  // namespace kiln

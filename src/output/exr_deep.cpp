@@ -1,16 +1,16 @@
-// A row at a time: its samples are laid out channel by channel, and OpenEXR is told where each pixel's begin.
 #include "output/exr_deep.h"
 
 #include <ImathBox.h>
 #include <ImfChannelList.h>
-#include <ImfDeepFrameBuffer.h>
 #include <ImfDeepScanLineOutputFile.h>
 #include <ImfPartType.h>
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "base/error.h"
+#include "output/exr_deep_row.h"
 #include "output/exr_parts.h"
 
 namespace kiln {
@@ -40,86 +40,37 @@ class HalfChain {
   std::array<double, 4> wanted_{}, written_{};
 };
 
-// The samples of one row, a channel behind the other.
+// Fills a row with the samples of row y.
 template <class T>
-class DeepRow {
- public:
-  DeepRow(const DeepSamples& samples, Imf::PixelType type)
-      : samples_(samples),
-        type_(type),
-        width_(static_cast<std::size_t>(samples.rect().width())),
-        counts_(width_),
-        depth_at_{std::vector<char*>(width_), std::vector<char*>(width_)} {
-    for (auto& pointers : color_at_) pointers.resize(width_);
-  }
-
-  // Rows lie on one another: what a row is written from is filled before.
-  Imf::DeepFrameBuffer frameBuffer(int first_x) {
-    Imf::DeepFrameBuffer out;
-    const auto before = static_cast<std::ptrdiff_t>(first_x);
-    out.insertSampleCountSlice(
-        Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts_.data() - before), sizeof(unsigned), 0));
-    const auto insert = [&](const char* name, std::vector<char*>& pointers, Imf::PixelType type, std::size_t bytes) {
-      out.insert(name,
-                 Imf::DeepSlice(type, reinterpret_cast<char*>(pointers.data() - before), sizeof(char*), 0, bytes));
-    };
-    for (std::size_t c = 0; c < 4; ++c) insert(kExrChannelNames[c], color_at_[c], type_, sizeof(T));
-    insert("Z", depth_at_[0], Imf::FLOAT, sizeof(float));
-    insert("ZBack", depth_at_[1], Imf::FLOAT, sizeof(float));
-    return out;
-  }
-
-  void fill(int y) {
-    std::size_t all = 0;
-    for (std::size_t x = 0; x < width_; ++x) all += counts_[x] = static_cast<unsigned>(samples_.count(xOf(x), y));
-    for (auto& values : colors_) values.resize(all);
-    for (auto& values : depths_) values.resize(all);
-    std::size_t place = 0;
-    for (std::size_t x = 0; x < width_; ++x) {
-      point(x, place);
-      pixel_.resize(counts_[x]);
-      samples_.copy(xOf(x), y, pixel_.data());
-      put(place);
-      place += counts_[x];
-    }
-  }
-
- private:
-  int xOf(std::size_t x) const { return samples_.rect().x0 + static_cast<int>(x); }
-
-  void point(std::size_t x, std::size_t place) {
-    for (std::size_t c = 0; c < 4; ++c) color_at_[c][x] = reinterpret_cast<char*>(colors_[c].data() + place);
-    for (std::size_t c = 0; c < 2; ++c) depth_at_[c][x] = reinterpret_cast<char*>(depths_[c].data() + place);
-  }
-
-  void put(std::size_t place) {
+void fillRow(const DeepSamples& samples, int y, DeepRow& row, std::vector<DeepSample>& pixel) {
+  const int first = samples.rect().x0;
+  for (std::size_t x = 0; x < row.counts().size(); ++x)
+    row.counts()[x] = static_cast<unsigned>(samples.count(first + static_cast<int>(x), y));
+  row.layOut();
+  std::size_t place = 0;
+  for (std::size_t x = 0; x < row.counts().size(); ++x) {
+    pixel.resize(row.counts()[x]);
+    samples.copy(first + static_cast<int>(x), y, pixel.data());
     HalfChain chain;
-    for (const DeepSample& sample : pixel_) {
-      const std::array<float, 4> rgba = type_ == Imf::HALF ? chain.next(sample.rgba) : sample.rgba;
-      for (std::size_t c = 0; c < 4; ++c) colors_[c][place] = T(rgba[c]);
-      depths_[0][place] = sample.z;
-      depths_[1][place] = sample.z_back;
+    for (const DeepSample& sample : pixel) {
+      const std::array<float, 4> rgba = std::is_same_v<T, half> ? chain.next(sample.rgba) : sample.rgba;
+      for (std::size_t c = 0; c < 4; ++c) row.values<T>(c)[place] = T(rgba[c]);
+      row.values<float>(4)[place] = sample.z;
+      row.values<float>(5)[place] = sample.z_back;
       ++place;
     }
   }
-
-  const DeepSamples& samples_;
-  const Imf::PixelType type_;
-  const std::size_t width_;
-  std::vector<unsigned> counts_;
-  std::array<std::vector<T>, 4> colors_;
-  std::array<std::vector<float>, 2> depths_;
-  std::array<std::vector<char*>, 4> color_at_;
-  std::array<std::vector<char*>, 2> depth_at_;
-  std::vector<DeepSample> pixel_;
-};
+}
 
 template <class T>
 void writeDeepRows(Imf::DeepScanLineOutputFile& file, const DeepSamples& samples, Imf::PixelType type) {
-  DeepRow<T> row(samples, type);
+  DeepRow row(samples.rect().width());
+  for (const char* name : kExrChannelNames) row.addChannel(name, type);
+  for (const char* name : {"Z", "ZBack"}) row.addChannel(name, Imf::FLOAT);
   file.setFrameBuffer(row.frameBuffer(file.header().dataWindow().min.x));
+  std::vector<DeepSample> pixel;
   for (int y = samples.rect().y0; y < samples.rect().y1; ++y) {
-    row.fill(y);
+    fillRow<T>(samples, y, row, pixel);
     file.writePixels(1);
   }
 }

@@ -22,6 +22,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "output/exr_edges.h"
 #include "output/exr_parts.h"
 
 namespace kiln {
@@ -211,10 +212,21 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
                                  const std::filesystem::path& path) {
   const Imf::Compression compression = exrCompression(options.exr_compression);
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  Imf::Header header = headerOf(image, metadata, type, compression);
   return writing(path, [&](ExrWriter& stream) {
-    // Its destructor writes the table of scanline offsets.
-    Imf::OutputFile file(stream, headerOf(image, metadata, type, compression), 0);
-    writeRows(file, image, type);
+    // Files' destructors write the tables of scanline offsets.
+    if (!image.edges) {
+      Imf::OutputFile file(stream, header, 0);
+      writeRows(file, image, type);
+      return;
+    }
+    header.setType(Imf::SCANLINEIMAGE);
+    header.setName("color");
+    const Imf::Header headers[] = {header, edgesHeader(header)};
+    Imf::MultiPartOutputFile file(stream, headers, 2, false, 0);
+    Imf::OutputPart flat(file, 0);
+    writeRows(flat, image, type);
+    writeEdges(*image.edges, file, 1);
   });
 }
 
@@ -238,13 +250,18 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
   });
 }
 
-Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
-                std::span<const std::string> planes) {
+Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path, std::span<const std::string> planes,
+                bool edges) {
   return reading(path, [&] {
     MemoryReader stream(data);
     Imf::InputFile file(stream, 0);
     Image image = readRows(file, data.size(), path);
     if (!planes.empty()) readPlanes(file, planes, path, image);
+    if (edges) {
+      MemoryReader again(data);
+      Imf::MultiPartInputFile parts(again, 0);
+      image.edges = readEdges(parts, image.width, image.height);
+    }
     return image;
   });
 }
@@ -255,6 +272,10 @@ void checkExr(std::span<const std::byte> data, const std::filesystem::path& path
     Imf::MultiPartInputFile parts(stream, 0);
     if (parts.parts() > 1) {
       for (int i = 0; i < parts.parts(); ++i) {
+        if (parts.header(i).type() == Imf::DEEPSCANLINE) {
+          checkDeepPart(parts, i);
+          continue;
+        }
         Imf::InputPart part(parts, i);
         readAll(part);
       }

@@ -15,9 +15,10 @@ namespace kiln {
 
 bool looksLikeExr(std::span<const std::byte> data);
 
-/// One scanline part, channels R G B A where the image has colours, and of each plane a channel of its name, which is
-/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is
-/// for errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
+/// One scanline part and, where the image has layers of edges, a part of them: channels R G B A where the image has
+/// colours, and of each plane a channel of its name, which is 32-bit float whatever the others are; equal input gives
+/// equal bytes. Half clamps what is beyond ±65504. `path` is for errors. cost: the compressed file in memory beside the
+/// image. throws: Error kIo, kUsage (unknown compression).
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
@@ -25,10 +26,10 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
 std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
                                       const std::filesystem::path& path);
 
-/// The data window of the first part, with the planes that are named. throws: Error kFormat, kUnsupported, naming
-/// `path`.
+/// The data window of the first part, with the planes that are named, and the layers of edges where they are asked for
+/// and there. throws: Error kFormat, kUnsupported, naming `path`.
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
-                std::span<const std::string> planes = {});
+                std::span<const std::string> planes = {}, bool edges = false);
 /// Reads every channel of every row of every part. throws: Error kFormat where a part of the file is damaged or
 /// missing.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path);

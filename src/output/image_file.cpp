@@ -52,9 +52,9 @@ void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, c
   disk.writeAtomic(path, encodeDeepExr(samples, metadata, options, path));
 }
 
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes) {
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, bool edges) {
   const std::vector<std::byte> data = readFile(path);
-  if (looksLikeExr(data)) return decodeExr(data, path, planes);
+  if (looksLikeExr(data)) return decodeExr(data, path, planes, edges);
   if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
   if (looksLikePng(data)) return decodePng(data, path);
   throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");

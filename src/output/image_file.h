@@ -67,9 +67,10 @@ bool isExrPath(const std::filesystem::path& path);
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
 
 /// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; which, its first
-/// bytes say. Of a deep EXR, its samples laid over one another.
+/// bytes say. Of a deep EXR, its samples laid over one another. `edges`: with the layers of a partial image, where the
+/// file has them.
 /// throws: Error kFormat, kNotFound, kUnsupported.
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {});
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {}, bool edges = false);
 /// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
 void checkImage(const std::filesystem::path& path);
 /// The string attributes of an EXR, the texts of a PNG. throws: as readImage.

@@ -70,7 +70,8 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ran
 // The part as it is composited, and as others' arrive.
 std::uint64_t partBytes(const RenderJob& job) {
   const PixelRect crop = drawnPixels(job.picture.size, job.picture.crop);
-  return 3 * sizeof(PartPixel) * static_cast<std::uint64_t>(crop.width()) * static_cast<std::uint64_t>(crop.height());
+  return (3 * sizeof(PartPixel) + EdgeLayers::kPixelBytes) * static_cast<std::uint64_t>(crop.width()) *
+         static_cast<std::uint64_t>(crop.height());
 }
 
 struct Plan {
@@ -156,15 +157,15 @@ class BrickSequence : public RankedSequence {
   void composite(DrawnFrame& drawn) {
     auto& [image, view] = drawn.views.front();
     const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
-    std::vector<PartPixel> pixels(image.rgba.size() / 4);
+    PartImage part{image.width, std::vector<PartPixel>(image.rgba.size() / 4), std::exchange(image.edges, nullptr)};
+    std::vector<PartPixel>& pixels = part.pixels;
     const std::vector<float>& covered = image.planes.front().values;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       std::copy_n(&image.rgba[4 * i], 4, pixels[i].rgba);
       pixels[i].covered = covered[i];
     }
     image.planes.clear();
-    compositeRanks(ranks_, pixels, image.width, *order, static_cast<float>(job_.picture.opacity_threshold),
-                   fasterComposite(pixels.size(), ranks_.count()));
+    compositeRanks(ranks_, part, *order, static_cast<float>(job_.picture.opacity_threshold), CompositeBy::kDirectSend);
     if (!ranks_.first()) return;
     for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &image.rgba[4 * i]);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);

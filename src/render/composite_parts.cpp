@@ -97,15 +97,24 @@ void requireDisjoint(const std::vector<Part>& parts) {
 
 void layPart(const Image& part, float opaque_at, Image& image, std::vector<float>& covered) {
   const std::vector<float>& covers = part.planes.front().values;
-  for (std::size_t i = 0; i < covers.size(); ++i) {
-    PartPixel front, behind;
-    std::copy_n(&image.rgba[4 * i], 4, front.rgba);
-    std::copy_n(&part.rgba[4 * i], 4, behind.rgba);
-    front.covered = covered[i];
-    behind.covered = covers[i];
-    layBehind(behind, opaque_at, front);
-    std::copy_n(front.rgba, 4, &image.rgba[4 * i]);
-    covered[i] = front.covered;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
+      PartPixel front;
+      std::copy_n(image.pixel(x, y), 4, front.rgba);
+      front.covered = covered[i];
+      if (part.edges && part.edges->count(x, y) > 0) {
+        part.edges->forEach(x, y, [&](const EdgeLayer& layer) { layBehind(layer, opaque_at, front); });
+      } else {
+        PartPixel behind;
+        std::copy_n(part.pixel(x, y), 4, behind.rgba);
+        behind.covered = covers[i];
+        layBehind(behind, opaque_at, front);
+      }
+      std::copy_n(front.rgba, 4, image.pixel(x, y));
+      covered[i] = front.covered;
+    }
   }
 }
 
@@ -155,7 +164,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");
-    const Image image = readImage(part.path, planes);
+    const Image image = readImage(part.path, planes, true);
     if (image.width != pixels.width() || image.height != pixels.height())
       throw Error(
           ErrorCode::kFormat, part.path, "dataWindow",

@@ -1,6 +1,8 @@
 #include "render/composite_ranks.h"
 
 #include <cstring>
+#include <type_traits>
+#include <utility>
 
 #include "base/pixel_rect.h"
 #include "render/rank_messages.h"
@@ -42,73 +44,77 @@ PixelRect coveredIn(const Pixels& pixels, int width, int y0, int y1) {
   return out.empty() ? PixelRect{} : out;
 }
 
-std::vector<std::byte> pixelsIn(const Pixels& pixels, int width, const PixelRect& rect) {
+std::vector<std::byte> pixelsIn(const Pixels& pixels, const EdgeLayers* edges, int width, const PixelRect& rect) {
   std::vector<std::byte> out;
   appendValue(out, rect);
   for (int y = rect.y0; y < rect.y1; ++y) {
-    const auto row = std::as_bytes(std::span(pixels).subspan(
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(rect.x0),
-        static_cast<std::size_t>(rect.width())));
-    out.insert(out.end(), row.begin(), row.end());
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      PartPixel pixel =
+          pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+      const int edge_x = edges == nullptr ? 0 : x + edges->rect().x0,
+                edge_y = edges == nullptr ? 0 : y + edges->rect().y0;
+      const int layers = edges == nullptr ? 0 : edges->count(edge_x, edge_y);
+      // A number below nothing says how many layers follow.
+      if (layers > 0) pixel.covered = static_cast<float>(-layers);
+      appendValue(out, pixel);
+      if (layers > 0) edges->forEach(edge_x, edge_y, [&](const EdgeLayer& layer) { appendValue(out, layer); });
+    }
   }
   return out;
 }
 
-// Calls put(pixel, place) for each that was sent, `place` in the whole image.
-template <class Put>
-void unpack(const std::vector<std::byte>& bytes, int width, const Put& put) {
+// Calls lay(place, layer) for all that was sent, `layer` an EdgeLayer or a PartPixel and `place` in the whole image.
+template <class Lay>
+void unpack(const std::vector<std::byte>& bytes, int width, const Lay& lay) {
   ByteTaker in{bytes};
   const auto rect = in.take<PixelRect>();
   for (int y = rect.y0; y < rect.y1 && in.ok; ++y) {
-    for (int x = rect.x0; x < rect.x1; ++x)
-      put(in.take<PartPixel>(),
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      const auto pixel = in.take<PartPixel>();
+      const std::size_t place =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+      if (pixel.covered >= 0) lay(place, pixel);
+      for (auto left = static_cast<int>(-pixel.covered); left > 0 && in.ok; --left) lay(place, in.take<EdgeLayer>());
+    }
   }
   requireTaken(in);
 }
 
-void sendDirectly(Ranks& ranks, Pixels& pixels, int width, std::span<const int> order, float opaque_at) {
-  const int height = static_cast<int>(pixels.size() / static_cast<std::size_t>(width));
+void sendDirectly(Ranks& ranks, PartImage& image, std::span<const int> order, float opaque_at) {
+  const int width = image.width;
+  const int height = static_cast<int>(image.pixels.size() / static_cast<std::size_t>(width));
   const auto rowOf = [&](int rank) { return static_cast<int>(std::int64_t{height} * rank / ranks.count()); };
+  const auto packed = [&](const Pixels& pixels, const EdgeLayers* edges, int rank) {
+    return pixelsIn(pixels, edges, width, coveredIn(pixels, width, rowOf(rank), rowOf(rank + 1)));
+  };
   const int me = ranks.rank();
   for (int to = 0; to < ranks.count(); ++to) {
-    if (to != me)
-      ranks.send(to, kStripTag, pixelsIn(pixels, width, coveredIn(pixels, width, rowOf(to), rowOf(to + 1))));
+    if (to != me) ranks.send(to, kStripTag, packed(image.pixels, image.edges.get(), to));
   }
-  const std::size_t begin = static_cast<std::size_t>(rowOf(me)) * static_cast<std::size_t>(width);
-  const std::size_t end = static_cast<std::size_t>(rowOf(me + 1)) * static_cast<std::size_t>(width);
-  Pixels strip(end - begin);
+  Pixels made(image.pixels.size());
   for (const int from : order) {
-    if (from == me)
-      for (std::size_t i = begin; i < end; ++i) layBehind(pixels[i], opaque_at, strip[i - begin]);
-    else
-      unpack(ranks.receive(kStripTag, from).bytes, width,
-             [&](const PartPixel& pixel, std::size_t i) { layBehind(pixel, opaque_at, strip[i - begin]); });
+    const std::vector<std::byte> strip =
+        from == me ? packed(image.pixels, image.edges.get(), me) : ranks.receive(kStripTag, from).bytes;
+    unpack(strip, width, [&](std::size_t i, const auto& layer) { layBehind(layer, opaque_at, made[i]); });
   }
+  image.pixels = std::move(made);
   if (!ranks.first()) {
-    std::copy(strip.begin(), strip.end(), pixels.begin() + static_cast<std::ptrdiff_t>(begin));
-    ranks.send(0, kMadeTag, pixelsIn(pixels, width, coveredIn(pixels, width, rowOf(me), rowOf(me + 1))));
+    ranks.send(0, kMadeTag, packed(image.pixels, nullptr, me));
     return;
   }
-  std::fill(pixels.begin(), pixels.end(), PartPixel{});
-  std::copy(strip.begin(), strip.end(), pixels.begin());
   for (int from = 1; from < ranks.count(); ++from)
-    unpack(ranks.receive(kMadeTag, from).bytes, width,
-           [&](const PartPixel& pixel, std::size_t i) { pixels[i] = pixel; });
+    unpack(ranks.receive(kMadeTag, from).bytes, width, [&](std::size_t i, const auto& pixel) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(pixel)>, PartPixel>) image.pixels[i] = pixel;
+    });
 }
 
 }  // namespace
 
-CompositeBy fasterComposite(std::size_t /*pixels*/, int ranks) {
-  return ranks > 2 ? CompositeBy::kDirectSend : CompositeBy::kReduction;
-}
-
-void compositeRanks(Ranks& ranks, Pixels& pixels, int width, std::span<const int> order, float opaque_at,
-                    CompositeBy by) {
+void compositeRanks(Ranks& ranks, PartImage& image, std::span<const int> order, float opaque_at, CompositeBy by) {
   if (by == CompositeBy::kReduction)
-    reduce(ranks, pixels, order, opaque_at);
+    reduce(ranks, image.pixels, order, opaque_at);
   else
-    sendDirectly(ranks, pixels, width, order, opaque_at);
+    sendDirectly(ranks, image, order, opaque_at);
 }
 
 }  // namespace kiln

@@ -42,24 +42,23 @@ DryRun dryRun(const RenderJob& given) {
 }
 
 std::string dryRunText(const DryRun& run) {
-  const nlohmann::ordered_json out = {
-      {"dry_run", true},
-      {"bricks",
-       {{"total", run.bricks_total},
-        {"interesting", run.bricks_interesting},
-        {"in_view", run.bricks_in_view},
-        {"files_in_view", run.files_in_view},
-        {"file_bytes_in_view", run.file_bytes_in_view},
-        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
-      {"memory",
-       {{"budget_bytes", run.budget_bytes},
-        {"smallest_bytes", run.memory.smallest()},
-        {"framebuffer_bytes", run.memory.image + run.memory.face + run.memory.band + run.memory.deep},
-        {"visibility_bytes", run.memory.visibility},
-        {"slabs_bytes", run.memory.slabs},
-        {"trace_bytes", run.memory.trace},
-        {"index_bytes", run.memory.index},
-        {"brick_bytes", run.memory.brick}}}};
+  const nlohmann::ordered_json out = {{"dry_run", true},
+                                      {"bricks",
+                                       {{"total", run.bricks_total},
+                                        {"interesting", run.bricks_interesting},
+                                        {"in_view", run.bricks_in_view},
+                                        {"files_in_view", run.files_in_view},
+                                        {"file_bytes_in_view", run.file_bytes_in_view},
+                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
+                                      {"memory",
+                                       {{"budget_bytes", run.budget_bytes},
+                                        {"smallest_bytes", run.memory.smallest()},
+                                        {"framebuffer_bytes", run.memory.framebuffer()},
+                                        {"visibility_bytes", run.memory.visibility},
+                                        {"slabs_bytes", run.memory.slabs},
+                                        {"trace_bytes", run.memory.trace},
+                                        {"index_bytes", run.memory.index},
+                                        {"brick_bytes", run.memory.brick}}}};
   return out.dump(1) + "\n";
 }
 

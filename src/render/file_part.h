@@ -20,6 +20,7 @@ class FilePart {
     part_.width = whole.width;
     part_.height = whole.height;
     part_.deep = whole.deep;
+    if (holdsColors(file.content)) part_.edges = whole.edges;
     if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
     const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(), [&](const Plane& plane) {
       return plane.name == kCoveragePlane ? holdsColors(file.content) : isOf(plane, aovs);

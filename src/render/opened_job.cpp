@@ -149,7 +149,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.cache_bytes = cache_.budgetBytes();
   statistics.peak_cache_bytes = std::max(statistics.peak_cache_bytes, cache_.peakBytes());
   statistics.peak_rss_bytes = peakResidentBytes();
-  statistics.framebuffer_bytes = memory_.image + memory_.face + memory_.band + memory_.deep;
+  statistics.framebuffer_bytes = memory_.framebuffer();
   statistics.visibility_bytes = memory_.visibility;
   statistics.index_bytes = memory_.index;
   statistics.slabs_bytes = memory_.slabs;

@@ -1,12 +1,12 @@
 // How partial images are put together (DESIGN §8): which is before which, and one pixel over another.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/edge_layers.h"
 #include "grid/coords.h"
 #include "grid/geometry.h"
 #include "scene/camera.h"
@@ -23,18 +23,23 @@ struct PartPixel {
   float rgba[4] = {}, covered = 0;
 };
 
-/// Puts `behind` behind `front`, as slabs are laid behind each other (splat/lay_sheet.cpp): what the parts in front do
-/// not cover of a pixel is clear. A pixel that reaches the threshold is divided by its alpha and closed, as when it is
-/// drawn. Associative within rounding and what the threshold leaves open.
-inline void layBehind(const PartPixel& behind, float opaque_at, PartPixel& front) {
-  if (front.rgba[3] == 1.0f || !(behind.covered > 0)) return;
-  const float density = front.covered > 0 ? std::min(front.rgba[3] / front.covered, 1.0f) : 0.0f;
-  const float seen = (behind.covered - std::min(behind.covered, front.covered) * density) / behind.covered;
-  for (int c = 0; c < 4; ++c) front.rgba[c] += seen * behind.rgba[c];
-  front.covered = std::max(front.covered, behind.covered);
+/// Puts `behind` behind `front`, as slabs are laid behind each other. A pixel that reaches the threshold is divided by
+/// its alpha and closed, as when it is drawn.
+inline void layBehind(const EdgeLayer& behind, float opaque_at, PartPixel& front) {
+  if (front.rgba[3] == 1.0f) return;
+  layBehind(behind, front.rgba, front.covered);
   if (front.rgba[3] < opaque_at) return;
   for (int c = 0; c < 3; ++c) front.rgba[c] /= front.rgba[3];
   front.rgba[3] = 1.0f;
+}
+
+/// The same of all that a part shows in a pixel, as if it were one slab: exact where that part's first slab covers all
+/// of the pixel; at edges its layers say more.
+inline void layBehind(const PartPixel& behind, float opaque_at, PartPixel& front) {
+  if (!(behind.covered > 0)) return;
+  EdgeLayer layer{behind.covered, {}};
+  for (std::size_t c = 0; c < 4; ++c) layer.rgba[c] = behind.rgba[c] / behind.covered;
+  layBehind(layer, opaque_at, front);
 }
 
 }  // namespace kiln

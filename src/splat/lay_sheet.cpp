@@ -87,9 +87,11 @@ class BlockLayer {
     const auto opaque = hn::And(changed, hn::Ge(alpha, hn::Set(d, b_.opaque_at)));
     out_.changed[row] |= static_cast<std::uint8_t>(bitsOf(changed) << x);
     out_.opaque[row] |= static_cast<std::uint8_t>(bitsOf(opaque) << x);
-    if (pixels_ != nullptr)
-      hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d,
-                            &(*pixels_)[row * kBlockEdge + static_cast<std::size_t>(x)].before);
+    if (pixels_ != nullptr) {
+      const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
+      hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d, &pixels_->pixels[place].before);
+      hn::StoreU(part, d, &pixels_->parts[place]);
+    }
   }
 
   // What of a pixel's area a slab covers whose samples fill `filled` of it with `opacity`: a steep step, for a

@@ -37,7 +37,10 @@ struct LaidPixel {
   float before = 0, share = 0, opacity = 0, filled = 0;
 };
 /// shape: rows of kBlockEdge.
-using LaidPixels = std::array<LaidPixel, kBlockEdge * kBlockEdge>;
+struct LaidPixels {
+  std::array<LaidPixel, kBlockEdge * kBlockEdge> pixels;
+  std::array<float, kBlockEdge * kBlockEdge> parts;  // what the slab covers of each
+};
 
 /// Adds the light of the slab to the pixels, and empties the block of the sheet, kBlockEdge pixels wide. `pixels` may
 /// be null; of those that do not change it holds anything.

@@ -427,7 +427,7 @@ class Sweep {
     in.width = area.width(), in.height = area.height();
     in.takes = takes;
     in.opaque_at = opaque_at_;
-    if (aovs_ || tile_.deep != nullptr)
+    if (aovs_ || tile_.deep != nullptr || tile_.edges != nullptr)
       layTelling(v, in, area, slab);
     else
       close(laySheet(in, nullptr), v, area);
@@ -459,7 +459,10 @@ class Sweep {
       const auto row = static_cast<std::size_t>(y - area.y0);
       for (unsigned rest = laid.changed[row]; rest != 0; rest &= rest - 1) {
         const int x = std::countr_zero(rest);
-        if (aovs_) addToAovs(v, area.x0 + x, y, slab, pixels[row * kBlockEdge + static_cast<std::size_t>(x)]);
+        const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
+        if (aovs_) addToAovs(v, area.x0 + x, y, slab, pixels.pixels[place]);
+        if (tile_.edges != nullptr)
+          addToEdges(area.x0 + x, y, &before[row][4 * x], pixels.pixels[place], pixels.parts[place]);
         if (tile_.deep != nullptr) addToDeep(area.x0 + x, y, slab, &before[row][4 * x]);
       }
     }
@@ -468,6 +471,19 @@ class Sweep {
   void addToDeep(int x, int y, int slab, const float* before) {
     const auto depthOf = [&](int border) { return static_cast<float>(zone_.near + border * zone_.thickness); };
     tile_.deep->add(x, y, depthOf(slab), depthOf(slab + 1), before, tile_.rgba + 4 * tile_.placeOf(x, y));
+  }
+
+  void addToEdges(int x, int y, const float* before, const LaidPixel& laid, float part) {
+    const float seen = laid.share * laid.filled;
+    if (!(seen > 0)) return;
+    const float alpha = laid.before + laid.share * laid.opacity;
+    const float* const after = tile_.rgba + 4 * tile_.placeOf(x, y);
+    // A pixel that was closed is divided by its alpha.
+    const float scale = alpha >= opaque_at_ ? alpha : 1;
+    EdgeLayer slab{part, {}};
+    for (std::size_t c = 0; c < 3; ++c) slab.rgba[c] = std::max(scale * after[c] - before[c], 0.0f) / seen;
+    slab.rgba[3] = std::min(laid.opacity / laid.filled, 1.0f);
+    tile_.edges->add(x, y, slab, laid.before);
   }
 
   void addToAovs(std::size_t v, int x, int y, int slab, const LaidPixel& laid) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/deep_samples.h"
+#include "base/edge_layers.h"
 #include "occlusion/visibility.h"
 #include "scene/clip_region.h"
 #include "splat/aov_pixels.h"
@@ -49,13 +50,15 @@ struct TilePixels {
   CoveredPixel* covered = nullptr;  // null in the voxel lattice
   AovPixels aovs;
   DeepSamples* deep = nullptr;  // of the whole picture's pixels; null where nobody asked
+  EdgeLayers* edges = nullptr;  // the same
 
   /// Of pixel (x, y), counted from the first one. requires: in `rect`.
   std::ptrdiff_t placeOf(int x, int y) const { return (y - rect.y0) * (stride / 4) + (x - rect.x0); }
   /// Those of `part` alone. requires: inside of `rect`.
   TilePixels of(const PixelRect& part) const {
     const std::ptrdiff_t first = placeOf(part.x0, part.y0);
-    return {part, rgba + 4 * first, stride, covered == nullptr ? nullptr : covered + first, aovs.from(first), deep};
+    return {part, rgba + 4 * first, stride, covered == nullptr ? nullptr : covered + first, aovs.from(first), deep,
+            edges};
   }
 };
 

@@ -31,10 +31,10 @@ double bestSeconds(Ranks& ranks, int size, CompositeBy by) {
   std::iota(order.begin(), order.end(), 0);
   double best = 1e30;
   for (int i = 0; i < 5; ++i) {
-    std::vector<PartPixel> pixels = slabImage(size, ranks.rank(), ranks.count());
+    PartImage image{size, slabImage(size, ranks.rank(), ranks.count()), nullptr};
     ranks.barrier();
     const auto begin = std::chrono::steady_clock::now();
-    compositeRanks(ranks, pixels, size, order, 0.998f, by);
+    compositeRanks(ranks, image, order, 0.998f, by);
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
   return best;

@@ -79,7 +79,7 @@ TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
           EXPECT_EQ(laid.opaque[row] >> x & 1, changed && pixel[3] >= kOpaqueAt ? 1 : 0);
           EXPECT_EQ(std::count(&planes.sums[4 * i], &planes.sums[4 * i] + 4, 0), 4);
           if (changed) {
-            EXPECT_EQ(pixels[row * kBlockEdge + static_cast<std::size_t>(x)].before, before);
+            EXPECT_EQ(pixels.pixels[row * kBlockEdge + static_cast<std::size_t>(x)].before, before);
           }
         }
       }
