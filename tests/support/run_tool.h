@@ -12,7 +12,7 @@ namespace kiln::test {
 
 struct ToolOptions {
   /// After this the child is killed and `timed_out` is set. unit: seconds.
-  double seconds = 120;
+  double seconds = 600;
   /// The largest file the child may write: a full disk for one process. unit: bytes.
   std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Under mpirun with so many ranks, on this machine; 0 without. requires: canRunRanks().
