@@ -1,6 +1,7 @@
 #include "convert/coarse_part.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -115,6 +116,44 @@ class Halver {
   std::vector<int> counts_;
 };
 
+// The most frequent of some labels, of equally frequent ones the smallest that is not 0.
+template <class T>
+T mostFrequent(std::span<T> labels) {
+  if (std::count(labels.begin(), labels.end(), labels.front()) == std::ssize(labels)) return labels.front();
+  std::sort(labels.begin(), labels.end());
+  T best = labels.front();
+  std::size_t most = 0;
+  for (auto first = labels.begin(); first != labels.end();) {
+    const auto end = std::upper_bound(first, labels.end(), *first);
+    const auto count = static_cast<std::size_t>(end - first);
+    if (count > most || (count == most && best == 0)) best = *first, most = count;
+    first = end;
+  }
+  return best;
+}
+
+template <class T>
+void chooseLabels(const T* voxels, const VoxelBox& box, const VoxelBox& core, const Extent3& by, const VoxelBox& coarse,
+                  T* out) {
+  const Extent3 size = box.extent();
+  for (std::int64_t z = coarse.lo.z; z < coarse.hi.z; ++z) {
+    for (std::int64_t y = coarse.lo.y; y < coarse.hi.y; ++y) {
+      for (std::int64_t x = coarse.lo.x; x < coarse.hi.x; ++x) {
+        const Below xs = below(x, by.x, core.hi.x), ys = below(y, by.y, core.hi.y), zs = below(z, by.z, core.hi.z);
+        std::array<T, 8> labels{};
+        std::size_t count = 0;
+        for (std::int64_t k = zs.lo; k < zs.hi; ++k) {
+          for (std::int64_t j = ys.lo; j < ys.hi; ++j) {
+            const T* const row = voxels + ((k - box.lo.z) * size.y + (j - box.lo.y)) * size.x - box.lo.x;
+            for (std::int64_t i = xs.lo; i < xs.hi; ++i) labels[count++] = row[i];
+          }
+        }
+        *out++ = mostFrequent(std::span(labels).first(count));
+      }
+    }
+  }
+}
+
 // The cells that hold the voxels of a box.
 VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
 
@@ -153,12 +192,16 @@ VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
 }
 
 CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
-                        const BrickRanges& ranges, const Extent3& by) {
+                        const BrickRanges& ranges, const Extent3& by, Coarse coarse) {
   CoarsePart part = emptyPart(fine, by);
   const VoxelBox core = fine.core();
   withVoxelType(fine.type, [&]<class T>(std::type_identity<T>) {
-    Halver<T>(reinterpret_cast<const T*>(voxels.data()), box, core, by)
-        .run(part.box, reinterpret_cast<T*>(part.voxels.data()));
+    const T* const from = reinterpret_cast<const T*>(voxels.data());
+    T* const to = reinterpret_cast<T*>(part.voxels.data());
+    if (coarse == Coarse::kMean)
+      Halver<T>(from, box, core, by).run(part.box, to);
+    else
+      chooseLabels(from, box, core, by, part.box, to);
   });
   const std::int64_t edge = fine.brick_size / kCellSize;
   const VoxelBox fine_cells = cellsOf(core);

@@ -26,11 +26,15 @@ struct CoarsePart {
   std::uint64_t bytes() const { return bytesOf(box.extent(), voxels.size() / static_cast<std::uint64_t>(box.count())); }
 };
 
+/// What a coarse voxel is of those below it: their mean, or the most frequent of them, of equally frequent ones the
+/// smallest that is not 0.
+enum class Coarse { kMean, kMostFrequent };
+
 /// Halves a brick along the axes where `by` is 2. A coarse voxel is the mean of the voxels below it that exist (in the
-/// volume, and no NaN), rounded to the nearest value of the type, halves upwards; NaN where none exists. shape:
-/// `voxels` covers `box`, x fastest, which contains the core. thread: safe.
+/// volume, and no NaN), rounded to the nearest value of the type, halves upwards; NaN where none exists; or the most
+/// frequent of them. shape: `voxels` covers `box`, x fastest, which contains the core. thread: safe.
 CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
-                        const BrickRanges& ranges, const Extent3& by);
+                        const BrickRanges& ranges, const Extent3& by, Coarse coarse = Coarse::kMean);
 
 /// The part of a brick that has one value.
 CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by);

@@ -40,7 +40,8 @@ Conversion::Conversion(const Parts& parts, const JournalContent& earlier)
                   exchange_->give(to, key, writer_.entry(key), piece);
                 }}),
       boxes_(parts.plan.lanes),
-      counters_(parts.plan.lanes, ValueCounter(parts.source.info().type)),
+      counters_(parts.plan.lanes,
+                ValueCounter(parts.source.info().type, parts.writer.manifest().volume_class == VolumeClass::kLabels)),
       of_brick_(counters_) {
   for (const LevelInfo& level : writer_.manifest().levels)
     finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));

@@ -25,7 +25,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   Manifest manifest;
   manifest.type = info.type;
   manifest.background = info.background;
-  manifest.volume_class = info.volume_class;
+  manifest.volume_class = options.labels ? VolumeClass::kLabels : info.volume_class;
   manifest.brick_size = options.brick_size;
   for (const VolumeGeometry& geometry : pyramidOf(info.geometry, options.brick_size, options.most_levels)) {
     LevelInfo level;
@@ -40,6 +40,12 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   return manifest;
 }
 
+// Of labels a bin each, where they are few enough.
+ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range) {
+  if (!countsEachLabel(manifest.volume_class, manifest.type, range)) return counter.histogram(range);
+  return counter.histogram({range.lo - 0.5, range.hi + 0.5}, static_cast<std::size_t>(range.hi - range.lo) + 1);
+}
+
 std::uint64_t brickCount(const Manifest& manifest) {
   std::uint64_t out = 0;
   for (const LevelInfo& level : manifest.levels) out += static_cast<std::uint64_t>(level.bricks.count());
@@ -52,13 +58,17 @@ bool mayBeResumed(ErrorCode code) {
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
-void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, Progress& progress,
-                   ConvertReport& report) {
+void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, bool labels,
+                   Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
   if (!isStoreOf(store, info))
     throw Error(ErrorCode::kExists, store, "",
                 "is a store of another volume, or older than its source; give --overwrite");
   const StoreReader reader(store);
+  if ((reader.manifest().volume_class == VolumeClass::kLabels) != labels)
+    throw Error(ErrorCode::kExists, store, "",
+                labels ? "is a store that was made without --labels; give --overwrite"
+                       : "is a store of labels; give --labels, or --overwrite");
   destination.commit();
   progress.note(out.string() + " is finished already");
   report.bricks = brickCount(reader.manifest());
@@ -104,7 +114,8 @@ class Making {
       progress_.note(fmt::format("{} of {} bricks are finished already", earlier, bricks));
     conversion.run();
     if (ranks_.first()) {
-      writer.finish(conversion.counter().histogram(writer.range()), conversion.counter().nanCount());
+      writer.finish(histogramOf(writer.manifest(), conversion.counter(), writer.range()),
+                    conversion.counter().nanCount());
       report.bricks = bricks;
       report.stored_bricks = writer.storedBricks();
       report.stored_bytes = writer.bytesWritten();
@@ -176,6 +187,12 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     throw Error(ErrorCode::kUsage,
                 "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
   }
+  if (options.labels && isFloating(source.info().type)) {
+    throw Error(ErrorCode::kUsage, source.info().files.empty() ? fs::path() : source.info().files.front(), "--labels",
+                fmt::format("labels are whole numbers, and this volume has {}; write it as integers first, or leave "
+                            "--labels out",
+                            nameOf(source.info().type)));
+  }
   const std::unique_ptr<Ranks> alone = oneRank();
   Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
   const SourceInfo& info = source.info();
@@ -200,7 +217,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   draft.source.time = beginning.earlier.identity.time;
   Making making(beginning, draft, plan, options, source, ranks, disk, progress);
   if (beginning.finished) {
-    if (destination) finishEarlier(*destination, out, info, progress, report);
+    if (destination) finishEarlier(*destination, out, info, options.labels, progress, report);
   } else if (ranks.alone()) {
     runAlone(making, *destination, options, progress, report);
   } else {

@@ -29,6 +29,8 @@ struct ConvertOptions {
   /// The means of the coarser levels are rounded to half. It is for a source that is (HalfSource): their bricks are
   /// smaller then, too.
   bool half = false;
+  /// Values are names and not amounts: a coarser voxel is the most frequent below it. requires: whole numbers.
+  bool labels = false;
   /// The most levels of the pyramid, the finest included.
   int most_levels = std::numeric_limits<int>::max();
   /// What the manifest says of its making.
@@ -64,8 +66,8 @@ struct ConvertReport {
 /// kept for `resume`, and a note says where; after any other error nothing is left. Of several processes one that fails
 /// is to end all (cluster/ranks.h), and what they left is kept for `resume` whatever the error was. The report is the
 /// first rank's; on the others it is empty.
-/// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size), and what the source and
-/// the disk throw.
+/// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size, labels that are no whole
+/// numbers), and what the source and the disk throw.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
                       Progress& progress, FileSystem& disk = FileSystem::real());
 

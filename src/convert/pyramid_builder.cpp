@@ -85,7 +85,9 @@ bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.l
 
 CoarsePart PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                   const BrickRanges& ranges) const {
-  return coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by);
+  const bool labels = writer_.manifest().volume_class == VolumeClass::kLabels;
+  return coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by,
+                      labels ? Coarse::kMostFrequent : Coarse::kMean);
 }
 
 int PyramidBuilder::ownerOf(const BrickKey& key) const {

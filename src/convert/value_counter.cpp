@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-constexpr std::size_t kKeys = 65536;
+constexpr std::size_t kKeys = kMostLabels;
 
 template <class T>
 constexpr bool kExact = sizeof(T) <= 2;
@@ -24,21 +24,23 @@ float fromOrderedBits(std::uint32_t ordered) {
 }
 
 template <class T>
-std::size_t keyOf(T value) {
+std::size_t keyOf(T value, bool labels) {
   if constexpr (kExact<T>) {
     return static_cast<std::size_t>(static_cast<int>(value) - static_cast<int>(std::numeric_limits<T>::min()));
   } else {
-    return orderedBits(static_cast<float>(value)) >> 16;
+    if (!labels) return orderedBits(static_cast<float>(value)) >> 16;
+    return value >= 0 && value < static_cast<T>(kKeys - 1) ? static_cast<std::size_t>(value) : kKeys - 1;
   }
 }
 
 // The values [lo, hi) that share a key.
 template <class T>
-ValueRange valuesOf(std::size_t key) {
+ValueRange valuesOf(std::size_t key, bool labels) {
   if constexpr (kExact<T>) {
     const double value = static_cast<double>(key) + static_cast<double>(std::numeric_limits<T>::min());
     return {value, value};
   } else {
+    if (labels) return {static_cast<double>(key), static_cast<double>(key)};
     const double lo = fromOrderedBits(static_cast<std::uint32_t>(key) << 16);
     const double hi = fromOrderedBits((static_cast<std::uint32_t>(key) << 16) | 0xffffu);
     // An infinity shares its key with NaNs, which are not counted.
@@ -48,7 +50,7 @@ ValueRange valuesOf(std::size_t key) {
 
 }  // namespace
 
-ValueCounter::ValueCounter(VoxelType type) : type_(type), counts_(kKeys) {}
+ValueCounter::ValueCounter(VoxelType type, bool labels) : type_(type), labels_(labels), counts_(kKeys) {}
 
 void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region) {
   const Extent3 size = box.extent();
@@ -64,7 +66,7 @@ void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box,
               continue;
             }
           }
-          ++counts_[keyOf(row[x])];
+          ++counts_[keyOf(row[x], labels_)];
         }
       }
     }
@@ -102,7 +104,7 @@ ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins
   withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
     for (std::size_t key = 0; key < kKeys; ++key) {
       if (counts_[key] == 0) continue;
-      const ValueRange values = valuesOf<T>(key);
+      const ValueRange values = valuesOf<T>(key, labels_);
       const std::size_t first = binOf(values.lo);
       const std::size_t last = binOf(values.hi);
       const std::uint64_t share = counts_[key] / (last - first + 1);

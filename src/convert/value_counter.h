@@ -1,6 +1,7 @@
 // Counts voxels by value in one pass, before anyone knows their range: exactly for 8 and 16 bits, else by the upper 16
 // bits of the value's float (sign, exponent, 7 bits of mantissa), whose order is the order of the values. Bins of equal
-// width over the range, which is what people look at, are cut from that at the end.
+// width over the range, which is what people look at, are cut from that at the end. Labels of wider types are counted
+// exactly from 0 to 65534; what is no such label counts as 65535.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +22,12 @@ struct ValueCounts {
   std::uint64_t nan_count = 0;
 };
 
+/// Of a manifest's histogram, but for labels', which have a bin each.
+inline constexpr std::size_t kHistogramBins = 256;
+
 class ValueCounter {
  public:
-  explicit ValueCounter(VoxelType type);
+  explicit ValueCounter(VoxelType type, bool labels = false);
 
   /// Counts the voxels of `region`. shape: `voxels` covers `box`, x fastest.
   void count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region);
@@ -33,10 +37,11 @@ class ValueCounter {
 
   std::uint64_t nanCount() const { return nan_count_; }
   /// The counts in equal bins over [least, greatest] value counted; voxels of a wide key are spread evenly over it.
-  ValueHistogram histogram(const ValueRange& range, std::size_t bins = 256) const;
+  ValueHistogram histogram(const ValueRange& range, std::size_t bins = kHistogramBins) const;
 
  private:
   VoxelType type_;
+  bool labels_;
   std::vector<std::uint64_t> counts_;  // by key
   std::uint64_t nan_count_ = 0;
 };

@@ -17,7 +17,7 @@
 namespace kiln {
 
 /// How the values are meant, where the source says so: it chooses the default transfer function and the export.
-enum class VolumeClass { kUnknown, kFog, kLevelSet };
+enum class VolumeClass { kUnknown, kFog, kLevelSet, kLabels };
 
 /// What an OpenVDB source said of its grid, so that an export gives it back.
 struct VdbOrigin {

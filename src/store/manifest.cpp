@@ -22,8 +22,10 @@ constexpr const char* kChecksumKey = "\"checksum\": \"";
 constexpr std::size_t kDigits = 32;
 constexpr std::int64_t kLargestDimension = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::pair<VolumeClass, const char*> kClassNames[] = {
-    {VolumeClass::kUnknown, "unknown"}, {VolumeClass::kFog, "fog"}, {VolumeClass::kLevelSet, "levelset"}};
+constexpr std::pair<VolumeClass, const char*> kClassNames[] = {{VolumeClass::kUnknown, "unknown"},
+                                                               {VolumeClass::kFog, "fog"},
+                                                               {VolumeClass::kLevelSet, "levelset"},
+                                                               {VolumeClass::kLabels, "labels"}};
 constexpr std::pair<PatientFrame, const char*> kFrameNames[] = {
     {PatientFrame::kUnknown, "unknown"}, {PatientFrame::kRas, "RAS"}, {PatientFrame::kLps, "LPS"}};
 
@@ -227,6 +229,11 @@ void requireChecksum(const std::string& text, const std::filesystem::path& path)
 
 }  // namespace
 
+bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange& range) {
+  if (volume_class != VolumeClass::kLabels || range.empty()) return false;
+  return sizeOf(type) <= 2 || (range.lo >= 0 && range.hi < static_cast<double>(kMostLabels - 1));
+}
+
 std::string manifestText(const Manifest& m) {
   Json levels = Json::array();
   for (const LevelInfo& level : m.levels) {
@@ -290,6 +297,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   histogram.finish();
   m.background = root.number("background");
   m.volume_class = root.named("class", kClassNames);
+  if (m.volume_class == VolumeClass::kLabels && isFloating(m.type)) root.fail("class", "labels are whole numbers");
   m.brick_size = root.integer("brickSize", kCellSize, 1 << 20);
   if ((m.brick_size & (m.brick_size - 1)) != 0) root.fail("brickSize", "is not a power of two");
   m.apron = root.integer("apron", 0, 64);

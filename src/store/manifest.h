@@ -60,6 +60,12 @@ struct Manifest {
   const VolumeGeometry& geometry() const { return levels.front().geometry; }
 };
 
+/// The most labels that are counted one by one.
+inline constexpr std::size_t kMostLabels = 65536;
+/// Whether the histogram of labels in that range has a bin for each of them: those of 8 and 16 bits, and of wider types
+/// those from 0 to 65534. False of what is no label volume.
+bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange& range);
+
 /// The text of manifest.json, checksum included.
 std::string manifestText(const Manifest& manifest);
 /// throws: Error kDamaged (checksum), kFormat (another format number, a missing or wrong key), naming `path`.

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
+#include <map>
 
 #include "store/store_reader.h"
 #include "support/procedural.h"
@@ -67,6 +69,23 @@ Level halved(const Level& fine, VoxelType type) {
   return out;
 }
 
+// The most frequent of the voxels there are, of equally frequent ones the smallest that is not 0.
+Level halvedLabels(const Level& fine) {
+  const Extent3 by = halvingOf(fine.geometry);
+  Level out{coarserThan(fine.geometry), {}};
+  forEachVoxel(boxOf(out.geometry.dims), [&](auto x, auto y, auto z) {
+    std::map<double, int> counts;
+    forEachVoxel(voxelsBelow({{x, y, z}, {x + 1, y + 1, z + 1}}, by, fine.geometry.dims),
+                 [&](auto i, auto j, auto k) { ++counts[fine.at(i, j, k)]; });
+    int most = 0;
+    for (const auto& [label, count] : counts) most = std::max(most, count);
+    std::erase_if(counts, [&](const auto& label) { return label.second < most; });
+    if (counts.size() > 1) counts.erase(0);
+    out.values.push_back(counts.begin()->first);
+  });
+  return out;
+}
+
 ValueRange rangeIn(const Level& level, const VoxelBox& box) {
   ValueRange out;
   forEachVoxel(intersection(box, boxOf(level.geometry.dims)),
@@ -79,7 +98,8 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
   const int count = static_cast<int>(store.manifest().levels.size());
   for (int l = 0; l < count; ++l) {
     SCOPED_TRACE("level " + std::to_string(l));
-    if (l > 0) levels.push_back(halved(levels.back(), volume.type));
+    const bool labels = store.manifest().volume_class == VolumeClass::kLabels;
+    if (l > 0) levels.push_back(labels ? halvedLabels(levels.back()) : halved(levels.back(), volume.type));
     const Level& level = levels.back();
     ASSERT_EQ(store.level(l).geometry.dims, level.geometry.dims);
     EXPECT_EQ(store.level(l).geometry.world_from_index, level.geometry.world_from_index);
@@ -165,6 +185,42 @@ TEST(Pyramid, IsTheMeanOfWhatExists) {
     expectPyramid(volume, StoreReader(makeStore(volume, "pyramid", brick_size)));
     if (HasFatalFailure()) return;
   }
+}
+
+// The same of labels, whose values are names. A few of them, so that many are as frequent as others, 0 too, and some
+// are below it.
+TEST(Pyramid, OfLabelsIsTheMostFrequent) {
+  const std::uint64_t first = 815;
+  std::cout << "seeds from " << first << '\n';
+  const VoxelType types[] = {VoxelType::u8, VoxelType::i16, VoxelType::u32, VoxelType::i32};
+  for (std::uint64_t seed = first; seed < first + 12; ++seed) {
+    Random random(seed);
+    const VoxelType type = types[seed % 4];
+    const Extent3 dims = {random.between(1, 45), random.between(1, 45), random.between(1, 30)};
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const glm::dmat4 affine = seed % 3 == 0 ? glm::dmat4(1.0) : seed % 3 == 1 ? anisotropicAffine() : obliqueAffine();
+    const bool below_zero = type == VoxelType::i16 || type == VoxelType::i32;
+    const DenseVolume volume = noise({dims, type, affine}, seed, {below_zero ? -2.0 : 0.0, 3});
+    expectPyramid(volume, StoreReader(makeStore(volume, "labels", seed % 2 == 0 ? 8 : 16, true)));
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Known by hand: eight voxels each.
+TEST(Pyramid, OfLabelsTakesTheSmallestOfEqualsThatIsNot0) {
+  struct Case {
+    std::array<int, 8> labels;
+    int expected;
+  };
+  const Case cases[] = {{{7, 7, 7, 7, 7, 7, 7, 7}, 7}, {{0, 0, 0, 0, 5, 5, 5, 5}, 5}, {{9, 9, 9, 9, 5, 5, 5, 5}, 5},
+                        {{0, 0, 0, 9, 9, 9, 5, 5}, 9}, {{0, 0, 0, 0, 0, 9, 9, 9}, 0}, {{1, 2, 3, 4, 5, 6, 7, 8}, 1},
+                        {{0, 8, 7, 6, 5, 4, 3, 2}, 2}, {{0, 0, 8, 8, 4, 4, 1, 3}, 4}};
+  const DenseVolume volume = fill({{16, 16, 16}, VoxelType::u8}, [&](auto x, auto y, auto z) {
+    return cases[x / 2].labels[static_cast<std::size_t>(x % 2 + 2 * (y % 2) + 4 * (z % 2))];
+  });
+  const BrickBlock block = StoreReader(makeStore(volume, "ties", 8, true)).read({1, {0, 0, 0}});
+  for (std::int64_t x = 0; x < 8; ++x)
+    EXPECT_EQ(block.data<std::uint8_t>()[block.offsetOf({x, 3, 5})], cases[x].expected) << "case " << x;
 }
 
 // Known by the rule: 1 × 1 × 4 halves x and y twice before z is among them; an axis of one voxel never counts.

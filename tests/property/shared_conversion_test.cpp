@@ -34,6 +34,7 @@ struct Case {
   std::int64_t brick_size;
   bool forward = false;
   bool parts_in_files = false;
+  bool labels = false;
 };
 
 // Empty space (bricks without a file), NaNs, both zeros, odd sizes.
@@ -56,6 +57,7 @@ std::vector<Case> cases() {
            16, false, true},
           {"holes", holes(), 8},
           {"a stream", cheese({{26, 20, 42}, VoxelType::u16}, 2, usualRange(VoxelType::u16)), 8, true},
+          {"labels", noise({{34, 27, 20}, VoxelType::i32, anisotropicAffine()}, 3, {0, 3}), 8, false, true, true},
           {"one brick", cheese({{9, 9, 9}, VoxelType::u8}, 2, usualRange(VoxelType::u8)), 16}};
 }
 
@@ -68,6 +70,7 @@ ConvertOptions optionsOf(const Case& c, Ranks* ranks) {
   ConvertOptions out;
   out.brick_size = c.brick_size;
   out.ranks = ranks;
+  out.labels = c.labels;
   if (c.parts_in_files) {
     const ConversionPlan ample = planConversion(*sourceOf(c), out);
     out.memory_bytes = ample.total() - ample.parts_bytes;

@@ -25,11 +25,12 @@ fs::path freshDirectory(const std::string& name) {
   return directory;
 }
 
-fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size) {
+fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size, bool labels) {
   const fs::path store = freshDirectory(name) / "volume.kiln";
   DenseSource source(volume);
   ConvertOptions options;
   options.brick_size = brick_size;
+  options.labels = labels;
   options.command = "test " + name;
   options.time = "2000-01-01T00:00:00Z";  // the same in every run, so that equal stores are equal bytes
   Progress silent;

@@ -17,7 +17,8 @@ namespace kiln::test {
 std::filesystem::path freshDirectory(const std::string& name);
 
 /// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.
-std::filesystem::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size = 32);
+std::filesystem::path makeStore(const DenseVolume& volume, const std::string& name, std::int64_t brick_size = 32,
+                                bool labels = false);
 
 /// Writes `text` to a file; a failure fails the test.
 void writeText(const std::filesystem::path& path, std::string_view text);

@@ -46,6 +46,16 @@ TEST(ValueCounter, CountsEveryVoxelOfEveryTypeOnce) {
   }
 }
 
+// Known because each voxel's label is a thousand times its x: 12 voxels each.
+TEST(ValueCounter, CountsEachLabelOfAWideType) {
+  const DenseVolume volume = fill({{9, 3, 4}, VoxelType::i32}, [](auto x, auto, auto) { return 1000.0 * x; });
+  ValueCounter counter(volume.type, true);
+  counter.count(volume.voxels, boxOf(volume.geometry.dims), boxOf(volume.geometry.dims));
+  const ValueHistogram histogram = counter.histogram({-0.5, 8000.5}, 8001);
+  for (std::size_t label = 0; label < 8001; ++label)
+    EXPECT_EQ(histogram.counts[label], label % 1000 == 0 ? 12u : 0u) << label;
+}
+
 TEST(ValueCounter, FindsTheMiddleOfUniformFloats) {
   const DenseVolume volume = noise({{40, 40, 40}, VoxelType::f32}, 5, {-10, 30});
   const ValueHistogram histogram = count(volume);

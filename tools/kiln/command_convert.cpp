@@ -18,7 +18,7 @@ struct ConvertArguments {
   std::string input, output, memory = "2G";
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
-  bool overwrite = false, resume = false, half = false, dry_run = false;
+  bool overwrite = false, resume = false, half = false, labels = false, dry_run = false;
   int levels = 0;
   SourceArguments source;
 };
@@ -107,6 +107,7 @@ void run(const ConvertArguments& a, Context& context) {
   options.overwrite = a.overwrite;
   options.resume = a.resume;
   options.half = a.half;
+  options.labels = a.labels;
   if (a.levels > 0) options.most_levels = a.levels;
   options.command = context.command_line;
   options.time = timeNow();
@@ -149,6 +150,11 @@ void addConvert(CLI::App& app, Context& context) {
       ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
       ->check(CLI::PositiveNumber);
   command->add_flag("--half", a->half, "round values to 16-bit floats: smaller bricks; the largest error is printed");
+  command
+      ->add_flag("--labels", a->labels,
+                 "values are labels, whole numbers: a coarser voxel is the most frequent of those below it (of equally "
+                 "frequent ones the smallest that is not 0), and pictures have a colour for each")
+      ->excludes("--half");
   command->add_flag("--dry-run", a->dry_run,
                     "write nothing; say how it would be read, what memory, disk and time it takes");
   auto* overwrite =
