@@ -97,8 +97,7 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
   } else if (request.lattice == Lattice::kPixel) {
     pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
-                  request.transfer_function, request.shading, gradientNoiseOf(store.manifest().range),
-                  request.sweep_px);
+                  request.transfer_function, request.shading, gradientNoiseOf(store.manifest()), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
@@ -253,7 +252,7 @@ void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
   SplatFrame out = frame_;
   out.projector = &plan_.levels.projector(level);
-  out.shader = Shader(request_.shading, request_.view, gradientNoiseOf(store_.manifest().range), *out.projector);
+  out.shader = Shader(request_.shading, request_.view, gradientNoiseOf(store_.manifest()), *out.projector);
   out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
   out.clip = &plan_.levels.clipRegion(level);
   out.ends = plan_.levels.endVoxels(level);

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/span.h"
 #include "render/render_job_run.h"
+#include "scene/label_looks.h"
 
 namespace kiln {
 namespace {
@@ -95,7 +96,12 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t bes
       scenes_(drawn_job_, manifestsOf(stores_)),
       memory_(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes)),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
-             skipperOf(job_, progress)) {}
+             skipperOf(job_, progress)) {
+  for (std::size_t v = 0; v < stores_.size(); ++v) {
+    const std::string unknown = unknownLabelsText(scenes_.functionOf(v), stores_[v]->manifest());
+    if (!unknown.empty()) progress.note("warning: " + stores_[v]->path().string() + ": " + unknown);
+  }
+}
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed);

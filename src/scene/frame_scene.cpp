@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "base/error.h"
 #include "scene/presets.h"
 #include "scene/transfer_function_fade.h"
 
@@ -9,6 +10,8 @@ namespace kiln {
 
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest) {
+  if (picture.mode != Mode::kComposite && manifest.volume_class == VolumeClass::kLabels)
+    throw Error(ErrorCode::kUsage, "--mode: a label volume has no amounts to project; leave --mode out");
   const auto* const name = std::get_if<std::string>(&choice);
   if (picture.mode == Mode::kComposite || name == nullptr || *name != "auto")
     return resolve(choice, picture.window, manifest);

@@ -37,6 +37,8 @@ class SceneOfJob {
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
+  /// Of a volume: the still one, or of the first key.
+  const TransferFunction& functionOf(std::size_t volume) const { return functions_[volume].values.front(); }
 
  private:
   // Of a volume.

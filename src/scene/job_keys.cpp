@@ -144,7 +144,16 @@ constexpr JobKey kTransferFunctionKeys[] = {
      R"({"type": "number", "minimum": 0, "description": "the length that opacity is per; 0 is the mean spacing"})"},
     {"colorSpace", R"({"enum": "colorSpace"})"},
     {"points", R"({"type": "array", "items": {"$ref": "point"}, "minItems": 1})"},
+    {"labels", R"({"type": "array", "items": {"$ref": "label"}, "minItems": 1,
+                   "description": "of a label volume, instead of points; the others are transparent"})"},
     {"gradientOpacity", R"({"type": "array", "items": {"$ref": "gradientPoint"}})"},
+};
+
+constexpr JobKey kLabelKeys[] = {
+    {"label", R"({"type": "integer", "minimum": -8388608, "maximum": 8388608})"},
+    {"name", R"({"$ref": "text"})"},
+    {"color", R"({"type": "array", "items": {"$ref": "fraction"}, "minItems": 3, "maxItems": 3})"},
+    {"opacity", R"({"$ref": "fraction"})"},
 };
 
 constexpr JobKey kPointKeys[] = {
@@ -218,7 +227,7 @@ constexpr JobKey kVideoKeys[] = {
 constexpr JobKeys kCameraPath = kCameraPathKeys, kTurntable = kTurntableKeys, kCameraKey = kCameraKeyKeys,
                   kFunctionKeys = kFunctionKeysKeys, kFunctionKey = kFunctionKeyKeys, kLightsKeys = kLightsKeysKeys,
                   kLightsKey = kLightsKeyKeys, kClipKeys = kClipKeysKeys, kClipKey = kClipKeyKeys,
-                  kVolume = kVolumeKeys;
+                  kVolume = kVolumeKeys, kLabel = kLabelKeys;
 constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
                   kTransferFunction = kTransferFunctionKeys, kPoint = kPointKeys, kGradientPoint = kGradientPointKeys,
                   kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),

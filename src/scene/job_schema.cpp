@@ -16,6 +16,7 @@ struct Object {
   JobKeys keys;
   std::vector<std::string_view> required = {};
   JobKeys more = {};
+  std::vector<std::string_view> one_of = {};  // exactly one of them is required
 };
 
 std::vector<Object> objects() {
@@ -33,7 +34,8 @@ std::vector<Object> objects() {
           {"lightsKeyframe", kLightsKey, {"frame", "lights"}},
           {"clipKeyframes", kClipKeys, {"keyframes"}},
           {"clipKeyframe", kClipKey, {"frame", "planes"}},
-          {"transferFunction", kTransferFunction, {"points"}},
+          {"transferFunction", kTransferFunction, {}, {}, {"points", "labels"}},
+          {"label", kLabel, {"label", "color"}},
           {"point", kPoint, {"value", "color", "opacity"}},
           {"gradientPoint", kGradientPoint, {"gradient", "factor"}},
           {"shading", kShading},
@@ -102,6 +104,7 @@ ordered_json schemaOf(const Object& object) {
     for (const JobKey& key : keys) out["properties"][std::string(key.name)] = expanded(key);
   }
   if (!object.required.empty()) out["required"] = object.required;
+  for (const std::string_view key : object.one_of) out["oneOf"].push_back({{"required", {key}}});
   out["additionalProperties"] = false;
   return out;
 }

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "scene/color_map.h"
+#include "scene/label_looks.h"
 #include "scene/named_color_maps.h"
 
 namespace kiln {
@@ -202,6 +203,7 @@ TransferFunction computedTomography(const Manifest& manifest, std::vector<Transf
 }
 
 TransferFunction automatic(const Manifest& manifest) {
+  if (manifest.volume_class == VolumeClass::kLabels) return labelPalette(manifest);
   if (manifest.volume_class == VolumeClass::kFog) return fog(manifest);
   if (manifest.volume_class == VolumeClass::kLevelSet) return levelSet(manifest);
   return surfaceOf(manifest);

@@ -5,7 +5,28 @@
 
 namespace kiln {
 
+namespace {
+
+auto firstFrom(const std::vector<LabelLook>& labels, double value) {
+  return std::lower_bound(labels.begin(), labels.end(), value,
+                          [](const LabelLook& look, double v) { return look.label < v; });
+}
+
+}  // namespace
+
+bool TransferFunction::labelsShownIn(double lo, double hi) const {
+  for (auto look = firstFrom(labels, lo); look != labels.end() && look->label <= hi; ++look) {
+    if (look->opacity > 0) return true;
+  }
+  return false;
+}
+
 Classified TransferFunction::at(double value) const {
+  if (!labels.empty()) {
+    const auto look = firstFrom(labels, value);
+    if (look == labels.end() || look->label != value) return {glm::dvec3(0), 0};
+    return {look->color, look->opacity};
+  }
   if (points.empty() || std::isnan(value)) return {glm::dvec3(0), 0};
   const auto upper = std::upper_bound(points.begin(), points.end(), value,
                                       [](double v, const TransferPoint& point) { return v < point.value; });

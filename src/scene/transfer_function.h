@@ -25,6 +25,14 @@ struct Classified {
   double opacity;
 };
 
+/// How a label of a label volume looks.
+struct LabelLook {
+  double label = 0;
+  std::string name;
+  glm::dvec3 color{1};  // linear light, 0..1
+  double opacity = 1;   // per `unit` of length, 0..1
+};
+
 struct TransferFunction {
   /// The length that `opacity` is per. unit: world; 0 means the volume's mean spacing.
   double unit = 0;
@@ -35,12 +43,18 @@ struct TransferFunction {
   /// outside. Nothing here leaves opacities as they are.
   std::vector<GradientPoint> gradient_opacity = {};
 
+  /// Of a label volume instead of points: sorted, none twice; labels that are not here are transparent. Between voxels
+  /// a label is where more than half of what is interpolated is.
+  std::vector<LabelLook> labels = {};
+
   /// The length that opacity is per in a volume of that spacing. unit: world.
   double unitIn(double mean_spacing) const { return unit > 0 ? unit : mean_spacing; }
   /// In 0..1.
   double gradientFactor(double gradient) const;
-  /// NaN is transparent. cost: a binary search.
+  /// NaN is transparent; of labels, what is none of them. cost: a binary search.
   Classified at(double value) const;
+  /// Of several labels: whether one of them in [lo, hi] is not transparent.
+  bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
 };
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scene/label_looks.h"
 #include "scene/paraview_map.h"
 #include "scene/presets.h"
 #include "scene/transfer_function_json.h"
@@ -78,7 +79,9 @@ fs::path fileOf(const fs::path& file_and_name) { return parted(file_and_name).fi
 
 TransferFunction readTransferFunction(const fs::path& file_and_name, const Manifest& manifest) {
   const FileAndName from = parted(file_and_name);
-  const std::vector<JobObject> maps = JobObject::parseSeveral(readTextFile(from.file, kLargestFile_bytes), from.file);
+  const std::string text = readTextFile(from.file, kLargestFile_bytes);
+  if (from.name.empty() && isLabelDescription(text)) return labelDescription(text, from.file);
+  const std::vector<JobObject> maps = JobObject::parseSeveral(text, from.file);
   const JobObject& map = chosen(maps, from);
   return isParaViewMap(map) ? functionOf(paraViewMapFrom(map), manifest) : transferFunctionFrom(map);
 }
@@ -93,6 +96,7 @@ TransferFunction resolve(const TransferFunctionChoice& choice, const std::option
   } else {
     out = std::get<TransferFunction>(choice);
   }
+  requireFitting(out, window.has_value(), manifest);
   if (window) fitInto(*window, out.points);
   out.unit = out.unitIn(manifest.geometry().meanSpacing());
   return out;

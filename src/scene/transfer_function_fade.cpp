@@ -40,6 +40,18 @@ TransferPoint mixedPoint(double value, const Classified& a, const Classified& b,
 
 bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
 
+// Of labels, each by itself; one that is in one of them only comes or goes.
+std::vector<LabelLook> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
+  std::vector<LabelLook> out;
+  for (const double label : valuesOf(a.labels, b.labels, [](const LabelLook& look) { return look.label; })) {
+    Classified at_b = b.at(label);
+    at_b.opacity = inUnit(at_b.opacity, b.unit, a.unit);
+    const TransferPoint mixed = mixedPoint(label, a.at(label), at_b, t);
+    out.push_back({label, "", mixed.color, mixed.opacity});
+  }
+  return out;
+}
+
 }  // namespace
 
 TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t) {
@@ -47,6 +59,7 @@ TransferFunction faded(const TransferFunction& a, const TransferFunction& b, dou
   if (t == 1) return b;
   TransferFunction out;
   out.unit = a.unit;
+  out.labels = fadedLabels(a, b, t);
   const auto in_a_unit = [&](Classified c) {
     c.opacity = inUnit(c.opacity, b.unit, a.unit);
     return c;

@@ -1,11 +1,24 @@
 #include "scene/transfer_function_json.h"
 
+#include <set>
+
 #include "base/srgb.h"
+#include "scene/label_looks.h"
 
 namespace kiln {
 namespace {
 
 constexpr std::array<std::string_view, 2> kColorSpaceNames = {"linear", "srgb"};
+
+glm::dvec3 colorFrom(const JobObject& object, bool srgb) {
+  const auto color = *object.numbers<3>("color", "[red, green, blue] from 0 to 1", legal::fraction);
+  glm::dvec3 out;
+  for (int channel = 0; channel < 3; ++channel) {
+    const double given = color[static_cast<std::size_t>(channel)];
+    out[channel] = srgb ? linearFromSrgb(given) : given;
+  }
+  return out;
+}
 
 TransferPoint pointFrom(const JobObject& object, bool srgb) {
   object.requireKnown(job_keys::kPoint);
@@ -15,11 +28,7 @@ TransferPoint pointFrom(const JobObject& object, bool srgb) {
   TransferPoint point;
   point.value = *object.number("value", "a finite number", legal::voxelValue);
   point.opacity = *object.number("opacity", "a number from 0 to 1", legal::fraction);
-  const auto color = *object.numbers<3>("color", "[red, green, blue] from 0 to 1", legal::fraction);
-  for (int channel = 0; channel < 3; ++channel) {
-    const double given = color[static_cast<std::size_t>(channel)];
-    point.color[channel] = srgb ? linearFromSrgb(given) : given;
-  }
+  point.color = colorFrom(object, srgb);
   return point;
 }
 
@@ -41,6 +50,29 @@ std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
   return out;
 }
 
+std::vector<LabelLook> labelsFrom(const JobObject& owner, bool srgb) {
+  std::vector<LabelLook> out;
+  const auto labels = owner.objects("labels", "a list of labels [{label, color, opacity}, …]");
+  std::set<double> known;
+  if (labels->empty()) owner.refuse("labels", "a list of at least one label {label, color, opacity}");
+  for (const JobObject& object : *labels) {
+    object.requireKnown(job_keys::kLabel);
+    for (const char* key : {"label", "color"}) {
+      if (!object.has(key)) object.complain(key, "is missing; a label has label and color");
+    }
+    LabelLook look;
+    const auto most = static_cast<std::int64_t>(kLargestLabel);
+    look.label = static_cast<double>(*object.integer("label", -most, most));
+    if (!known.insert(look.label).second) object.complain("label", "is given twice");
+    look.name = object.text("name", "a name").value_or("");
+    look.color = colorFrom(object, srgb);
+    look.opacity = object.number("opacity", "a number from 0 to 1", legal::fraction).value_or(look.opacity);
+    out.push_back(std::move(look));
+  }
+  sortLabels(out);
+  return out;
+}
+
 }  // namespace
 
 TransferFunction transferFunctionFrom(const JobObject& object) {
@@ -49,6 +81,13 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
   const auto legal_unit = [](double v) { return v == 0 || legal::positiveLength(v); };
   out.unit = object.number("unit", "a length above 0, or 0 for the mean voxel spacing", legal_unit).value_or(0);
   const bool srgb = object.choice("colorSpace", kColorSpaceNames).value_or(0) == 1;
+  if (object.has("labels")) {
+    for (const char* key : {"points", "gradientOpacity"}) {
+      if (object.has(key)) object.complain(key, "contradicts labels; a function has points or labels");
+    }
+    out.labels = labelsFrom(object, srgb);
+    return out;
+  }
   const auto points = object.objects("points", "a list of points [{value, color, opacity}, …]");
   if (!points || points->empty()) object.refuse("points", "a list of at least one point {value, color, opacity}");
   for (const JobObject& point : *points) {

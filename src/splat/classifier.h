@@ -35,6 +35,10 @@ class Classifier {
   /// cost: a binary search over the function's points.
   bool interesting(const ValueRange& range) const;
 
+  /// Whether values are labels, whose gradients are of their opacities.
+  bool ofLabels() const { return !function_.labels.empty(); }
+  float opacityOf(double label) const { return static_cast<float>(function_.at(label).opacity); }
+
  private:
   Material evaluate(double value) const;
 

@@ -482,6 +482,7 @@ RefinedCounts refine(const UnitLattice& lattice, const UnitInput& unit, const Re
 }
 
 RefinedCounts refineUnitOn(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out) {
+  if (lattice.labels) return refine<LabelField>(lattice, unit, out);
   return lattice.interpolation == Interpolation::kLinear ? refine<LinearField>(lattice, unit, out)
                                                          : refine<CubicField>(lattice, unit, out);
 }

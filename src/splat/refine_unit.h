@@ -25,6 +25,8 @@ struct DepthSpread {
 /// What all units of a zone share.
 struct UnitLattice {
   Interpolation interpolation = Interpolation::kLinear;
+  bool labels = false;      // of a label volume: the unit says what its samples are
+  int label_smoothing = 0;  // of it, how far smoothing reaches. unit: voxels
   std::array<int, 3> voxels{1, 1, 1};
   std::array<UnitAxis, 3> axis;
   // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
@@ -56,7 +58,9 @@ struct UnitLattice {
 
 /// One unit. `values` are its voxels and those around it, less the table's offset.
 struct UnitInput {
-  const float* values = nullptr;                // shape: voxels + 2 margins along each axis, rows kUnitSamples apart
+  const float* values = nullptr;  // shape: voxels + 2 margins along each axis, rows kUnitSamples apart
+  // Of a label volume, the places of samples in the table, in rows and planes of kUnitSamples; `values` are opacities.
+  const float* label_places = nullptr;
   float least = 0, most = 0;                    // of what its samples interpolate; linear ones are kept within
   glm::vec3 origin;                             // of its first voxel's centre, in view space
   std::array<int, 3> first{}, end{};            // its samples that exist, along each axis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace kiln {
 namespace {
@@ -14,6 +15,10 @@ constexpr double kTableSteps = 1 << 15;
 SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range) {
   const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
   lo_ = lo;
+  if (!function.labels.empty()) {
+    addLabels(function.labels, unit);
+    return;
+  }
   const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
   const double steps = whole ? hi - lo : kTableSteps;
   const double step = hi > lo ? (hi - lo) / steps : 1;
@@ -46,8 +51,33 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
 }
 
+void SampleTable::addLabels(const std::vector<LabelLook>& looks, double unit) {
+  of_labels_ = gaps_ = true;
+  visible_before_ = std::numeric_limits<float>::max();
+  for (const LabelLook& look : looks) {
+    if (!(look.opacity > 0)) continue;
+    labels_.push_back(static_cast<float>(look.label - lo_));
+    label_opacities_.push_back(static_cast<float>(look.opacity));
+    const glm::vec3 color(look.color);
+    for (const float tau : {0.0f, static_cast<float>(extinctionOf(look.opacity, unit))}) {
+      entries_.push_back({color.r, color.g, color.b, tau});
+      extinctions_.push_back(tau);
+    }
+  }
+  last_ = static_cast<float>(std::max<std::size_t>(entries_.size(), 1) - 1);
+  // One for the last place, and one where nothing is shown.
+  const std::size_t count = static_cast<std::size_t>(last_) + 2;
+  entries_.resize(count, entries_.empty() ? Material{} : entries_.back());
+  extinctions_.resize(count, entries_.back().tau);
+  integral_.assign(count, 0.0f);
+}
+
 bool SampleTable::interesting(const ValueRange& range) const {
   if (range.empty()) return false;
+  if (of_labels_) {
+    const auto first = std::lower_bound(labels_.begin(), labels_.end(), static_cast<float>(range.lo - lo_));
+    return first != labels_.end() && static_cast<double>(*first) <= range.hi - lo_;
+  }
   const auto place = [&](double value) {
     return std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
   };

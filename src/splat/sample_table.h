@@ -1,7 +1,9 @@
 // Classification of interpolated values: colour and extinction by one table over the volume's values, linear between
-// its entries. What it says of a range is exact for what it says of values.
+// its entries. What it says of a range is exact for what it says of values. Of labels it has two entries each, of those
+// that are shown: nothing of it, and all.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +17,16 @@ class SampleTable {
   /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value.
   SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
+  /// Whether values are labels: then `at` is not asked for values.
+  bool ofLabels() const { return of_labels_; }
+  /// Of a label less `offset()`: which of those shown it is, from 0; -1 where it is none. cost: a binary search.
+  int rankOf(float label) const {
+    const auto first = std::lower_bound(labels_.begin(), labels_.end(), label);
+    return first != labels_.end() && *first == label ? static_cast<int>(first - labels_.begin()) : -1;
+  }
+  float opacityOf(int rank) const { return rank < 0 ? 0.0f : label_opacities_[static_cast<std::size_t>(rank)]; }
+  /// Where the table has a label of which this much is there, from 0 to 1.
+  static float placeOf(int rank, float solid) { return static_cast<float>(2 * rank) + solid; }
   /// What values are shifted by before they become floats, so that large whole numbers keep their last digit.
   double offset() const { return lo_; }
   /// `value` less `offset()`. A value outside of the range is as its end.
@@ -46,6 +58,8 @@ class SampleTable {
   bool interesting(const ValueRange& range) const;
 
  private:
+  void addLabels(const std::vector<LabelLook>& looks, double unit);
+
   double lo_ = 0;
   float scale_ = 1, last_ = 0;
   float least_interval_ = 1;
@@ -54,6 +68,8 @@ class SampleTable {
   std::vector<Material> entries_;
   std::vector<float> extinctions_, integral_;
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
+  bool of_labels_ = false;
+  std::vector<float> labels_, label_opacities_;  // of those shown, by label, less the offset
 };
 
 }  // namespace kiln

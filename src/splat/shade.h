@@ -14,13 +14,17 @@
 #include "scene/shading.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
+#include "store/manifest.h"
 
 namespace kiln {
 
 /// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
 inline constexpr double kGradientNoise = 1e-5;
 /// That of a volume of such values. unit: value per voxel.
-inline float gradientNoiseOf(const ValueRange& range) {
+inline float gradientNoiseOf(const Manifest& manifest) {
+  // Of labels it is the gradient of their opacity.
+  if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
+  const ValueRange& range = manifest.range;
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "splat/label_samples.h"
+
 namespace kiln {
 namespace {
 
@@ -41,9 +43,12 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   const Shading& shading = look.shading;
   UnitLattice out;
   out.interpolation = look.interpolation;
+  out.labels = table.ofLabels();
+  // Gradients of labels are the B-spline's, whatever interpolates between voxels.
+  const Interpolation of_axes = out.labels ? Interpolation::kCubic : look.interpolation;
   for (std::size_t a = 0; a < 3; ++a) {
     out.voxels[a] = unitVoxels(zone.refinement[a], a);
-    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a], look.interpolation);
+    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a], of_axes);
   }
   out.perspective = projector.perspective();
   out.focal = static_cast<float>(projector.focal());
@@ -69,7 +74,7 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
   out.gaps = table.hasGaps();
-  if (zone.level > 0 && !zone.refined()) out.integral = table.integral();
+  if (zone.level > 0 && !zone.refined() && !out.labels) out.integral = table.integral();
   out.least_interval = table.leastInterval();
   out.phong = shading.phong && !detailed;
   out.ambient = static_cast<float>(shading.ambient);
@@ -129,7 +134,11 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px, sharing.least_taps),
       lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
-      ghosts_(sharing.owned ? ghostsOf(zone, projector, footprint_, lattice_.spread) : 0) {}
+      ghosts_(sharing.owned ? ghostsOf(zone, projector, footprint_, lattice_.spread) : 0) {
+  // What the apron holds beyond the voxels of samples and of their gradients.
+  const std::int64_t left = kApron - ghosts_ - (zone.refined() ? 2 : 1);
+  lattice_.label_smoothing = static_cast<int>(std::clamp<std::int64_t>(left, 0, kMostLabelSmoothing));
+}
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "splat/join_volumes.h"
+#include "splat/label_samples.h"
 #include "splat/lay_sheet.h"
 #include "splat/pixel_slabs.h"
 #include "splat/slab_layer.h"
@@ -46,7 +47,8 @@ struct SweepMemory::Parts {
   std::vector<const AovSample*> visible_aovs;
   std::vector<SampleDetails> details;
   TileWindows windows;
-  std::vector<OwnedBlock> owned;  // of the tile's blocks
+  std::vector<OwnedBlock> owned;         // of the tile's blocks
+  std::unique_ptr<LabelSamples> labels;  // where a volume is of labels
   alignas(64) float values[(kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples];
 };
 
@@ -56,8 +58,8 @@ SweepMemory::~SweepMemory() = default;
 std::size_t SweepMemory::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   const Parts& p = *parts_;
-  std::size_t sum = sizeof p + of(p.cells) + of(p.refined) + of(p.slabs) + p.windows.bytes() + of(p.visible) +
-                    of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.units);
+  std::size_t sum = sizeof p + (p.labels ? sizeof *p.labels : 0) + of(p.cells) + of(p.refined) + of(p.slabs) +
+                    p.windows.bytes() + of(p.visible) + of(p.visible_aovs) + of(p.details) + of(p.owned) + of(p.units);
   for (const Parts::OfVolume& volume : p.volumes) sum += volume.bytes();
   for (const std::vector<Parts::Unit>& units : p.units) sum += of(units);
   return sum;
@@ -220,6 +222,7 @@ class Sweep {
       if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f.ends().part[a]));
     }
     in.tile = tile_.rect;
+    if (l.labels && !sampled(unit, in)) return;
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
     if (f.detailed() || aovs_)
@@ -227,6 +230,16 @@ class Sweep {
     else
       counts.visited +=
           static_cast<std::uint64_t>(refineUnit(l, in, {&m_.volumes[unit.volume].waiting, begin_}).closed);
+  }
+
+  // Whether one of its labels is shown; then it says what its samples are.
+  [[gnu::noinline]] bool sampled(const Unit& unit, UnitInput& in) {
+    if (!m_.labels) m_.labels = std::make_unique<LabelSamples>();
+    const SlabFrame& f = *frames_[unit.volume];
+    if (!sampleLabels(*unit.block, f.lattice(), in, unit.lo, f.table(), *m_.labels)) return false;
+    in.values = m_.labels->opacities;
+    in.label_places = m_.labels->places;
+    return true;
   }
 
   void refineWithDetails(const UnitInput& in, const Unit& unit) {

@@ -199,9 +199,12 @@ class CellSplatter {
     }
   }
 
-  // Central differences at voxel scale. unit: value per voxel.
+  // Central differences at voxel scale, of labels those of their opacities. unit: value per voxel.
   glm::vec3 gradient(const T* at) const {
-    const auto half = [](T hi, T lo) {
+    const Classifier& classifier = *frame_.classifier;
+    const auto half = [&](T hi, T lo) {
+      if (classifier.ofLabels())
+        return 0.5f * (classifier.opacityOf(static_cast<double>(hi)) - classifier.opacityOf(static_cast<double>(lo)));
       if constexpr (sizeof(T) >= 4 && !std::is_same_v<T, float>) {
         return static_cast<float>(0.5 * (static_cast<double>(hi) - static_cast<double>(lo)));
       } else {

@@ -205,7 +205,9 @@ class LinearField : public UnitVoxels {
 class CubicField : public UnitVoxels {
  public:
   CubicField(const UnitLattice& lattice, const UnitInput& unit)
-      : UnitVoxels(lattice, unit), own_gradient_(lattice.interpolation != Interpolation::kCubic) {}
+      : CubicField(lattice, unit, lattice.interpolation != Interpolation::kCubic) {}
+  CubicField(const UnitLattice& lattice, const UnitInput& unit, bool own_gradient)
+      : UnitVoxels(lattice, unit), own_gradient_(own_gradient) {}
 
   void toPlane(int k) {
     const D d;
@@ -311,6 +313,34 @@ class CubicField : public UnitVoxels {
   bool derived_ = false;
   alignas(64) Row value_[kEdge], least_[kEdge], most_[kEdge], smooth_[kEdge], along_z_[kEdge];
   alignas(64) Row row_, row_least_, row_most_, row_smooth_, row_y_, row_z_;
+};
+
+// Places that are known (splat/label_samples.h), with the B-spline's gradients of opacity. requires: axes of it.
+class LabelField : public UnitVoxels {
+ public:
+  LabelField(const UnitLattice& lattice, const UnitInput& unit)
+      : UnitVoxels(lattice, unit), opacities_(lattice, unit, false) {}
+
+  void toPlane(int k) { k_ = k, plane_known_ = false; }
+  void toRow(int j) { j_ = j, row_known_ = false; }
+
+  V values(std::size_t i, M& known) const {
+    const D d;
+    known = hn::Eq(hn::Zero(d), hn::Zero(d));
+    return hn::LoadU(d, u_.label_places + (k_ * kUnitSamples + j_) * kUnitSamples + i);
+  }
+
+  Vector gradients(std::size_t i) {
+    if (!plane_known_) opacities_.toPlane(k_);
+    if (!row_known_) opacities_.toRow(j_);
+    plane_known_ = row_known_ = true;
+    return opacities_.gradients(i);
+  }
+
+ private:
+  CubicField opacities_;
+  int j_ = 0, k_ = 0;
+  bool plane_known_ = false, row_known_ = false;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "support/empty_blocks.h"
 #include "support/reference_field.h"
+#include "support/reference_labels.h"
 
 namespace kiln::test {
 namespace {
@@ -70,14 +71,28 @@ struct Scene {
     const glm::dvec3 spacing = volume.geometry.spacing();
     step_world = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
     unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
-    if (settings.skip_empty) {
+    if (!function.labels.empty()) {
+      labels.emplace(volume, function, settings.interpolation, settings.label_smoothing);
+      gradient_noise = kGradientNoise;
+    }
+    if (settings.skip_empty && !labels) {
       empty_blocks.emplace(
           dims, [this](std::int64_t i, std::int64_t j, std::int64_t k) { return field.voxel(i, j, k); },
           settings.interpolation == Interpolation::kLinear ? 1 : 2, function);
     }
   }
 
+  /// What is at a place of index space, and the gradient that its surfaces have there.
+  ReferenceLabels::There at(const glm::dvec3& index) const {
+    if (labels) return labels->at(index);
+    return {transfer_function.at(field.at(index)), 1};
+  }
+  glm::dvec3 gradient(const glm::dvec3& index) const {
+    return labels ? labels->gradient(index) : field.gradient(index);
+  }
+
   ReferenceField field;
+  std::optional<ReferenceLabels> labels;  // of a function of labels
   const View& view;
   const TransferFunction& transfer_function;
   const ReferenceSettings& settings;
@@ -146,7 +161,7 @@ glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
     if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index))) nearest = &face;
   }
   if (nearest) return glm::normalize(nearest->world_normal);
-  const glm::dvec3 difference = scene.field.gradient(index);
+  const glm::dvec3 difference = scene.gradient(index);
   // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
   if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
   return glm::normalize(scene.gradient_world_from_index * difference);
@@ -173,14 +188,14 @@ glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& 
   return color * matte + gloss;
 }
 
-/// Extinction at a sample of this opacity, by the length of the gradient where the function asks for it.
-double extinctionAt(const Scene& scene, double opacity, const glm::dvec3& index) {
+/// Extinction at a sample, by the length of the gradient where the function asks for it.
+double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, const glm::dvec3& index) {
   double factor = 1;
   if (!scene.transfer_function.gradient_opacity.empty()) {
     const double slope = glm::length(scene.gradient_world_from_index * scene.field.gradient(index));
     factor = scene.transfer_function.gradientFactor(std::isfinite(slope) ? slope : 0);
   }
-  return extinctionOf(factor * std::min(opacity, 0.9999), scene.unit_world);
+  return there.solid * extinctionOf(factor * std::min(there.look.opacity, 0.9999), scene.unit_world);
 }
 
 /// Premultiplied RGBA of one ray over nothing.
@@ -189,11 +204,11 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
   double transmittance = 1;
   bool closed = false;
   march(scene, ray, [&](const glm::dvec3& index, double length) {
-    const Classified sample = scene.transfer_function.at(scene.field.at(index));
-    if (!(sample.opacity > 0)) return true;
-    const double alpha = 1 - std::exp(-extinctionAt(scene, sample.opacity, index) * length);
+    const ReferenceLabels::There sample = scene.at(index);
+    if (!(sample.look.opacity > 0)) return true;
+    const double alpha = 1 - std::exp(-extinctionAt(scene, sample, index) * length);
     const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
-    light += transmittance * alpha * shaded(scene, shading, sample.color, index, world, -ray.direction);
+    light += transmittance * alpha * shaded(scene, shading, sample.look.color, index, world, -ray.direction);
     transmittance *= 1 - alpha;
     closed = scene.settings.opacity_threshold < 1 && 1 - transmittance >= scene.settings.opacity_threshold;
     return !closed && transmittance >= kStopTransmittance;
@@ -227,11 +242,11 @@ glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const s
       const glm::dvec3 world = ray.origin + 0.5 * (from + to) * ray.direction;
       const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
       if (scene.empty_blocks && scene.empty_blocks->stepsToSkip(index, glm::dvec3(1)) > 0) continue;
-      const Classified sample = scene.transfer_function.at(scene.field.at(index));
-      if (!(sample.opacity > 0)) continue;
-      const double of_volume = extinctionAt(scene, sample.opacity, index) * (to - from);
+      const ReferenceLabels::There sample = scene.at(index);
+      if (!(sample.look.opacity > 0)) continue;
+      const double of_volume = extinctionAt(scene, sample, index) * (to - from);
       depth += of_volume;
-      sent += of_volume * shaded(scene, volumes[v].shading, sample.color, index, world, -ray.direction);
+      sent += of_volume * shaded(scene, volumes[v].shading, sample.look.color, index, world, -ray.direction);
     }
     if (!(depth > 0)) continue;
     const double alpha = 1 - std::exp(-depth);
@@ -247,8 +262,8 @@ glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const s
 double depthAlong(const Scene& scene, const Ray& ray) {
   double depth = 0;
   march(scene, ray, [&](const glm::dvec3& index, double length) {
-    const Classified sample = scene.transfer_function.at(scene.field.at(index));
-    if (sample.opacity > 0) depth += extinctionAt(scene, sample.opacity, index) * length;
+    const ReferenceLabels::There sample = scene.at(index);
+    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample, index) * length;
     return true;
   });
   return depth;

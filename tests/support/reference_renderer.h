@@ -35,6 +35,8 @@ struct ReferenceSettings {
   /// Rays end at its faces exactly. Within a voxel of one (its extent along the normal) the normal is the face's.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
+  /// Over how many voxels to either side opacities of labels are smoothed for their gradients.
+  int label_smoothing = 0;
 
   /// What VTK and the like draw: one ray a pixel, a step of one voxel.
   static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }

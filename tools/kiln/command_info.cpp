@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "commands.h"
 #include "histogram_text.h"
+#include "scene/label_looks.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -17,10 +18,23 @@ const char* className(VolumeClass volume_class) {
       return "fog";
     case VolumeClass::kLevelSet:
       return "level set";
+    case VolumeClass::kLabels:
+      return "labels";
     case VolumeClass::kUnknown:
       break;
   }
   return "unknown";
+}
+
+// The first of them, for there may be thousands.
+void printLabels(const std::vector<LabelCount>& labels) {
+  constexpr std::size_t kMost = 64;
+  fmt::print("labels       {} that {} voxels\n", labels.size(), labels.size() == 1 ? "has" : "have");
+  for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i)
+    fmt::print("             {:>8.0f}  {} voxel{}\n", labels[i].label, labels[i].voxels,
+               labels[i].voxels == 1 ? "" : "s");
+  if (labels.size() > kMost)
+    fmt::print("             and {} more, which kiln info --json has in its histogram\n", labels.size() - kMost);
 }
 
 const char* frameName(PatientFrame frame) {
@@ -102,8 +116,10 @@ void printForPeople(const StoreReader& store) {
                className(m.volume_class));
   }
   if (m.nan_count > 0) fmt::print("NaN          {} voxels\n", m.nan_count);
-  if (const std::string histogram = histogramText(m.histogram, !isFloating(m.type), "             ");
-      !histogram.empty())
+  if (const auto labels = labelsOf(m)) {
+    printLabels(*labels);
+  } else if (const std::string histogram = histogramText(m.histogram, !isFloating(m.type), "             ");
+             !histogram.empty())
     fmt::print("histogram    length of a bar: logarithm of the count\n{}", histogram);
   printLevels(m, storage);
   fmt::print("codec        {}, blosc\n", m.container_version);

@@ -37,6 +37,8 @@ Manifest withoutVolume(const TransferFunctionChoice& choice) {
   if (name != nullptr && name->starts_with("ct-")) out.range = {-1024, 3071};
   out.levels.resize(1);
   out.levels[0].geometry.dims = {256, 256, 256};
+  const auto* file = std::get_if<fs::path>(&choice);
+  if (file != nullptr && !readTransferFunction(*file, out).labels.empty()) out.volume_class = VolumeClass::kLabels;
   return out;
 }
 
@@ -73,12 +75,25 @@ void print(const TransferFunction& f, const Subject& subject) {
   fmt::print("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 
+void printLabels(const TransferFunction& f) {
+  fmt::print("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
+  for (const LabelLook& look : f.labels)
+    fmt::print("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
+               hexOf(look.color), look.name);
+  fmt::print("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
+}
+
 void run(const TfArguments& a) {
   if (!a.output.empty()) requireImagePath(a.output);
   const Subject subject = subjectOf(a);
   std::optional<Window> window;
   if (!a.window.empty()) window = parseWindow(a.window, "--window");
   const TransferFunction function = resolve(subject.choice, window, subject.manifest);
+  if (!function.labels.empty()) {
+    if (!a.output.empty()) throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
+    printLabels(function);
+    return;
+  }
   if (!a.output.empty()) writeImage(transferFunctionPicture(function, subject.manifest.histogram), {}, {}, a.output);
   print(function, subject);
 }
