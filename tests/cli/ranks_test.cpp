@@ -173,14 +173,13 @@ TEST_F(RanksRender, ViewsThatHaveNoTilesAreSharedByFrames) {
   }
 }
 
-// Known because parts that fill the volume make the whole (tests/property/partial_image_test.cpp) but for pixels that
-// an edge goes through: what of a pixel a part covers is one number, whichever of its slabs cover it.
+// Known because parts that fill the volume make the whole (tests/property/partial_image_test.cpp).
 TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   const auto expectClose = [&](const std::string& name) {
     const ImageDifference difference =
         compareImages(readImage(directory_ / "one" / name), readImage(directory_ / "many" / name));
-    EXPECT_LT(difference.largest, 6 / 255.0) << name;
-    EXPECT_GT(difference.foreground_psnr_db, 55) << name;
+    EXPECT_LT(difference.largest, 1 / 255.0) << name;
+    EXPECT_GT(difference.foreground_psnr_db, 80) << name;
   };
   const std::vector<std::vector<std::string>> looks = {
       {"-o", "OUT/a.exr", "--tf", "ct-bone-and-skin", "--background", "0.2,0.1,0"},
