@@ -29,14 +29,22 @@ class WorkRanges {
   }
 
   /// The units of the i-th range are [bounds[i], bounds[i + 1]); its number is the counter `first_counter` + i.
-  /// `own` is the range this rank begins with. requires: `counters` outlives this; less than 2³¹ units.
-  WorkRanges(SharedCounters& counters, std::size_t first_counter, std::vector<std::uint32_t> bounds, std::size_t own)
-      : counters_(counters), first_(first_counter), bounds_(std::move(bounds)), range_(own), own_(own) {}
+  /// `own` is the range this rank begins with; of another it leaves the last `spared` to whoever has it. requires:
+  /// `counters` outlives this; less than 2³¹ units.
+  WorkRanges(SharedCounters& counters, std::size_t first_counter, std::vector<std::uint32_t> bounds, std::size_t own,
+             std::uint32_t spared = 0)
+      : counters_(counters),
+        first_(first_counter),
+        bounds_(std::move(bounds)),
+        spared_(spared),
+        range_(own),
+        own_(own) {}
 
   /// The next units for this rank, at most so many: each is handed out once. Nothing once all are.
   std::optional<Units> take(std::uint32_t most) {
     while (true) {
-      if (const auto units = takeFrom(range_, most)) return units;
+      if (const auto units = range_ == own_ || left(range_) > spared_ ? takeFrom(range_, most) : std::nullopt)
+        return units;
       const auto next = fullest();
       if (!next) return std::nullopt;
       range_ = *next;
@@ -51,6 +59,10 @@ class WorkRanges {
  private:
   static constexpr std::uint64_t kFromBack = std::uint64_t{1} << 32;
   std::uint32_t size(std::size_t range) const { return bounds_[range + 1] - bounds_[range]; }
+  std::uint64_t left(std::size_t range) {
+    const std::uint64_t gone = taken(counters_.add(first_ + range, 0));
+    return gone < size(range) ? size(range) - gone : 0;
+  }
   static std::uint64_t taken(std::uint64_t counter) { return counter / kFromBack + counter % kFromBack; }
 
   std::optional<Units> takeFrom(std::size_t range, std::uint32_t most) {
@@ -65,11 +77,11 @@ class WorkRanges {
 
   std::optional<std::size_t> fullest() {
     std::optional<std::size_t> out;
-    std::uint64_t most = 0;
+    std::uint64_t most = spared_;
     for (std::size_t range = 0; range + 1 < bounds_.size(); ++range) {
-      const std::uint64_t gone = taken(counters_.add(first_ + range, 0));
-      if (gone >= size(range) || size(range) - gone <= most) continue;
-      most = size(range) - gone;
+      const std::uint64_t there = left(range);
+      if (there <= most) continue;
+      most = there;
       out = range;
     }
     return out;
@@ -78,6 +90,7 @@ class WorkRanges {
   SharedCounters& counters_;
   const std::size_t first_;
   const std::vector<std::uint32_t> bounds_;
+  const std::uint32_t spared_;
   std::size_t range_;  // that is being taken from
   const std::size_t own_;
 };

@@ -113,7 +113,8 @@ class SharedSequence : public RankedSequence {
     begun_[i] = Clock::now();
     started(i);
     const auto ranks = static_cast<std::size_t>(ranks_.count());
-    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, static_cast<std::size_t>(ranks_.rank()));
+    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, static_cast<std::size_t>(ranks_.rank()),
+                    TilePlan::kSpared);
     FrameReport report;
     report.frame = i;
     attempt(report, [&] { drawTiles(i, work, report.statistics); });

@@ -11,6 +11,8 @@
 namespace kiln {
 
 struct TilePlan {
+  /// Of its tiles, how many others leave to a rank: to take them would make them read its bricks, for little time.
+  static constexpr std::uint32_t kSpared = 4;
   std::vector<PixelRect> tiles;       // of the whole picture's pixels; they fill the crop, neighbours behind each other
   std::vector<std::uint32_t> bounds;  // the i-th rank's tiles are [bounds[i], bounds[i + 1])
   bool wholeFrames() const { return tiles.empty(); }  // are handed out, not their tiles
