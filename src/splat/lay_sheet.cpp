@@ -90,7 +90,8 @@ class BlockLayer {
     if (pixels_ != nullptr) {
       const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
       hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d, &pixels_->pixels[place].before);
-      hn::StoreU(part, d, &pixels_->parts[place]);
+      const auto whole = [&](VI of) { return hn::Div(hn::ConvertTo(d, of), full); };
+      hn::StoreInterleaved4(whole(light[0]), whole(light[1]), whole(light[2]), part, d, pixels_->slabs[place].rgb);
     }
   }
 

@@ -39,7 +39,11 @@ struct LaidPixel {
 /// shape: rows of kBlockEdge.
 struct LaidPixels {
   std::array<LaidPixel, kBlockEdge * kBlockEdge> pixels;
-  std::array<float, kBlockEdge * kBlockEdge> parts;  // what the slab covers of each
+  /// Of each, what the slab adds where nothing is in front of it, but for what it covers of the pixel; and that.
+  struct Slab {
+    float rgb[3], part;
+  };
+  std::array<Slab, kBlockEdge * kBlockEdge> slabs;
 };
 
 /// Adds the light of the slab to the pixels, and empties the block of the sheet, kBlockEdge pixels wide. `pixels` may

@@ -474,8 +474,7 @@ class Sweep {
         const int x = std::countr_zero(rest);
         const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
         if (aovs_) addToAovs(v, area.x0 + x, y, slab, pixels.pixels[place]);
-        if (tile_.edges != nullptr)
-          addToEdges(area.x0 + x, y, &before[row][4 * x], pixels.pixels[place], pixels.parts[place]);
+        if (tile_.edges != nullptr) addToEdges(area.x0 + x, y, pixels.pixels[place], pixels.slabs[place]);
         if (tile_.deep != nullptr) addToDeep(area.x0 + x, y, slab, &before[row][4 * x]);
       }
     }
@@ -486,17 +485,11 @@ class Sweep {
     tile_.deep->add(x, y, depthOf(slab), depthOf(slab + 1), before, tile_.rgba + 4 * tile_.placeOf(x, y));
   }
 
-  void addToEdges(int x, int y, const float* before, const LaidPixel& laid, float part) {
-    const float seen = laid.share * laid.filled;
-    if (!(seen > 0)) return;
-    const float alpha = laid.before + laid.share * laid.opacity;
-    const float* const after = tile_.rgba + 4 * tile_.placeOf(x, y);
-    // A pixel that was closed is divided by its alpha.
-    const float scale = alpha >= opaque_at_ ? alpha : 1;
-    EdgeLayer slab{part, {}};
-    for (std::size_t c = 0; c < 3; ++c) slab.rgba[c] = std::max(scale * after[c] - before[c], 0.0f) / seen;
-    slab.rgba[3] = std::min(laid.opacity / laid.filled, 1.0f);
-    tile_.edges->add(x, y, slab, laid.before);
+  // Also what is hidden by the part's own slabs: in the whole picture, what is in front of it may make them hide less.
+  void addToEdges(int x, int y, const LaidPixel& laid, const LaidPixels::Slab& slab) {
+    if (!(slab.part > 0)) return;
+    const float alpha = std::min(laid.opacity / laid.filled, 1.0f);
+    tile_.edges->add(x, y, {slab.part, {slab.rgb[0], slab.rgb[1], slab.rgb[2], alpha}}, laid.before);
   }
 
   void addToAovs(std::size_t v, int x, int y, int slab, const LaidPixel& laid) {

@@ -43,7 +43,7 @@ FrameRequest labelRequest(std::uint64_t seed, const DenseVolume& volume, Lattice
   return out;
 }
 
-bool showsSomething(const Image& image) {
+bool showsAnyLabel(const Image& image) {
   for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
     if (image.rgba[at] > 0) return true;
   }
@@ -62,7 +62,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
     FrameRequest request = labelRequest(seed, volume, GetParam());
     request.visibility.method = VisibilityMethod::kNone;
     const Image truth = draw(large, request);
-    shown += showsSomething(truth) ? 1 : 0;
+    shown += showsAnyLabel(truth) ? 1 : 0;
     EXPECT_TRUE(equalBits(truth, draw(small, request))) << "bricks of 16";
     request.visibility.method = VisibilityMethod::kMask;
     EXPECT_TRUE(equalBits(truth, draw(small, request))) << "tested for visibility";
@@ -112,7 +112,7 @@ TEST_P(Labels, WhatNoRangeHoldsIsNotRead) {
   FrameRequest request = labelRequest(1, volume, GetParam());
   request.transfer_function.labels = {{201, "", glm::dvec3(1), 1}};
   FrameStatistics statistics;
-  EXPECT_FALSE(showsSomething(draw(store, request, 1u << 30, &statistics)));
+  EXPECT_FALSE(showsAnyLabel(draw(store, request, 1u << 30, &statistics)));
   EXPECT_EQ(statistics.bricks_read, 0u);
 }
 
