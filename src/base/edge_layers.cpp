@@ -5,12 +5,12 @@
 
 namespace kiln {
 
-EdgeLayers::EdgeLayers(const PixelRect& rect)
-    : lists_(rect, kPixelBytes * static_cast<std::uint64_t>(rect.width()) * static_cast<std::uint64_t>(rect.height())) {
+EdgeLayers::EdgeLayers(const PixelRect& rect, std::uint64_t pixel_bytes)
+    : lists_(rect, pixel_bytes * static_cast<std::uint64_t>(rect.width()) * static_cast<std::uint64_t>(rect.height())) {
 }
 
-std::uint64_t EdgeLayers::bytesFor(std::uint64_t pixels) {
-  return PixelLists<EdgeLayer>::bytesFor(pixels, 0) + kPixelBytes * pixels;
+std::uint64_t EdgeLayers::bytesFor(std::uint64_t pixels, std::uint64_t pixel_bytes) {
+  return PixelLists<EdgeLayer>::bytesFor(pixels, 0) + pixel_bytes * pixels;
 }
 
 void EdgeLayers::append(int x, int y, const EdgeLayer& layer) {

@@ -22,12 +22,14 @@ class EdgeLayers {
  public:
   /// From so much on, a slab covers all of a pixel.
   static constexpr float kWhole = 0.998f;
-  /// Scans need a quarter of a layer a pixel of the image.
-  static constexpr std::uint64_t kPixelBytes = 64;
+  /// A scan's picture needs a fifth to a half of a layer a pixel; what is translucent and ragged all over, ten and
+  /// more.
+  static constexpr std::uint64_t kLeastPixelBytes = 64, kMostPixelBytes = 1024;
 
-  /// Of the pixels of `rect`; layers take kPixelBytes for each, at most.
-  explicit EdgeLayers(const PixelRect& rect);
-  static std::uint64_t bytesFor(std::uint64_t pixels);
+  /// Of the pixels of `rect`; layers take `pixel_bytes` for each of them, at most.
+  explicit EdgeLayers(const PixelRect& rect, std::uint64_t pixel_bytes = kMostPixelBytes);
+  /// All that so many pixels take, at most. unit: bytes.
+  static std::uint64_t bytesFor(std::uint64_t pixels, std::uint64_t pixel_bytes);
 
   const PixelRect& rect() const { return lists_.rect(); }
   /// A slab behind all that the pixel holds, which has `alpha_in_front`. thread: as PixelLists::append.

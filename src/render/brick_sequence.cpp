@@ -67,10 +67,10 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ran
   return boxes;
 }
 
-// The part as it is composited, and as others' arrive.
+// The part as it is composited, and as others' arrive, with as many layers of edges as scans have.
 std::uint64_t partBytes(const RenderJob& job) {
   const PixelRect crop = drawnPixels(job.picture.size, job.picture.crop);
-  return (3 * sizeof(PartPixel) + EdgeLayers::kPixelBytes) * static_cast<std::uint64_t>(crop.width()) *
+  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) * static_cast<std::uint64_t>(crop.width()) *
          static_cast<std::uint64_t>(crop.height());
 }
 

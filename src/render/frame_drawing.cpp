@@ -138,7 +138,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   all.aovs.filled = filled.data();
   if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep);
   all.deep = image.deep.get();
-  if (request_.clipping.part && plan_.pixel) image.edges = std::make_shared<EdgeLayers>(pixels);
+  if (request_.clipping.part && plan_.pixel)
+    image.edges = std::make_shared<EdgeLayers>(pixels, request_.edge_pixel_bytes);
   all.edges = image.edges.get();
   if (plan_.mix) {
     mix(all);
@@ -166,8 +167,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   image.planes.push_back(std::move(coverage));
   if (image.edges->incomplete())
     progress_.note(
-        "warning: most pixels of the partial image are edges, more than there is room for; where parts meet "
-        "at some of them, the whole is off; draw the part in crops (--crop), or fewer parts");
+        "warning: most pixels of the partial image are edges, more than there is room for; where parts meet at some of "
+        "them, the whole is off; give more --memory, or draw the part in crops (--crop)");
 }
 
 std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelRect& rect) {

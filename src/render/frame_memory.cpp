@@ -96,13 +96,12 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) *
               (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
+  const std::uint64_t pixels = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height());
   if (drawsDeep(job)) {
-    const std::uint64_t pixels = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height());
     out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
   }
-  if (drawsPart(job.picture) && drawsSlabs(job))
-    out.edges =
-        EdgeLayers::bytesFor(static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()));
+  const bool edges = drawsPart(job.picture) && drawsSlabs(job);
+  if (edges) out.edges = out.least_edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   ImageSize tested{edge * size.width, edge * size.height};
   if (job.picture.camera.projection == Projection::kEquirectangular) {
     View panorama;
@@ -129,6 +128,12 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.slabs = slabBytes(job, out.sweep_px, brick_size);
     while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2, brick_size);
   }
+  if (edges) {
+    const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() + out.brick;
+    const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
+    out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
+    out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
+  }
   if (edge > 1) {
     const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() - out.band + out.brick;
     const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
@@ -150,7 +155,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                     "of index, {} of slabs, {}{} {})",
                     formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                     formatBytes(memory.image + memory.face + memory.least_band),
-                    part(memory.deep, "deep samples (--deep-samples)") + part(memory.edges, "a part's edges (--part)"),
+                    part(memory.deep, "deep samples (--deep-samples)") + part(memory.least_edges, "a part's edges (--part)"),
                     formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                     part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
   }

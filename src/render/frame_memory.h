@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/edge_layers.h"
 #include "scene/render_job.h"
 #include "store/store_reader.h"
 
@@ -17,7 +18,7 @@ struct FrameMemory {
   std::uint64_t band = 0;        // of sub-pixels: as many rows as are drawn at a time; 0 where a pixel is one sample
   std::uint64_t face = 0;        // of a panorama: one of the faces that it is made of
   std::uint64_t deep = 0;        // samples of a deep image, as many a pixel as the user bounds them by
-  std::uint64_t edges = 0;       // layers of a partial image's edges
+  std::uint64_t edges = 0;       // layers of a partial image's edges: up to a quarter of the budget
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
@@ -28,8 +29,10 @@ struct FrameMemory {
 
   std::uint64_t least_slabs = 0;  // with the smallest squares
   std::uint64_t least_band = 0;   // with the lowest band
-  int sweep_px = 64;              // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
-  int band_px = 64;               // height of the band: at most a quarter of the budget, and bricks get no less
+  std::uint64_t least_edges = 0;  // with the fewest layers
+  std::uint64_t edge_pixel_bytes = EdgeLayers::kLeastPixelBytes;
+  int sweep_px = 64;  // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
+  int band_px = 64;   // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace; }
   /// All that grows with the pixels that are drawn.
@@ -37,7 +40,9 @@ struct FrameMemory {
   /// What `brick` is for, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
-  std::uint64_t smallest() const { return besideBricks() - slabs + least_slabs - band + least_band + brick; }
+  std::uint64_t smallest() const {
+    return besideBricks() - slabs + least_slabs - band + least_band - edges + least_edges + brick;
+  }
 };
 
 /// `brick_bytes` is the least that bricks need.

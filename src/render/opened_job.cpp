@@ -107,6 +107,7 @@ FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed);
   request.sweep_px = memory_.sweep_px;
   request.band_px = memory_.band_px;
+  request.edge_pixel_bytes = memory_.edge_pixel_bytes;
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
   return request;
 }

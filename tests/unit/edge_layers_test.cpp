@@ -71,7 +71,7 @@ TEST(EdgeLayers, HideWhatLiesBehindThemAndNotWhatLiesBeside) {
 TEST(EdgeLayers, ThatAreMoreThanThereIsRoomForSayIt) {
   Random random(42);
   const PixelRect rect{0, 0, 8, 8};
-  EdgeLayers layers(rect);
+  EdgeLayers layers(rect, EdgeLayers::kLeastPixelBytes);
   Pixel alone;
   for (int i = 0; i < 200; ++i) {
     const EdgeLayer slab = randomSlab(random, false);
