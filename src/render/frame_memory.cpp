@@ -149,15 +149,15 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
     const auto part = [](std::uint64_t bytes, const char* of) {
       return bytes > 0 ? fmt::format("{} of {}, ", formatBytes(bytes), of) : std::string();
     };
-    throw Error(
-        ErrorCode::kBudget, store, "--memory",
-        fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
-                    "of index, {} of slabs, {}{} {})",
-                    formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
-                    formatBytes(memory.image + memory.face + memory.least_band),
-                    part(memory.deep, "deep samples (--deep-samples)") + part(memory.least_edges, "a part's edges (--part)"),
-                    formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
-                    part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
+    throw Error(ErrorCode::kBudget, store, "--memory",
+                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
+                            "of index, {} of slabs, {}{} {})",
+                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
+                            formatBytes(memory.image + memory.face + memory.least_band),
+                            part(memory.deep, "deep samples (--deep-samples)") +
+                                part(memory.least_edges, "a part's edges (--part)"),
+                            formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
+                            part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
   }
   return budget_bytes - memory.besideBricks();
 }
