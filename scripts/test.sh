@@ -33,7 +33,7 @@ if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=
 
 # What draws many pictures or large ones takes minutes under a sanitizer, and others go the same ways.
 large='LatticeWeights|Extinction|PictureQuality|VolumeMixPicture|UniformMediumHasNoSeams|Panorama|Turn|Zoom'
-large+='|DeepImages.*(OfParts|AreTheFlat)|PartialImages.OfOctants|Checkpoint.(GoesOn|ChangesNo)|SeveralVolumesAreDeep'
+large+='|DeepImages.*(OfParts|AreTheFlat)|PartialImages.OfOctants|Checkpoint.(GoesOn|ChangesNo|TakesNo)|SeveralVolumesAreDeep'
 large+='|Samples.AreMeans|TraceCli.SaysWhat|NeedsNoSliceInMemory'
 
 export ASAN_OPTIONS=detect_leaks=1
