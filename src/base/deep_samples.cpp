@@ -61,7 +61,7 @@ std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound
 // `sample` comes behind a full pixel: of all neighbours, those become one whose error is least. `open`: what passes all
 // that is in front of the sample.
 void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
-  std::array<Kept*, DeepBound::kMostSamples + 1> all;
+  std::array<Kept*, DeepBound::kMostSamples + 1> all{};
   std::size_t count = 0;
   lists_.forEach(x, y, [&](Kept& kept) { all[count++] = &kept; });
   Kept last = sample;
