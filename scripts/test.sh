@@ -52,7 +52,7 @@ for preset in "${presets[@]}"; do
     chosen=(-E "RealExport.*(smoke|sphere)|RealData.*vhm_head|MemoryBudget|Ranks|$large")
   fi
   if [ "$preset" = tsan ]; then
-    chosen=(-L 'unit|property' -E "ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],|SharedConversion.HasTheBytes|$large")
+    chosen=(-L 'unit|property' -E "ReferenceRenderer|Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Bench|Samples|Crop|Paging|Pyramid|Skipping|(PictureEquality|MixedLevels).*/\([12],|SharedConversion.HasTheBytes|Stereo\.|DeepImages.InFiles|Labels.AreDrawn|VolumeMixEquality.(ATransp|TooLittle)|$large")
     targets=(--target kiln_unit_tests kiln_property_tests)
   fi
   if [ "$preset" = dev ] && [ "$whole_dev" = OFF ]; then
