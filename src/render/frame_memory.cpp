@@ -66,13 +66,13 @@ constexpr std::uint64_t kSweepMargin = 4;
 constexpr std::uint64_t kUnitBytes = 512u << 10;
 
 // In smaller squares, units that touch several are refined too often. unit: pixels.
-constexpr int kLeastSweep = 16;
+constexpr int kLeastSweep = FrameDrawing::kLeastSweep_px;
 
 std::uint64_t slabBytes(const RenderJob& job, int edge, std::int64_t brick_size) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
   const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
-  const std::uint64_t together = threads > 1 ? FrameDrawing::kDrawnTogether : 1;
+  const std::uint64_t together = threads > 1 && edge > kLeastSweep ? FrameDrawing::kDrawnTogether : 1;
   const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
   return threads * (padded * padded * volumes * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
