@@ -1,6 +1,6 @@
 // Which process makes which bricks. Those of level 0 lie in the order of the lattice, a share for each rank; a rank
-// that is through with its own helps whoever has most left (cluster/work_ranges.h). A
-// coarser brick is made by one rank that all know without asking, near its share.
+// that is through with its own helps whoever has most left (cluster/work_ranges.h). A coarser brick is made by one rank
+// that all know without asking, near its share.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,6 @@ class BrickShares {
   /// The next brick of this rank; nothing once all are taken. thread: safe. cost: now and then a message there and
   /// back.
   std::optional<std::int64_t> next();
-  /// Where this rank fails: the numbers that all share are not freed, which would wait for the others.
-  void leaveBehind() { static_cast<void>(taken_.release()); }
 
  private:
   const std::vector<std::int64_t> bricks_;

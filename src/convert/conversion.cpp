@@ -88,22 +88,17 @@ std::size_t Conversion::placeOf(const BrickKey& key) const {
 
 void Conversion::run() {
   began_ = Clock::now();
-  try {
-    WriteBehind disk(parts_.plan.unwritten_bricks, [this](const UnwrittenBrick& brick) { write(brick); });
-    takeUp();
-    listen();
-    parallelFor(counters_.size(), [&](std::size_t lane) { work(lane, disk); });
-    disk.finish();
-    if (!window_ || window_->readAll()) parts_.source.finish();
-    for (std::size_t lane = 1; lane < counters_.size(); ++lane) counters_[0].add(counters_[lane].take());
-    report_.lanes = counters_.size();
-    if (window_) waited_s_ += window_->waitedSeconds();
-    report_.busy_s = std::max(secondsSince(began_) * static_cast<double>(report_.lanes) - waited_s_, 0.0);
-    putTogether();
-  } catch (...) {
-    if (!ranks_.alone()) shares_->leaveBehind();
-    throw;
-  }
+  WriteBehind disk(parts_.plan.unwritten_bricks, [this](const UnwrittenBrick& brick) { write(brick); });
+  takeUp();
+  listen();
+  parallelFor(counters_.size(), [&](std::size_t lane) { work(lane, disk); });
+  disk.finish();
+  if (!window_ || window_->readAll()) parts_.source.finish();
+  for (std::size_t lane = 1; lane < counters_.size(); ++lane) counters_[0].add(counters_[lane].take());
+  report_.lanes = counters_.size();
+  if (window_) waited_s_ += window_->waitedSeconds();
+  report_.busy_s = std::max(secondsSince(began_) * static_cast<double>(report_.lanes) - waited_s_, 0.0);
+  putTogether();
 }
 
 // The coarser levels go on from where the earlier conversion left them.

@@ -46,13 +46,7 @@ struct World {
 
 class WorldCounters : public SharedCounters {
  public:
-  WorldCounters(World& world, std::size_t first) : world_(world), first_(first) {
-    // A rank that fails leaves its own behind (as MPI's must be): known here to the end, so that it is no leak.
-    static std::mutex mutex;
-    static auto& made = *new std::deque<WorldCounters*>;
-    const std::scoped_lock lock(mutex);
-    made.push_back(this);
-  }
+  WorldCounters(World& world, std::size_t first) : world_(world), first_(first) {}
   std::uint64_t add(std::size_t counter, std::uint64_t amount) override {
     const std::scoped_lock lock(world_.mutex);
     std::uint64_t& number = world_.numbers[first_ + counter];
