@@ -7,30 +7,18 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/tool_test.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class TraceCli : public ::testing::Test {
+class TraceCli : public ToolTest {
  protected:
-  void SetUp() override {
-    directory_ =
-        freshDirectory(std::string("trace_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    done({"convert", "phantom:head:60x60x60", in("h.kiln"), "--brick-size", "16"});
-  }
-  std::string in(const std::string& name) const { return (directory_ / name).string(); }
-  ToolResult done(const std::vector<std::string>& arguments) const {
-    const ToolResult result = runTool(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result;
-  }
+  TraceCli() : ToolTest("trace_") {}
+  void SetUp() override { done({"convert", "phantom:head:60x60x60", in("h.kiln"), "--brick-size", "16"}); }
   Json json(const std::string& name) const { return Json::parse(readTextFile(in(name))); }
-
-  fs::path directory_;
 };
 
 struct TraceSums {

@@ -15,28 +15,17 @@
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "support/drawing.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/tool_test.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-class ViewsCli : public ::testing::Test {
+class ViewsCli : public ToolTest {
  protected:
-  void SetUp() override {
-    directory_ =
-        freshDirectory(std::string("views_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"});
-  }
+  ViewsCli() : ToolTest("views_") {}
+  void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
 
-  std::string in(const std::string& name) const { return (directory_ / name).string(); }
-
-  ToolResult done(const std::vector<std::string>& arguments) const {
-    const ToolResult result = runTool(arguments);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result;
-  }
   // `kiln render h.kiln -o NAME --size … OPTIONS`.
   ToolResult drawn(const std::string& name, std::vector<std::string> options) const {
     options.insert(options.begin(), {"render", in("h.kiln"), "-o", in(name)});
@@ -46,14 +35,9 @@ class ViewsCli : public ::testing::Test {
   }
   void refused(std::vector<std::string> arguments, const std::string& mention, int exit_code = 2) const {
     arguments.insert(arguments.begin(), {"render", in("h.kiln")});
-    const ToolResult result = runTool(arguments);
-    EXPECT_EQ(result.exit_code, exit_code) << result.err;
-    EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
-    EXPECT_NE(result.err.find(mention), std::string::npos) << "'" << mention << "' is not in: " << result.err;
+    ToolTest::refused(arguments, exit_code, mention);
   }
   bool there(const std::string& name) const { return fs::exists(directory_ / name); }
-
-  fs::path directory_;
 };
 
 // A pair.

@@ -101,10 +101,7 @@ TEST_P(LabelPicture, IsThatOfTheReference) {
       sheet[2].push_back(differenceImage(image, truth));
     }
   }
-  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) /
-                    fmt::format("labels_{}.png", nameIn(kInterpolationNames, GetParam()));
-  writeImage(contactSheet(sheet, kLabelPixels), {}, {}, file);
-  std::printf("%s\n", file.c_str());
+  writeContactSheet(sheet, kLabelPixels, fmt::format("labels_{}.png", nameIn(kInterpolationNames, GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Interpolations, LabelPicture,

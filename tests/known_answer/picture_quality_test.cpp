@@ -78,9 +78,7 @@ TEST_P(PictureQuality, IsThatOfTheReference) {
     }
     row += 3;
   }
-  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("quality_{}.png", nameOf(GetParam()));
-  writeImage(contactSheet(sheet, kHeadPixels), {}, {}, file);
-  std::printf("%s\n", file.c_str());
+  writeContactSheet(sheet, kHeadPixels, fmt::format("quality_{}.png", nameOf(GetParam())));
 }
 
 // Cubics beside the reference's at a magnification where most samples lie between voxels: as near as linear
@@ -112,10 +110,7 @@ TEST_P(PictureQuality, OfCubicsIsThatOfTheReference) {
     EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.01);
     sheet.push_back({image, truth, differenceImage(image, truth)});
   }
-  const auto file =
-      std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("quality_cubics_{}.png", nameOf(GetParam()));
-  writeImage(contactSheet(sheet, kSmall), {}, {}, file);
-  std::printf("%s\n", file.c_str());
+  writeContactSheet(sheet, kSmall, fmt::format("quality_cubics_{}.png", nameOf(GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Projections, PictureQuality,

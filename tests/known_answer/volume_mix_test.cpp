@@ -114,9 +114,7 @@ TEST_P(VolumeMixPicture, IsThatOfTheReference) {
     sheet[1].push_back(truth);
     sheet[2].push_back(differenceImage(image, truth));
   }
-  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / fmt::format("volume_mix_{}.png", nameOf(GetParam()));
-  writeImage(contactSheet(sheet, kMixPixels), {}, {}, file);
-  std::printf("%s\n", file.c_str());
+  writeContactSheet(sheet, kMixPixels, fmt::format("volume_mix_{}.png", nameOf(GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Projections, VolumeMixPicture,

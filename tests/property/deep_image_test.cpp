@@ -123,11 +123,7 @@ RenderJob jobOf(const fs::path& store, const RandomScene& scene) {
   RenderJob job;
   job.volume = store;
   job.picture.size = kDeepSize;
-  CameraSpec& camera = job.picture.camera;
-  camera.projection = scene.camera.projection;
-  camera.eye = scene.camera.eye, camera.target = scene.camera.target, camera.up = scene.camera.up;
-  (camera.projection == Projection::kPerspective ? camera.fov_deg : camera.height) =
-      camera.projection == Projection::kPerspective ? scene.camera.fov_deg : scene.camera.height;
+  job.picture.camera = specOf(scene.camera);
   job.picture.transfer_function = scene.transfer_function;
   job.picture.shading = scene.shading;
   return job;

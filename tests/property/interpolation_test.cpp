@@ -81,10 +81,6 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   return image;
 }
 
-bool showsSomething(const Image& image) {
-  return std::any_of(image.rgba.begin(), image.rgba.end(), [](float v) { return v > 0; });
-}
-
 class Skipping : public ::testing::TestWithParam<std::tuple<Interpolation, Projection>> {};
 
 TEST_P(Skipping, ChangesNoBit) {

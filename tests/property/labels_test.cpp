@@ -43,13 +43,6 @@ FrameRequest labelRequest(std::uint64_t seed, const DenseVolume& volume, Lattice
   return out;
 }
 
-bool showsAnyLabel(const Image& image) {
-  for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
-    if (image.rgba[at] > 0) return true;
-  }
-  return false;
-}
-
 class Labels : public ::testing::TestWithParam<Lattice> {};
 
 // Known because nothing of it is said to be part of the picture.
@@ -62,7 +55,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
     FrameRequest request = labelRequest(seed, volume, GetParam());
     request.visibility.method = VisibilityMethod::kNone;
     const Image truth = draw(large, request);
-    shown += showsAnyLabel(truth) ? 1 : 0;
+    shown += showsSomething(truth) ? 1 : 0;
     EXPECT_TRUE(equalBits(truth, draw(small, request))) << "bricks of 16";
     request.visibility.method = VisibilityMethod::kMask;
     EXPECT_TRUE(equalBits(truth, draw(small, request))) << "tested for visibility";
@@ -112,7 +105,7 @@ TEST_P(Labels, WhatNoRangeHoldsIsNotRead) {
   FrameRequest request = labelRequest(1, volume, GetParam());
   request.transfer_function.labels = {{201, "", glm::dvec3(1), 1}};
   FrameStatistics statistics;
-  EXPECT_FALSE(showsAnyLabel(draw(store, request, 1u << 30, &statistics)));
+  EXPECT_FALSE(showsSomething(draw(store, request, 1u << 30, &statistics)));
   EXPECT_EQ(statistics.bricks_read, 0u);
 }
 

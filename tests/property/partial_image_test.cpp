@@ -19,19 +19,6 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-CameraSpec specOf(const Camera& camera) {
-  CameraSpec out;
-  out.projection = camera.projection;
-  out.eye = camera.eye;
-  out.target = camera.target;
-  out.up = camera.up;
-  if (camera.projection == Projection::kPerspective)
-    out.fov_deg = camera.fov_deg;
-  else
-    out.height = camera.height;
-  return out;
-}
-
 class PartialImages : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -1,6 +1,10 @@
 #include "support/contact_sheet.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "output/image_file.h"
 
 namespace kiln::test {
 namespace {
@@ -36,6 +40,12 @@ Image contactSheet(const std::vector<std::vector<Image>>& rows, int cell_px) {
     }
   }
   return sheet;
+}
+
+void writeContactSheet(const std::vector<std::vector<Image>>& rows, int cell_px, const std::string& name) {
+  const auto file = std::filesystem::path(KILN_TEST_OUTPUT_DIR) / name;
+  writeImage(contactSheet(rows, cell_px), {}, {}, file);
+  std::printf("%s\n", file.c_str());
 }
 
 }  // namespace kiln::test

@@ -39,6 +39,13 @@ bool equalBits(const Image& a, const Image& b) {
          std::equal(a.planes.begin(), a.planes.end(), b.planes.begin(), b.planes.end(), same);
 }
 
+bool showsSomething(const Image& image) {
+  for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
+    if (image.rgba[at] > 0) return true;
+  }
+  return false;
+}
+
 Image partOf(const Image& whole, const PixelRect& rect) {
   Image out(rect.width(), rect.height());
   for (const Plane& plane : whole.planes) out.planes.push_back({plane.name, {}});

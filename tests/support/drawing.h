@@ -20,6 +20,9 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
 /// included.
 bool equalBits(const Image& a, const Image& b);
 
+/// Whether any pixel is not clear.
+bool showsSomething(const Image& image);
+
 /// requires: `rect` inside of the image.
 Image partOf(const Image& whole, const PixelRect& rect);
 /// The image without planes.

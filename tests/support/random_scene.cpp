@@ -167,6 +167,19 @@ RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const Ima
   return scene;
 }
 
+CameraSpec specOf(const Camera& camera) {
+  CameraSpec out;
+  out.projection = camera.projection;
+  out.eye = camera.eye;
+  out.target = camera.target;
+  out.up = camera.up;
+  if (camera.projection == Projection::kPerspective)
+    out.fov_deg = camera.fov_deg;
+  else
+    out.height = camera.height;
+  return out;
+}
+
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold) {
   FrameRequest request;
   request.lattice = lattice;

@@ -54,6 +54,8 @@ struct RandomScene {
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
 
+/// As a job says it.
+CameraSpec specOf(const Camera& camera);
 /// The picture of the scene.
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold);
 /// A threshold that the seed determines, from 0.3 to 1.
