@@ -10,6 +10,7 @@
 #include "render/background.h"
 #include "render/composite_parts.h"
 #include "render/composite_ranks.h"
+#include "render/rank_boxes.h"
 #include "render/ranked_sequence.h"
 #include "render/split_store.h"
 #include "scene/frame_list.h"

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "base/file.h"
-#include "render/brick_shares.h"
 #include "scene/clip_region.h"
 #include "store/store_writer.h"
 
@@ -54,12 +53,6 @@ void eachBrickOf(const StoreReader& store, const VoxelBox& box, const Use& use) 
 }
 
 }  // namespace
-
-std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks) {
-  const Manifest& volume = store.manifest();
-  return shareBricks(
-      store, Classifier(function, function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range), ranks);
-}
 
 std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& directory,
                              Progress& progress) {

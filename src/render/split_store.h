@@ -3,17 +3,12 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <vector>
 
 #include "base/progress.h"
-#include "scene/transfer_function_choice.h"
 #include "store/store_reader.h"
 
 namespace kiln {
-
-/// The boxes of the ranks of a job that shares bricks, by what the function shows.
-std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
 
 /// Makes `directory` the part of the store that drawing `box` reads: its bricks are links to the store's where both are
 /// on one file system, else copies. Returns their bytes. throws: Error kExists where something is there, kNoSpace, kIo,

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "commands.h"
+#include "render/rank_boxes.h"
 #include "render/render_job_run.h"
 #include "render/split_store.h"
 #include "scene/frame_list.h"

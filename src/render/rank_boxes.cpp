@@ -1,4 +1,4 @@
-#include "render/brick_shares.h"
+#include "render/rank_boxes.h"
 
 #include <fmt/format.h>
 
@@ -25,9 +25,9 @@ double interestingPart(const BrickEntry& entry, const Classifier& classifier) {
   return static_cast<double>(parts) / static_cast<double>(SubRanges::kCount);
 }
 
-class Cutter {
+class VolumeCutter {
  public:
-  Cutter(const StoreReader& store, const Classifier& classifier)
+  VolumeCutter(const StoreReader& store, const Classifier& classifier)
       : lattice_(store.index().lattice(0)), brick_size_(store.manifest().brick_size) {
     for (std::int32_t z = 0; z < lattice_.z; ++z) {
       for (std::int32_t y = 0; y < lattice_.y; ++y) {
@@ -95,9 +95,11 @@ class Cutter {
 
 }  // namespace
 
-std::vector<VoxelBox> shareBricks(const StoreReader& store, const Classifier& classifier, int ranks) {
+std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks) {
+  const Manifest& volume = store.manifest();
+  const Classifier classifier(function, function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range);
   std::vector<VoxelBox> out;
-  Cutter(store, classifier).cut(boxOf(store.manifest().geometry().dims), ranks, out);
+  VolumeCutter(store, classifier).cut(boxOf(volume.geometry().dims), ranks, out);
   return out;
 }
 

@@ -12,6 +12,6 @@ namespace kiln {
 /// One box a rank, cut between bricks of level 0 where there are two of them along an axis. A brick counts as many
 /// voxels as its sub-bricks have that may show something. cost: bricks times the logarithm of the ranks. throws: Error
 /// kUsage where the volume has too few voxels.
-std::vector<VoxelBox> shareBricks(const StoreReader& store, const Classifier& classifier, int ranks);
+std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
 
 }  // namespace kiln
