@@ -5,15 +5,13 @@
 
 namespace kiln {
 
-EdgeLayers::EdgeLayers(const PixelRect& rect, std::uint64_t pixel_bytes)
-    : lists_(rect, pixel_bytes * static_cast<std::uint64_t>(rect.width()) * static_cast<std::uint64_t>(rect.height())) {
-}
+EdgeLayers::EdgeLayers(const PixelRect& rect, std::uint64_t pixel_bytes) : lists_(rect, pixel_bytes * rect.count()) {}
 
 std::uint64_t EdgeLayers::bytesFor(std::uint64_t pixels, std::uint64_t pixel_bytes) {
   return PixelLists<EdgeLayer>::bytesFor(pixels, 0) + pixel_bytes * pixels;
 }
 
-void EdgeLayers::append(int x, int y, const EdgeLayer& layer) {
+void EdgeLayers::put(int x, int y, const EdgeLayer& layer) {
   if (lists_.append(x, y, layer)) return;
   incomplete_.store(true, std::memory_order_relaxed);
   if (lists_.count(x, y) == 0) return;
@@ -24,8 +22,6 @@ void EdgeLayers::append(int x, int y, const EdgeLayer& layer) {
   for (std::size_t c = 0; c < 4; ++c) last.rgba[c] = (last.part * last.rgba[c] + seen * layer.rgba[c]) / part;
   last.part = part;
 }
-
-void EdgeLayers::put(int x, int y, const EdgeLayer& layer) { append(x, y, layer); }
 
 void EdgeLayers::add(int x, int y, EdgeLayer slab, float alpha_in_front) {
   const bool whole = slab.part >= kWhole;
@@ -41,7 +37,7 @@ void EdgeLayers::add(int x, int y, EdgeLayer slab, float alpha_in_front) {
     for (float& v : slab.rgba) v *= slab.part;
     slab.part = 1;
   }
-  append(x, y, slab);
+  put(x, y, slab);
 }
 
 void layBehind(const EdgeLayer& layer, float* pixel, float& covered) {

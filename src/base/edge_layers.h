@@ -46,8 +46,6 @@ class EdgeLayers {
   bool incomplete() const { return incomplete_.load(std::memory_order_relaxed); }
 
  private:
-  void append(int x, int y, const EdgeLayer& layer);
-
   PixelLists<EdgeLayer> lists_;
   std::atomic<bool> incomplete_ = false;
 };

@@ -23,7 +23,7 @@ class PixelLists {
   explicit PixelLists(const PixelRect& rect, std::uint64_t most_bytes = ~std::uint64_t{0})
       : rect_(rect),
         columns_(squaresAlong(rect.x0, rect.x1)),
-        pixels_(static_cast<std::size_t>(rect.width()) * static_cast<std::size_t>(rect.height())),
+        pixels_(rect.count()),
         squares_(static_cast<std::size_t>(columns_ * squaresAlong(rect.y0, rect.y1))),
         most_pages_(most_bytes / sizeof(Page) + (most_bytes % sizeof(Page) != 0 ? 1 : 0)) {}
 

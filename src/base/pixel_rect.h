@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 namespace kiln {
 
@@ -19,6 +20,7 @@ struct PixelRect {
   /// requires: not empty.
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
+  std::uint64_t count() const { return static_cast<std::uint64_t>(width()) * static_cast<std::uint64_t>(height()); }
 };
 
 inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {

@@ -129,21 +129,18 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
   const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, progress);
   const std::string step = fmt::format("frame {}", frame);
-  const auto count = [](const PixelRect& at) {
-    return static_cast<std::uint64_t>(at.width()) * static_cast<std::uint64_t>(at.height());
-  };
   std::uint64_t done = 0;
-  for (const PixelRect& at : tiles) done += kept.contains(placeOf(at)) ? count(at) : 0;
+  for (const PixelRect& at : tiles) done += kept.contains(placeOf(at)) ? at.count() : 0;
   std::size_t finished = kept.size();
   try {
-    progress.advance(step.c_str(), "pixels", done, count(whole));
+    progress.advance(step.c_str(), "pixels", done, whole.count());
     for (const PixelRect& at : tiles) {
       if (kept.contains(placeOf(at))) continue;
       const Image tile = painter->draw(at);
       file.add(at, tile);
       putTile(tile, at, whole, image);
       ++finished;
-      progress.advance(step.c_str(), "pixels", done += count(at), count(whole));
+      progress.advance(step.c_str(), "pixels", done += at.count(), whole.count());
     }
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kCancelled || finished == 0) throw;

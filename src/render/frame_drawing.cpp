@@ -42,10 +42,9 @@ SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifie
 // One thread gains nothing by several bricks at a time, and its statistics repeat; what is drawn sequentially is to be
 // asked about in its order; and the quadtree's answers are as wrong as their time has it.
 std::size_t drawnTogether(const FrameRequest& request) {
-  const bool in_turn = ThreadLimit::active() == 1 || request.tile_px == 0 ||
-                       request.visibility.method == VisibilityMethod::kQuadtree ||
-                       request.sweep_px <= FrameDrawing::kLeastSweep_px;
-  return in_turn ? 1 : FrameDrawing::kDrawnTogether;
+  const bool in_turn =
+      ThreadLimit::active() == 1 || request.tile_px == 0 || request.visibility.method == VisibilityMethod::kQuadtree;
+  return in_turn ? 1 : static_cast<std::size_t>(request.bricks_together);
 }
 
 double opacityUnit(const StoreReader& store, const FrameRequest& request) {

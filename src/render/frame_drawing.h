@@ -39,10 +39,6 @@ class FrameDrawing {
  public:
   /// Bricks announced to the cache at a time: enough to keep every reader busy while one brick is drawn.
   static constexpr std::size_t kAnnounced = 8;
-  /// The smallest squares that are swept: where memory is scarce. unit: pixels.
-  static constexpr int kLeastSweep_px = 16;
-  /// Bricks drawn at a time, where several are in memory and it is not scarce.
-  static constexpr std::size_t kDrawnTogether = 4;
 
   /// requires: all outlive this; nobody else uses the cache.
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);

@@ -66,13 +66,13 @@ constexpr std::uint64_t kSweepMargin = 4;
 constexpr std::uint64_t kUnitBytes = 512u << 10;
 
 // In smaller squares, units that touch several are refined too often. unit: pixels.
-constexpr int kLeastSweep = FrameDrawing::kLeastSweep_px;
+constexpr int kLeastSweep = 16;
 
-std::uint64_t slabBytes(const RenderJob& job, int edge, std::int64_t brick_size) {
+std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std::int64_t brick_size) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
   const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
-  const std::uint64_t together = threads > 1 && edge > kLeastSweep ? FrameDrawing::kDrawnTogether : 1;
+  const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
   const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
   return threads * (padded * padded * volumes * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
@@ -80,6 +80,11 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, std::int64_t brick_size)
 std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
   return static_cast<std::uint64_t>(edge * drawn.width()) *
          static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * drawnPixelBytes(job);
+}
+
+// What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
+std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
+  return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
 }
 
 }  // namespace
@@ -94,12 +99,9 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
-  out.image = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) *
-              (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
-  const std::uint64_t pixels = static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height());
-  if (drawsDeep(job)) {
-    out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
-  }
+  const std::uint64_t pixels = drawn.count();
+  out.image = pixels * (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
+  if (drawsDeep(job)) out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
   const bool edges = drawsPart(job.picture) && drawsSlabs(job);
   if (edges) out.edges = out.least_edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   ImageSize tested{edge * size.width, edge * size.height};
@@ -109,7 +111,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     tested = panoramaFaces(panorama).front().size;
     out.face =
         static_cast<std::uint64_t>(tested.width) * static_cast<std::uint64_t>(tested.height) * drawnPixelBytes(job) +
-        static_cast<std::uint64_t>(drawn.width()) * static_cast<std::uint64_t>(drawn.height()) * sizeof(float);
+        pixels * sizeof(float);
   }
   const bool composites = job.picture.mode == Mode::kComposite;
   if (composites) out.visibility = visibilityBytes(job.speed.visibility.method, tested);
@@ -124,19 +126,19 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
     std::int64_t brick_size = 0;
     for (const StoreReader* const store : stores) brick_size = std::max(brick_size, store->manifest().brick_size);
-    out.least_slabs = slabBytes(job, kLeastSweep, brick_size);
-    out.slabs = slabBytes(job, out.sweep_px, brick_size);
-    while (out.sweep_px > kLeastSweep && !fits()) out.slabs = slabBytes(job, out.sweep_px /= 2, brick_size);
+    out.least_slabs = slabBytes(job, kLeastSweep, 1, brick_size);
+    const auto sized = [&] { return slabBytes(job, out.sweep_px, out.bricks_together, brick_size); };
+    out.slabs = sized();
+    while (out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
+    if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
   if (edges) {
-    const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() + out.brick;
-    const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
+    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() + out.brick);
     out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
     out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   }
   if (edge > 1) {
-    const std::uint64_t budget = job.speed.memory_bytes, taken = out.besideBricks() - out.band + out.brick;
-    const std::uint64_t share = taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
+    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() - out.band + out.brick);
     while (out.band_px < edge * drawn.height() && bandBytes(job, drawn, edge, 2 * out.band_px) <= share)
       out.band_px *= 2;
     out.band = bandBytes(job, drawn, edge, out.band_px);

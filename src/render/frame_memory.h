@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/edge_layers.h"
+#include "render/render_frame.h"
 #include "scene/render_job.h"
 #include "store/store_reader.h"
 
@@ -27,12 +28,13 @@ struct FrameMemory {
 
   bool several = false;  // volumes
 
-  std::uint64_t least_slabs = 0;  // with the smallest squares
+  std::uint64_t least_slabs = 0;  // with the smallest squares, and one brick at a time
   std::uint64_t least_band = 0;   // with the lowest band
   std::uint64_t least_edges = 0;  // with the fewest layers
   std::uint64_t edge_pixel_bytes = EdgeLayers::kLeastPixelBytes;
   int sweep_px = 64;  // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
-  int band_px = 64;   // height of the band: at most a quarter of the budget, and bricks get no less
+  int bricks_together = kMostBricksTogether;  // that are drawn at a time: one where slabs else were too much
+  int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace; }
   /// All that grows with the pixels that are drawn.

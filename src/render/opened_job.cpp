@@ -106,6 +106,7 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t bes
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed);
   request.sweep_px = memory_.sweep_px;
+  request.bricks_together = memory_.bricks_together;
   request.band_px = memory_.band_px;
   request.edge_pixel_bytes = memory_.edge_pixel_bytes;
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;

@@ -23,6 +23,9 @@ struct VolumeRequest {
   Clipping clipping;
 };
 
+/// With so many bricks at a time a thread that has no tile of one has another's; more bring little.
+inline constexpr int kMostBricksTogether = 4;
+
 /// What a frame needs beside the volume, every choice made.
 struct FrameRequest {
   View view;
@@ -42,8 +45,9 @@ struct FrameRequest {
   std::uint64_t edge_pixel_bytes = EdgeLayers::kMostPixelBytes;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
   VisibilityOptions visibility;
-  int tile_px = 64;    // as SpeedOptions has it
-  int sweep_px = 64;   // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
+  int tile_px = 64;   // as SpeedOptions has it
+  int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
+  int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
   int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
   /// Of several volumes in one picture, each; transfer function, shading and clipping above say nothing then.

@@ -25,9 +25,7 @@ constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
 
 // Beside the image that a rank may put together: a tile of its own, one that it sends and one that it gets.
 std::uint64_t tileBytes(const RenderJob& job) {
-  const PixelRect crop = drawnPixels(job.picture.size, job.picture.crop);
-  return 3 * (16 + aovBytes(drawnAovs(job))) * static_cast<std::uint64_t>(crop.width()) *
-         static_cast<std::uint64_t>(crop.height()) / 16;
+  return 3 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
 }
 
 // A frame that this rank puts together.

@@ -52,7 +52,7 @@ void appendTile(std::vector<std::byte>& out, const PixelRect& at, const Image& t
 }
 
 std::optional<Image> takeTile(ByteTaker& taker, const PixelRect& at) {
-  const auto pixels = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(at.height());
+  const std::size_t pixels = at.count();
   Image out;
   out.width = at.width();
   out.height = at.height();
