@@ -70,9 +70,8 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ran
 
 // The part as it is composited, and as others' arrive, with as many layers of edges as scans have.
 std::uint64_t partBytes(const RenderJob& job) {
-  const PixelRect crop = drawnPixels(job.picture.size, job.picture.crop);
-  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) * static_cast<std::uint64_t>(crop.width()) *
-         static_cast<std::uint64_t>(crop.height());
+  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) *
+         drawnPixels(job.picture.size, job.picture.crop).count();
 }
 
 struct Plan {
@@ -158,17 +157,10 @@ class BrickSequence : public RankedSequence {
   void composite(DrawnFrame& drawn) {
     auto& [image, view] = drawn.views.front();
     const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
-    PartImage part{image.width, std::vector<PartPixel>(image.rgba.size() / 4), std::exchange(image.edges, nullptr)};
-    std::vector<PartPixel>& pixels = part.pixels;
-    const std::vector<float>& covered = image.planes.front().values;
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      std::copy_n(&image.rgba[4 * i], 4, pixels[i].rgba);
-      pixels[i].covered = covered[i];
-    }
-    image.planes.clear();
-    compositeRanks(ranks_, part, *order, static_cast<float>(job_.picture.opacity_threshold), CompositeBy::kDirectSend);
+    const std::vector<PartPixel> made =
+        compositeDirectly(ranks_, image, *order, static_cast<float>(job_.picture.opacity_threshold));
     if (!ranks_.first()) return;
-    for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &image.rgba[4 * i]);
+    image = colorsOf(made, image.width);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
     layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
   }

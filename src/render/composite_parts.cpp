@@ -95,26 +95,11 @@ void requireDisjoint(const std::vector<Part>& parts) {
   }
 }
 
-void layPart(const Image& part, float opaque_at, Image& image, std::vector<float>& covered) {
-  const std::vector<float>& covers = part.planes.front().values;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
-      PartPixel front;
-      std::copy_n(image.pixel(x, y), 4, front.rgba);
-      front.covered = covered[i];
-      if (part.edges && part.edges->count(x, y) > 0) {
-        part.edges->forEach(x, y, [&](const EdgeLayer& layer) { layBehind(layer, opaque_at, front); });
-      } else {
-        PartPixel behind;
-        std::copy_n(part.pixel(x, y), 4, behind.rgba);
-        behind.covered = covers[i];
-        layBehind(behind, opaque_at, front);
-      }
-      std::copy_n(front.rgba, 4, image.pixel(x, y));
-      covered[i] = front.covered;
-    }
+void layPart(const Image& part, float opaque_at, std::vector<PartPixel>& made) {
+  std::size_t place = 0;
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x, ++place)
+      forEachLayer(part, x, y, [&](const EdgeLayer& layer) { layBehind(layer, opaque_at, made[place]); });
   }
 }
 
@@ -156,8 +141,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const PixelRect pixels = drawnPixels(picture.size, picture.crop);
   CompositedParts out;
   out.metadata = metadataOf(parts.front().job, camera, view);
-  out.image = Image(pixels.width(), pixels.height());
-  std::vector<float> covered(out.image.rgba.size() / 4);
+  std::vector<PartPixel> made(pixels.count());
   const std::vector<std::string> planes = {kCoveragePlane};
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0;
@@ -169,11 +153,12 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
       throw Error(
           ErrorCode::kFormat, part.path, "dataWindow",
           fmt::format("{} x {} pixels, expected {} x {}", image.width, image.height, pixels.width(), pixels.height()));
-    layPart(image, opaque_at, out.image, covered);
+    layPart(image, opaque_at, made);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());
   }
   out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
+  out.image = colorsOf(made, pixels.width());
   layOverBackground(out.image, pixels.y0, picture.size.height, picture.background);
   return out;
 }

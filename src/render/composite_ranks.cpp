@@ -1,8 +1,6 @@
 #include "render/composite_ranks.h"
 
 #include <cstring>
-#include <type_traits>
-#include <utility>
 
 #include "base/pixel_rect.h"
 #include "render/rank_messages.h"
@@ -13,28 +11,13 @@ namespace {
 // Beyond those of the sequences (render/).
 constexpr int kStripTag = 10, kMadeTag = 11;
 
-using Pixels = std::vector<PartPixel>;
-
-void reduce(Ranks& ranks, Pixels& pixels, std::span<const int> order, float opaque_at) {
-  const auto over = [opaque_at](const std::byte* front, std::byte* behind, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      PartPixel before, after;
-      std::memcpy(&before, front + i * sizeof(PartPixel), sizeof(PartPixel));
-      std::memcpy(&after, behind + i * sizeof(PartPixel), sizeof(PartPixel));
-      layBehind(after, opaque_at, before);
-      std::memcpy(behind + i * sizeof(PartPixel), &before, sizeof(PartPixel));
-    }
-  };
-  ranks.reduce(std::as_writable_bytes(std::span(pixels)), sizeof(PartPixel), over, order);
-}
-
-// The smallest rectangle in `rows` that holds all that is covered.
-PixelRect coveredIn(const Pixels& pixels, int width, int y0, int y1) {
+// The smallest rectangle in rows y0 to y1 whose pixels show(x, y) something.
+template <class Shows>
+PixelRect shownIn(int width, int y0, int y1, const Shows& shows) {
   PixelRect out{width, y1, 0, y0};
   for (int y = y0; y < y1; ++y) {
-    const PartPixel* const row = pixels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     for (int x = 0; x < width; ++x) {
-      if (!(row[x].covered > 0)) continue;
+      if (!shows(x, y)) continue;
       out.x0 = std::min(out.x0, x);
       out.x1 = std::max(out.x1, x + 1);
       out.y0 = std::min(out.y0, y);
@@ -44,77 +27,89 @@ PixelRect coveredIn(const Pixels& pixels, int width, int y0, int y1) {
   return out.empty() ? PixelRect{} : out;
 }
 
-std::vector<std::byte> pixelsIn(const Pixels& pixels, const EdgeLayers* edges, int width, const PixelRect& rect) {
+// Of each pixel of some rows, how many layers it has, and they.
+std::vector<std::byte> layersIn(const Image& part, int y0, int y1) {
+  const PixelRect rect = shownIn(part.width, y0, y1, [&](int x, int y) { return pixelOf(part, x, y).covered > 0; });
   std::vector<std::byte> out;
   appendValue(out, rect);
   for (int y = rect.y0; y < rect.y1; ++y) {
     for (int x = rect.x0; x < rect.x1; ++x) {
-      PartPixel pixel =
-          pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-      const int edge_x = edges == nullptr ? 0 : x + edges->rect().x0,
-                edge_y = edges == nullptr ? 0 : y + edges->rect().y0;
-      const int layers = edges == nullptr ? 0 : edges->count(edge_x, edge_y);
-      // A number below nothing says how many layers follow.
-      if (layers > 0) pixel.covered = static_cast<float>(-layers);
-      appendValue(out, pixel);
-      if (layers > 0) edges->forEach(edge_x, edge_y, [&](const EdgeLayer& layer) { appendValue(out, layer); });
+      appendValue(out, static_cast<std::uint16_t>(layersOf(part, x, y)));
+      forEachLayer(part, x, y, [&](const EdgeLayer& layer) { appendValue(out, layer); });
     }
   }
   return out;
 }
 
-// Calls lay(place, layer) for all that was sent, `layer` an EdgeLayer or a PartPixel and `place` in the whole image.
-template <class Lay>
-void unpack(const std::vector<std::byte>& bytes, int width, const Lay& lay) {
-  ByteTaker in{bytes};
+std::size_t placeOf(int x, int y, int width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
+void layBehindAll(const std::vector<std::byte>& layers, int width, float opaque_at, std::vector<PartPixel>& made) {
+  ByteTaker in{layers};
   const auto rect = in.take<PixelRect>();
   for (int y = rect.y0; y < rect.y1 && in.ok; ++y) {
     for (int x = rect.x0; x < rect.x1; ++x) {
-      const auto pixel = in.take<PartPixel>();
-      const std::size_t place =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      if (pixel.covered >= 0) lay(place, pixel);
-      for (auto left = static_cast<int>(-pixel.covered); left > 0 && in.ok; --left) lay(place, in.take<EdgeLayer>());
+      for (auto left = in.take<std::uint16_t>(); left > 0 && in.ok; --left)
+        layBehind(in.take<EdgeLayer>(), opaque_at, made[placeOf(x, y, width)]);
     }
   }
   requireTaken(in);
 }
 
-void sendDirectly(Ranks& ranks, PartImage& image, std::span<const int> order, float opaque_at) {
-  const int width = image.width;
-  const int height = static_cast<int>(image.pixels.size() / static_cast<std::size_t>(width));
-  const auto rowOf = [&](int rank) { return static_cast<int>(std::int64_t{height} * rank / ranks.count()); };
-  const auto packed = [&](const Pixels& pixels, const EdgeLayers* edges, int rank) {
-    return pixelsIn(pixels, edges, width, coveredIn(pixels, width, rowOf(rank), rowOf(rank + 1)));
-  };
-  const int me = ranks.rank();
-  for (int to = 0; to < ranks.count(); ++to) {
-    if (to != me) ranks.send(to, kStripTag, packed(image.pixels, image.edges.get(), to));
+std::vector<std::byte> madeIn(const std::vector<PartPixel>& made, int width, int y0, int y1) {
+  const PixelRect rect = shownIn(width, y0, y1, [&](int x, int y) { return made[placeOf(x, y, width)].covered > 0; });
+  std::vector<std::byte> out;
+  appendValue(out, rect);
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    const auto row =
+        std::as_bytes(std::span(made).subspan(placeOf(rect.x0, y, width), static_cast<std::size_t>(rect.width())));
+    out.insert(out.end(), row.begin(), row.end());
   }
-  Pixels made(image.pixels.size());
-  for (const int from : order) {
-    const std::vector<std::byte> strip =
-        from == me ? packed(image.pixels, image.edges.get(), me) : ranks.receive(kStripTag, from).bytes;
-    unpack(strip, width, [&](std::size_t i, const auto& layer) { layBehind(layer, opaque_at, made[i]); });
+  return out;
+}
+
+void takeMade(const std::vector<std::byte>& bytes, int width, std::vector<PartPixel>& made) {
+  ByteTaker in{bytes};
+  const auto rect = in.take<PixelRect>();
+  for (int y = rect.y0; y < rect.y1 && in.ok; ++y) {
+    for (int x = rect.x0; x < rect.x1; ++x) made[placeOf(x, y, width)] = in.take<PartPixel>();
   }
-  image.pixels = std::move(made);
-  if (!ranks.first()) {
-    ranks.send(0, kMadeTag, packed(image.pixels, nullptr, me));
-    return;
-  }
-  for (int from = 1; from < ranks.count(); ++from)
-    unpack(ranks.receive(kMadeTag, from).bytes, width, [&](std::size_t i, const auto& pixel) {
-      if constexpr (std::is_same_v<std::decay_t<decltype(pixel)>, PartPixel>) image.pixels[i] = pixel;
-    });
+  requireTaken(in);
 }
 
 }  // namespace
 
-void compositeRanks(Ranks& ranks, PartImage& image, std::span<const int> order, float opaque_at, CompositeBy by) {
-  if (by == CompositeBy::kReduction)
-    reduce(ranks, image.pixels, order, opaque_at);
-  else
-    sendDirectly(ranks, image, order, opaque_at);
+std::vector<PartPixel> compositeDirectly(Ranks& ranks, const Image& part, std::span<const int> order, float opaque_at) {
+  const int me = ranks.rank();
+  // The strip of rows that a rank puts together.
+  const auto rowOf = [&](int rank) { return static_cast<int>(std::int64_t{part.height} * rank / ranks.count()); };
+  const auto stripFor = [&](int rank) { return layersIn(part, rowOf(rank), rowOf(rank + 1)); };
+  for (int to = 0; to < ranks.count(); ++to) {
+    if (to != me) ranks.send(to, kStripTag, stripFor(to));
+  }
+  std::vector<PartPixel> made(part.rgba.size() / 4);
+  for (const int from : order)
+    layBehindAll(from == me ? stripFor(me) : ranks.receive(kStripTag, from).bytes, part.width, opaque_at, made);
+  if (!ranks.first()) {
+    ranks.send(0, kMadeTag, madeIn(made, part.width, rowOf(me), rowOf(me + 1)));
+    return made;
+  }
+  for (int from = 1; from < ranks.count(); ++from) takeMade(ranks.receive(kMadeTag, from).bytes, part.width, made);
+  return made;
+}
+
+void compositeByReduction(Ranks& ranks, std::vector<PartPixel>& pixels, std::span<const int> order, float opaque_at) {
+  const auto over = [opaque_at](const std::byte* front, std::byte* behind, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      PartPixel before, after;
+      std::memcpy(&before, front + i * sizeof(PartPixel), sizeof(PartPixel));
+      std::memcpy(&after, behind + i * sizeof(PartPixel), sizeof(PartPixel));
+      if (after.covered > 0) layBehind(asLayer(after), opaque_at, before);
+      std::memcpy(behind + i * sizeof(PartPixel), &before, sizeof(PartPixel));
+    }
+  };
+  ranks.reduce(std::as_writable_bytes(std::span(pixels)), sizeof(PartPixel), over, order);
 }
 
 }  // namespace kiln

@@ -3,7 +3,6 @@
 // size, so that it knows nothing of edges' layers. Pictures are made the first way; a benchmark has both.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,16 +11,11 @@
 
 namespace kiln {
 
-enum class CompositeBy { kReduction, kDirectSend };
+/// Collective. Makes of all ranks' parts, in `order` front to back, the picture of the first rank: rows as the parts';
+/// of the others it is without meaning. requires: parts of one size, each with the plane of what is covered.
+std::vector<PartPixel> compositeDirectly(Ranks& ranks, const Image& part, std::span<const int> order, float opaque_at);
 
-struct PartImage {
-  int width = 0;
-  std::vector<PartPixel> pixels;            // rows of `width`
-  std::shared_ptr<const EdgeLayers> edges;  // of the same pixels, however they are counted; null: there are none
-};
-
-/// Collective. Makes `image` on the first rank the picture of all ranks' in `order`, front to back; on the others it is
-/// then without meaning. requires: images of one size.
-void compositeRanks(Ranks& ranks, PartImage& image, std::span<const int> order, float opaque_at, CompositeBy by);
+/// The same by reduction: of pixels without layers, in place.
+void compositeByReduction(Ranks& ranks, std::vector<PartPixel>& pixels, std::span<const int> order, float opaque_at);
 
 }  // namespace kiln

@@ -1,6 +1,7 @@
 // How partial images are put together (DESIGN §8): which is before which, and one pixel over another.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 #include "base/edge_layers.h"
 #include "grid/coords.h"
 #include "grid/geometry.h"
+#include "output/image.h"
 #include "scene/camera.h"
 
 namespace kiln {
@@ -33,13 +35,43 @@ inline void layBehind(const EdgeLayer& behind, float opaque_at, PartPixel& front
   front.rgba[3] = 1.0f;
 }
 
-/// The same of all that a part shows in a pixel, as if it were one slab: exact where that part's first slab covers all
-/// of the pixel; at edges its layers say more.
-inline void layBehind(const PartPixel& behind, float opaque_at, PartPixel& front) {
-  if (!(behind.covered > 0)) return;
-  EdgeLayer layer{behind.covered, {}};
-  for (std::size_t c = 0; c < 4; ++c) layer.rgba[c] = behind.rgba[c] / behind.covered;
-  layBehind(layer, opaque_at, front);
+/// All that a part shows in a pixel, as if it were one slab: exact where that part's first slab covers all of the
+/// pixel. requires: it covers something.
+inline EdgeLayer asLayer(const PartPixel& pixel) {
+  EdgeLayer out{pixel.covered, {}};
+  for (std::size_t c = 0; c < 4; ++c) out.rgba[c] = pixel.rgba[c] / pixel.covered;
+  return out;
+}
+
+/// Of a part's image, which has the plane of what is covered.
+inline PartPixel pixelOf(const Image& part, int x, int y) {
+  PartPixel out;
+  std::copy_n(part.pixel(x, y), 4, out.rgba);
+  out.covered =
+      part.planes.front()
+          .values[static_cast<std::size_t>(y) * static_cast<std::size_t>(part.width) + static_cast<std::size_t>(x)];
+  return out;
+}
+
+/// The picture that composited pixels are. shape: rows of `width`.
+Image colorsOf(std::span<const PartPixel> pixels, int width);
+
+/// How many layers a part's pixel has: of its edges, else one, or none where it is empty.
+inline int layersOf(const Image& part, int x, int y) {
+  const EdgeLayers* const edges = part.edges.get();
+  const int listed = edges == nullptr ? 0 : edges->count(edges->rect().x0 + x, edges->rect().y0 + y);
+  return listed > 0 ? listed : pixelOf(part, x, y).covered > 0 ? 1 : 0;
+}
+
+/// Calls f(layer) for them, from front to back.
+template <class F>
+void forEachLayer(const Image& part, int x, int y, const F& f) {
+  const EdgeLayers* const edges = part.edges.get();
+  if (edges != nullptr && edges->count(edges->rect().x0 + x, edges->rect().y0 + y) > 0) {
+    edges->forEach(edges->rect().x0 + x, edges->rect().y0 + y, f);
+  } else if (const PartPixel pixel = pixelOf(part, x, y); pixel.covered > 0) {
+    f(asLayer(pixel));
+  }
 }
 
 }  // namespace kiln

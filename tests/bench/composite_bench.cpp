@@ -14,27 +14,38 @@ namespace {
 
 using namespace kiln;
 
-std::vector<PartPixel> slabImage(int size, int rank, int ranks) {
-  std::vector<PartPixel> out(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+Image slabImage(int size, int rank, int ranks) {
+  Image out(size, size);
+  out.planes = {{"coverage", std::vector<float>(out.rgba.size() / 4)}};
   // Seen from the side, a rank's slab is a band of rows, half of which its neighbours cover, too.
   const int begin = size * rank / (ranks + 1), end = size * (rank + 2) / (ranks + 1);
+  constexpr float kColor[] = {0.2f, 0.3f, 0.1f, 0.5f};
   for (int y = begin; y < end; ++y) {
-    for (int x = 0; x < size; ++x)
-      out[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x)] = {
-          {0.2f, 0.3f, 0.1f, 0.5f}, 1.0f};
+    for (int x = 0; x < size; ++x) {
+      std::copy_n(kColor, 4, out.pixel(x, y));
+      out.planes[0].values[static_cast<std::size_t>(y * size + x)] = 1;
+    }
   }
   return out;
 }
 
-double bestSeconds(Ranks& ranks, int size, CompositeBy by) {
-  std::vector<int> order(static_cast<std::size_t>(ranks.count()));
-  std::iota(order.begin(), order.end(), 0);
+std::vector<PartPixel> pixelsOf(const Image& part) {
+  std::vector<PartPixel> out;
+  for (int y = 0; y < part.height; ++y) {
+    for (int x = 0; x < part.width; ++x) out.push_back(pixelOf(part, x, y));
+  }
+  return out;
+}
+
+// Of five times that `composite` is called, each time after `prepare`.
+template <class Prepare, class Composite>
+double bestSeconds(Ranks& ranks, const Prepare& prepare, const Composite& composite) {
   double best = 1e30;
   for (int i = 0; i < 5; ++i) {
-    PartImage image{size, slabImage(size, ranks.rank(), ranks.count()), nullptr};
+    prepare();
     ranks.barrier();
     const auto begin = std::chrono::steady_clock::now();
-    compositeRanks(ranks, image, order, 0.998f, by);
+    composite();
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
   return best;
@@ -44,11 +55,17 @@ double bestSeconds(Ranks& ranks, int size, CompositeBy by) {
 
 int main() {
   const std::unique_ptr<Ranks> ranks = mpiRanks();
+  std::vector<int> order(static_cast<std::size_t>(ranks->count()));
+  std::iota(order.begin(), order.end(), 0);
   if (ranks->first()) fmt::print("ranks size    MPI reduction  direct send   sent by it  must be moved\n");
   for (const int size : {256, 512, 1024, 2048, 4096}) {
-    const double by_reduction = bestSeconds(*ranks, size, CompositeBy::kReduction);
+    const Image part = slabImage(size, ranks->rank(), ranks->count());
+    std::vector<PartPixel> pixels;
+    const double by_reduction = bestSeconds(
+        *ranks, [&] { pixels = pixelsOf(part); }, [&] { compositeByReduction(*ranks, pixels, order, 0.998f); });
     const std::uint64_t before = ranks->traffic().sent_bytes;
-    const double by_sending = bestSeconds(*ranks, size, CompositeBy::kDirectSend);
+    const double by_sending = bestSeconds(
+        *ranks, [] {}, [&] { compositeDirectly(*ranks, part, order, 0.998f); });
     std::uint64_t sent = (ranks->traffic().sent_bytes - before) / 5;
     std::vector<std::byte> bytes(sizeof(sent));
     std::copy_n(reinterpret_cast<const std::byte*>(&sent), sizeof(sent), bytes.begin());
