@@ -103,6 +103,12 @@ void VolumeMix::addBrick(std::size_t volume, const BrickKey& key, const PixelRec
   counts_.interesting += interesting ? 1 : 0;
 }
 
+std::uint64_t VolumeMix::bricksIn(std::size_t zone, const PixelRect& tile) const {
+  const std::vector<Brick>& bricks = zones_[zone].bricks;
+  return static_cast<std::uint64_t>(std::count_if(
+      bricks.begin(), bricks.end(), [&](const Brick& brick) { return !intersection(brick.rect, tile).empty(); }));
+}
+
 std::vector<StoredBrick> VolumeMix::inView(const PixelRect& pixels) const {
   std::set<StoredBrick> out;
   for (const Zone& zone : zones_) {
@@ -136,7 +142,8 @@ std::uint64_t VolumeMix::mostBytes(std::span<const PixelRect> tiles) const {
 
 std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
                                          const std::vector<TilePixels>& tiles, Visibility& visibility,
-                                         bool test_samples, float opaque_at) {
+                                         bool test_samples, float opaque_at,
+                                         const std::function<void(std::size_t)>& tile_drawn) {
   const std::vector<std::unique_ptr<SlabFrame>>& owned = zones_[zone].frames;
   std::vector<const SlabFrame*> frames;
   for (const std::unique_ptr<SlabFrame>& frame : owned) frames.push_back(frame.get());
@@ -162,6 +169,7 @@ std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick
         sweepTogether(frames, touching, square, visibility, test_samples, opaque_at, memory, counts[t]);
       }
     });
+    tile_drawn(t);
   });
   std::vector<SplatCounts> total(frames.size());
   for (const std::vector<SplatCounts>& tile : counts) {

@@ -4,6 +4,7 @@
 // volume was cut.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -54,6 +55,8 @@ class VolumeMix {
   }
   /// Those in the picture.
   const std::vector<Brick>& bricksOf(std::size_t zone) const { return zones_[zone].bricks; }
+  /// How many of them touch the tile.
+  std::uint64_t bricksIn(std::size_t zone, const PixelRect& tile) const;
   /// Of all zones, each once: those of the levels that the view asks for, and of these those that show something, in
   /// the picture or not.
   const BrickWalkCounts& counts() const { return counts_; }
@@ -66,10 +69,10 @@ class VolumeMix {
 
   /// Draws the tiles' pixels of the zone, in parallel. shape: `blocks` are those of `bricks`, null where a brick is
   /// left out; the result is a count for each volume. requires: zones in order; `bricks` are all of the zone that touch
-  /// one of the tiles and are not hidden.
+  /// one of the tiles and are not hidden. `tile_drawn` is told the place of each that is, by any thread.
   std::vector<SplatCounts> draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
                                 const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
-                                float opaque_at);
+                                float opaque_at, const std::function<void(std::size_t)>& tile_drawn);
 
   /// What its threads have needed so far. unit: bytes.
   std::uint64_t bytes() const { return pool_.bytes(); }

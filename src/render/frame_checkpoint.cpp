@@ -15,6 +15,7 @@
 #include "base/record_file.h"
 #include "render/aov_planes.h"
 #include "render/frame_files.h"
+#include "render/frame_progress.h"
 #include "render/tile_image.h"
 
 namespace kiln {
@@ -127,8 +128,9 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   TileFile file(checkpointOf(opened.job(), frame), identityOf(opened, frame, out.scene));
   const std::set<Place> kept = resume ? file.read(tiles, whole, image) : std::set<Place>();
   if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
-  const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, progress);
-  const std::string step = fmt::format("frame {}", frame);
+  UncountedProgress of_tiles(progress);
+  const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, of_tiles);
+  const std::string step = stepOfFrame(frame);
   std::uint64_t done = 0;
   for (const PixelRect& at : tiles) done += kept.contains(placeOf(at)) ? at.count() : 0;
   std::size_t finished = kept.size();

@@ -1,6 +1,7 @@
 #include "render/frame_drawing.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <utility>
@@ -104,6 +105,23 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
   }
 }
 
+std::uint64_t FramePlan::stepsOf(const PixelRect& pixels, int tile_px) const {
+  if (!mix) {
+    BrickWalkCounts ignored;
+    return bricks->inView(pixels, ignored).size();
+  }
+  const std::vector<PixelRect> tiles = tilesOf(tile_px, pixels, pixels);
+  std::uint64_t out = 0;
+  for (std::size_t zone = 0; zone < mix->zones(); ++zone) out += stepsOf(zone, tiles);
+  return out;
+}
+
+std::uint64_t FramePlan::stepsOf(std::size_t zone, std::span<const PixelRect> tiles) const {
+  std::uint64_t out = 0;
+  for (const PixelRect& tile : tiles) out += mix->bricksIn(zone, tile);
+  return out;
+}
+
 FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
     : store_(store),
       cache_(cache),
@@ -125,6 +143,7 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
     project(pixels, image);
   else
     composite(pixels, image);
+  part_->finish();
   return image;
 }
 
@@ -145,10 +164,13 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
     mix(all);
     return;
   }
+  BrickWalkCounts ignored;
+  std::vector<BrickInView> in_view = plan_.bricks->inView(pixels, ignored);
+  part_.emplace(progress_, "bricks", in_view.size());
+  BricksPassed passed(in_view);
   std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {
-    BrickWalkCounts ignored;
-    lookahead.emplace(plan_.bricks->inView(pixels, ignored),
+    lookahead.emplace(std::move(in_view),
                       [&](const BrickInView& brick) { return plan_.bricks->hidden(brick, *visibility_); });
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
@@ -156,6 +178,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
     std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
     if (lookahead) cache_.announce(lookahead->after(key, kAnnounced));
     if (block) due_.push_back({std::move(block), rect, {}, {}, {}});
+    // Those before it are drawn or hidden, but for those that are due.
+    part_->reached(passed.with(key) - due_.size());
     if (due_.size() == drawn_together_) drawDue(all);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
@@ -223,10 +247,12 @@ void FrameDrawing::drawDue(const TilePixels& all) {
       brick.frame = frameOfLevel(brick.block->key.level);
   });
   std::vector<DueTile> tiles = dueTiles(all.rect);
+  std::atomic<std::size_t> drawn = 0;
   parallelFor(tiles.size(), [&](std::size_t i) {
     DueTile& tile = tiles[i];
     for (std::size_t k = 0; k < tile.bricks.size(); ++k)
       drawTile(due_[tile.bricks[k]], all.of(tile.rect), tile.counts[k]);
+    part_->within(due_.size(), ++drawn, tiles.size());
   });
   for (const DueTile& tile : tiles) {
     for (std::size_t k = 0; k < tile.bricks.size(); ++k) due_[tile.bricks[k]].counts.add(tile.counts[k]);

@@ -11,6 +11,7 @@
 #include "frame/value_projection.h"
 #include "frame/volume_mix.h"
 #include "output/image.h"
+#include "render/frame_progress.h"
 #include "render/render_frame.h"
 #include "render/statistics.h"
 
@@ -30,6 +31,11 @@ struct FramePlan {
   std::optional<ValueProjection> projection;
   std::optional<VolumeMix> mix;
   std::optional<BrickWalk> bricks;  // not of several volumes
+
+  /// What drawing these pixels counts as it goes on (render/frame_progress.h): bricks, or of several volumes the tiles
+  /// that each brick of each zone is drawn into.
+  std::uint64_t stepsOf(const PixelRect& pixels, int tile_px) const;
+  std::uint64_t stepsOf(std::size_t zone, std::span<const PixelRect> tiles) const;
 };
 
 /// The tiles of the whole frame that `rect` touches, cut off at what is drawn.
@@ -57,6 +63,9 @@ class FrameDrawing {
   void mix(const TilePixels& all);
   void mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles);
   void announceBehind(std::size_t zone, std::span<const PixelRect> tiles);
+  /// Tells how far it is, tile after tile.
+  void drawMixed(std::size_t zone, std::span<const VolumeMix::Brick* const> bricks, const VolumeMix::Blocks& blocks,
+                 const TilePixels& all, std::span<const PixelRect> tiles);
   std::vector<const VolumeMix::Brick*> toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const;
   std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const {
     return kiln::tilesOf(request_.tile_px, drawn, rect);
@@ -100,6 +109,8 @@ class FrameDrawing {
   std::set<StoredBrick> mixed_;
   const std::size_t drawn_together_;
   std::vector<DueBrick> due_;
+  std::optional<PartProgress> part_;  // of what is being drawn
+  std::uint64_t mixed_steps_ = 0;     // of it, where it has several volumes
 };
 
 }  // namespace kiln

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/memory.h"
 #include "base/span.h"
@@ -13,12 +14,14 @@ namespace kiln {
 void FrameDrawing::mix(const TilePixels& all) {
   walked_.bricks = plan_.mix->counts().bricks;
   walked_.interesting = plan_.mix->counts().interesting;
+  const std::vector<PixelRect> tiles = tilesOf(all.rect, all.rect);
+  part_.emplace(progress_, "tiles", plan_.stepsOf(all.rect, request_.tile_px));
+  mixed_steps_ = 0;
   for (std::size_t zone = 0; zone < plan_.mix->zones(); ++zone) {
-    std::vector<PixelRect> open;
-    for (const PixelRect& tile : tilesOf(all.rect, all.rect)) {
-      if (!visibility_->hidden(tile)) open.push_back(tile);
-    }
+    std::vector<PixelRect> open, hidden;
+    for (const PixelRect& tile : tiles) (visibility_->hidden(tile) ? hidden : open).push_back(tile);
     if (open.empty()) break;  // and so they stay
+    mixed_steps_ += plan_.stepsOf(zone, hidden);
     mixTiles(zone, all, open);
   }
   std::uint64_t unseen = 0;
@@ -40,8 +43,12 @@ std::vector<const VolumeMix::Brick*> FrameDrawing::toBeMixed(std::size_t zone, s
 
 void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles) {
   progress_.throwIfCancelled("rendering");
+  part_->reached(mixed_steps_);
   const std::vector<const VolumeMix::Brick*> bricks = toBeMixed(zone, tiles);
-  if (bricks.empty()) return;
+  if (bricks.empty()) {
+    mixed_steps_ += plan_.stepsOf(zone, tiles);
+    return;
+  }
   const std::uint64_t needed = plan_.mix->bytesFor(bricks), room = cache_.budgetBytes();
   if (needed > room && tiles.size() > 1) {
     mixTiles(zone, all, tiles.first(tiles.size() / 2));
@@ -64,11 +71,23 @@ void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<c
     if (first && blocks.back()) ++statistics_.levels[static_cast<std::size_t>(key.key.level)].bricks;
   }
   announceBehind(zone, tiles);
+  drawMixed(zone, bricks, blocks, all, tiles);
+}
+
+void FrameDrawing::drawMixed(std::size_t zone, std::span<const VolumeMix::Brick* const> bricks,
+                             const VolumeMix::Blocks& blocks, const TilePixels& all, std::span<const PixelRect> tiles) {
   const Span drawing(Activity::kBrick);
   std::vector<TilePixels> pixels;
   for (const PixelRect& tile : tiles) pixels.push_back(all.of(tile));
+  const std::uint64_t steps = plan_.stepsOf(zone, tiles);
+  std::atomic<std::uint64_t> so_far = 0;
+  const auto tile_drawn = [&](std::size_t tile) {
+    const std::uint64_t of_tile = plan_.mix->bricksIn(zone, tiles[tile]);
+    part_->within(steps, so_far += of_tile, steps);
+  };
   const std::vector<SplatCounts> drawn =
-      plan_.mix->draw(zone, bricks, blocks, pixels, *visibility_, frame_.test_samples, frame_.opaque_at);
+      plan_.mix->draw(zone, bricks, blocks, pixels, *visibility_, frame_.test_samples, frame_.opaque_at, tile_drawn);
+  mixed_steps_ += steps;
   for (std::size_t v = 0; v < drawn.size(); ++v) {
     counts_.add(drawn[v]);
     if (const auto level = plan_.mix->levelOf(zone, v)) {

@@ -38,8 +38,11 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
     if (!store_.index().at(brick.key).constant) with_file.push_back(brick);
   }
   Lookahead lookahead(std::move(with_file), [&](const BrickInView& brick) { return projection.hidden(brick, values); });
+  part_.emplace(progress_, "bricks", bricks.size());
+  std::uint64_t passed = 0;
   for (const BrickInView& brick : bricks) {
     progress_.throwIfCancelled("rendering");
+    part_->reached(passed++);
     const bool hidden = projection.hidden(brick, values);
     ++walked_.nodes_tested;
     walked_.nodes_hidden += hidden ? 1 : 0;

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/span.h"
+#include "render/frame_progress.h"
 #include "render/render_job_run.h"
 #include "scene/label_looks.h"
 
@@ -131,11 +132,15 @@ DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
   DrawnFrame out;
   out.scene = sceneAt(frame);
   FrameScene seen = out.scene;
+  std::vector<FrameRequest> eyes;
   for (const PictureOptions& picture : eyesOf(out.scene.picture)) {
     seen.picture = picture;
-    const FrameRequest request = requestFor(seen);
+    eyes.push_back(requestFor(seen));
+  }
+  FrameProgress of_frame(frame, stepsOfParts(readersOf(stores_), eyes), progress);
+  for (const FrameRequest& request : eyes) {
     FrameStatistics statistics;
-    out.views.push_back({renderFrame(store(), cache_, request, progress, statistics), request.view});
+    out.views.push_back({renderFrame(store(), cache_, request, of_frame, statistics), request.view});
     out.statistics.addView(statistics);
   }
   out.statistics.frame = frame;

@@ -38,7 +38,7 @@ class OpenedJob {
 
   /// What the frame shows. throws: Error kUsage where it cannot be drawn.
   FrameScene sceneAt(int frame) const { return scenes_.at(frame); }
-  /// throws: as renderFrame, and sceneAt.
+  /// `progress` hears of one step, how far the frame is. throws: as renderFrame, and sceneAt.
   DrawnFrame draw(int frame, Progress& progress);
   /// What the frame needs, and a painter that draws it piece by piece. requires: no other one is there.
   FrameRequest requestFor(const FrameScene& scene) const;

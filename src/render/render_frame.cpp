@@ -65,15 +65,24 @@ void putMeans(const Image& sub_pixels, int edge, Image& image, int row) {
   });
 }
 
-// Bands of rows end at borders of tiles, which are borders of pixels, too.
-Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, const FrameRequest& request) {
+// Bands of rows of sub-pixels end at borders of tiles, which are borders of pixels, too; pixels of one sample are one.
+std::vector<PixelRect> bandsOf(const PixelRect& sub_pixels, const FrameRequest& request) {
+  if (request.samples == 1) return {sub_pixels};
   constexpr int kTile = kVisibilityTile;
   const int step = std::max(request.band_px / kTile, 1) * kTile;
+  std::vector<PixelRect> out;
+  PixelRect band = sub_pixels;
+  for (; band.y0 < sub_pixels.y1; band.y0 = band.y1) {
+    band.y1 = std::min(sub_pixels.y1, band.y0 / kTile * kTile + step);
+    out.push_back(band);
+  }
+  return out;
+}
+
+Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, const FrameRequest& request) {
   Image image(pixels.width(), pixels.height());
   addAovPlanes(request.aovs, image);
-  PixelRect band = subPixelsOf(pixels, edge);
-  for (const int end = band.y1; band.y0 < end; band.y0 = band.y1) {
-    band.y1 = std::min(end, band.y0 / kTile * kTile + step);
+  for (const PixelRect& band : bandsOf(subPixelsOf(pixels, edge), request)) {
     Image sub_pixels = drawing.draw(band);
     const int row = band.y0 / edge - pixels.y0;
     putMeans(sub_pixels, edge, image, row);
@@ -127,6 +136,22 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
     } else {
       for (const BrickInView& brick : plan.bricks->inView(plane.pixels, counts)) out.push_back({brick.key});
     }
+  }
+  return out;
+}
+
+std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes) {
+  std::vector<DrawnPlane> planes;
+  for (const FrameRequest& eye : eyes) {
+    requireRequest(stores, eye);
+    for (DrawnPlane& plane : planesOf(eye)) planes.push_back(std::move(plane));
+  }
+  std::uint64_t out = 0;
+  for (const DrawnPlane& plane : planes) {
+    const std::vector<PixelRect> bands = bandsOf(plane.pixels, plane.request);
+    if (planes.size() == 1 && bands.size() == 1) return 0;
+    const FramePlan plan(stores, plane.request);
+    for (const PixelRect& band : bands) out += plan.stepsOf(band, plane.request.tile_px);
   }
   return out;
 }

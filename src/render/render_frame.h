@@ -58,6 +58,10 @@ struct FrameRequest {
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);
 
+/// What drawing the frames of a job's eyes counts as it goes on, where they are drawn in several parts (bands of
+/// sub-pixels, faces, eyes); 0 where there is one part, which counts for itself. cost: of several parts, their plans.
+std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes);
+
 /// What of several volumes a frame has in memory at once, at least. unit: bytes.
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
@@ -93,6 +97,7 @@ class FramePainter {
 /// on an exact visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is
 /// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
 /// brick that the cache skips is drawn as nothing. Of several volumes, `store` is the first and the cache is of all.
+/// `progress` hears how far each part is, one after the other (render/frame_progress.h).
 /// throws: what BrickCache::get throws, Error kCancelled, kUsage (level, crop, samples, interpolation), kBudget where
 /// the cache has no room for the bricks of several volumes that meet in a tile.
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,

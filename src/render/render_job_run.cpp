@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/trace.h"
 #include "render/frame_files.h"
+#include "render/frame_progress.h"
 #include "render/opened_job.h"
 #include "render/sequence.h"
 #include "scene/frame_scene.h"
@@ -63,9 +64,10 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   OpenedJob opened(jobAtFrame(job, number), progress);
   RenderResult result;
   DrawnFrame drawn;
+  UncountedProgress of_one(progress);
   for (int i = 0; i < repeat; ++i) {
     drawn = {};  // the picture before is not held while the next is drawn
-    drawn = opened.draw(number, progress);
+    drawn = opened.draw(number, repeat == 1 ? progress : of_one);
     if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store());
     result.statistics.add(drawn.statistics);
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));

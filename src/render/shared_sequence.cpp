@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <thread>
@@ -12,6 +13,7 @@
 #include "cluster/work_ranges.h"
 #include "render/aov_planes.h"
 #include "render/brick_sequence.h"
+#include "render/frame_progress.h"
 #include "render/ranked_sequence.h"
 #include "render/tile_image.h"
 #include "render/tile_plan.h"
@@ -125,9 +127,11 @@ class SharedSequence : public RankedSequence {
   void drawTiles(std::uint32_t i, WorkRanges& work, FrameStatistics& statistics) {
     OpenedJob& opened = frames_.openedFor(toDraw()[i]);
     const FrameScene scene = opened.sceneAt(toDraw()[i]);
+    UncountedProgress of_tiles(progress_);
     std::unique_ptr<FramePainter> painter;
     while (const auto units = work.take(1)) {
-      if (!painter) painter = opened.painterFor(scene, progress_);
+      if (ranks_.first()) tellTiles(toDraw()[i], work);
+      if (!painter) painter = opened.painterFor(scene, of_tiles);
       const PixelRect& tile = plan_.tiles[units->begin];
       std::vector<std::byte> message;
       appendValue(message, i);
@@ -137,6 +141,12 @@ class SharedSequence : public RankedSequence {
       serve();
     }
     if (painter) statistics = opened.finish(*painter, toDraw()[i]);
+  }
+
+  // All ranks' tiles: those that are handed out, but for one that each is about to draw.
+  void tellTiles(int frame, WorkRanges& work) {
+    const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
+    progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), plan_.tiles.size());
   }
 
   // Takes in what others have sent. Returns whether there was anything.

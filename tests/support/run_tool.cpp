@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,9 +18,13 @@
 namespace kiln::test {
 namespace {
 
+// From the child to us, as it may see a terminal.
 struct Pipe {
-  Pipe() {
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe2 failed");
+  explicit Pipe(unsigned short terminal_columns = 0) {
+    if (terminal_columns > 0)
+      openTerminal(terminal_columns);
+    else if (::pipe2(ends, O_CLOEXEC) != 0)
+      throw std::runtime_error("pipe2 failed");
   }
   ~Pipe() {
     closeWriter();
@@ -27,6 +32,14 @@ struct Pipe {
   }
   Pipe(const Pipe&) = delete;
   Pipe& operator=(const Pipe&) = delete;
+  void openTerminal(unsigned short columns) {
+    ends[0] = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (ends[0] < 0 || ::grantpt(ends[0]) != 0 || ::unlockpt(ends[0]) != 0)
+      throw std::runtime_error("no terminal can be opened");
+    const winsize size{24, columns, 0, 0};
+    ends[1] = ::open(::ptsname(ends[0]), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (ends[1] < 0 || ::ioctl(ends[1], TIOCSWINSZ, &size) != 0) throw std::runtime_error("a terminal has no size");
+  }
   void closeWriter() {
     if (ends[1] >= 0) ::close(ends[1]);
     ends[1] = -1;
@@ -91,7 +104,7 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
   std::vector<char*> raw;
   for (std::string& word : words) raw.push_back(word.data());
   raw.push_back(nullptr);
-  Pipe out, err;
+  Pipe out, err(options.terminal_columns);
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) becomeTool(raw.data(), out, err, options.file_bytes);
@@ -105,9 +118,9 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
     ::poll(streams.data(), streams.size(), options.interrupt_when && !result.interrupted ? 1 : 50);
     if (streams[0].revents != 0 && !drain(out.ends[0], result.out)) streams[0].fd = -1;
     if (streams[1].revents != 0 && !drain(err.ends[0], result.err)) streams[1].fd = -1;
-    if (options.interrupt_when && !result.interrupted && options.interrupt_when()) {
-      result.interrupted = ::kill(child, SIGINT) == 0;
-    }
+    const bool interrupt =
+        (options.interrupt_when && options.interrupt_when()) || (options.interrupt_at && options.interrupt_at(result));
+    if (interrupt && !result.interrupted) result.interrupted = ::kill(child, SIGINT) == 0;
     if (!result.timed_out && std::chrono::steady_clock::now() > deadline) {
       result.timed_out = true;
       ::kill(child, SIGKILL);

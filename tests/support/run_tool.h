@@ -10,6 +10,8 @@
 
 namespace kiln::test {
 
+struct ToolResult;
+
 struct ToolOptions {
   /// After this the child is killed and `timed_out` is set. unit: seconds.
   double seconds = 600;
@@ -19,6 +21,10 @@ struct ToolOptions {
   int ranks = 0;
   /// Asked every millisecond; once it says true the child gets SIGINT.
   std::function<bool()> interrupt_when;
+  /// Asked whenever the child has said something, with all that it has said; once it says true the child gets SIGINT.
+  std::function<bool(const ToolResult&)> interrupt_at;
+  /// The child's stderr is a terminal of so many columns; 0: it is none.
+  unsigned short terminal_columns = 0;
 };
 
 struct ToolResult {

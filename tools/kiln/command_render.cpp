@@ -407,8 +407,10 @@ void addRender(CLI::App& app, Context& context) {
       "draw a long frame in tiles of 512x512 pixels and keep those that are finished in a file beside the "
       "picture, NAME.tiles, until that is written; with --resume go on from them");
   command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
-  command->add_option("--progress", a->progress,
-                      "auto (default), plain lines, json (events on standard output, one a line) or none");
+  command->add_option(
+      "--progress", a->progress,
+      "how far frames and the job are, with rate and time left: auto (default; a line that is drawn over, where there "
+      "is a terminal), plain (a line every ten seconds), json (events on standard output, one a line) or none");
   command->add_option(
       "--distribute", a->distribute,
       "under mpirun, what the ranks share: tiles of frames, whole frames, bricks (each rank draws its own, "

@@ -37,6 +37,25 @@ std::string rateText(double frames, double seconds) {
 
 }  // namespace
 
+SequenceReport::SequenceReport(TerminalProgress& progress, bool events) : progress_(progress), events_(events) {
+  if (events_) progress_.tell([this](const TerminalProgress::Numbers& numbers) { drawingGoesOn(numbers); });
+}
+
+SequenceReport::~SequenceReport() { progress_.tell({}); }
+
+// What goes on beside frames has no event.
+void SequenceReport::drawingGoesOn(const TerminalProgress::Numbers& numbers) const {
+  if (!drawing_) return;
+  Json more = {{"frame", *drawing_}, {"done", numbers.done}, {"total", numbers.total}, {"unit", numbers.unit}};
+  more["seconds_left"] = numbers.seconds_left ? Json(*numbers.seconds_left) : Json(nullptr);
+  emit("frame_progress", more);
+}
+
+// Ranks may end a frame while another one is drawn here.
+void SequenceReport::frameEnded(int frame) {
+  if (drawing_ == frame) drawing_.reset();
+}
+
 double SequenceReport::secondsLeft(std::size_t done) const {
   return drawn_ > 0 ? seconds() / static_cast<double>(drawn_) * static_cast<double>(frames_ - done) : 0;
 }
@@ -56,11 +75,13 @@ void SequenceReport::started(const RenderJob& job, const std::vector<int>& frame
 }
 
 void SequenceReport::frameStarted(int frame) {
+  drawing_ = frame;
   if (events_) emit("frame_started", {{"frame", frame}});
 }
 
 void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& frame, std::size_t done) {
   ++drawn_;
+  frameEnded(frame.frame);
   if (events_)
     return emit("frame_done", {{"frame", frame.frame},
                                {"seconds", frame.wall_s + frame.output_s},
@@ -97,17 +118,20 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
 }
 
 void SequenceReport::frameFailed(int frame, const Error& error, std::size_t done) {
+  frameEnded(frame);
   if (events_)
-    emit("frame_failed", {{"frame", frame}, {"error", error.what()}, {"done", done}, {"frames", frames_}});
-  else
-    progress_.note(fmt::format("frame {} failed: {}", frame, error.what()));
+    return emit("frame_failed", {{"frame", frame}, {"error", error.what()}, {"done", done}, {"frames", frames_}});
+  progress_.note(fmt::format("frame {} failed: {}", frame, error.what()));
+  showOverall(done);
 }
 
 void SequenceReport::showOverall(std::size_t done) {
-  if (frames_ <= 1 || done == frames_) return;
+  if (frames_ <= 1 || done == frames_) return progress_.show("", "");
   const std::string rate = rateText(static_cast<double>(drawn_), seconds());
-  progress_.show(fmt::format("{} of {} frames{}{}", done, frames_, kept_ > 0 ? fmt::format(", {} kept", kept_) : "",
-                             rate.empty() ? "" : fmt::format(", {}, {:.0f} s left", rate, secondsLeft(done))));
+  const std::string count = fmt::format("{} of {} frames", done, frames_);
+  const std::string kept = kept_ > 0 ? fmt::format(", {} kept", kept_) : "";
+  const std::string left = rate.empty() ? "" : fmt::format(", {:.0f} s left", secondsLeft(done));
+  progress_.show(count + kept + (rate.empty() ? "" : ", " + rate) + left, count + left);
 }
 
 void SequenceReport::finished(const RenderJob& job, const SequenceResult& result) {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,12 @@ namespace kiln::tool {
 class SequenceReport : public SequenceListener {
  public:
   /// With `events`, all it prints are JSON objects, one a line on stdout, each with "event" and "time" (ISO 8601, UTC):
-  /// started, frame_started, frame_done, frame_kept, frame_failed, then finished, failed or interrupted.
-  SequenceReport(TerminalProgress& progress, bool events) : progress_(progress), events_(events) {}
+  /// started, frame_started, frame_progress (a few a second, of a frame that takes longer), frame_done, frame_kept,
+  /// frame_failed, then finished, failed or interrupted.
+  SequenceReport(TerminalProgress& progress, bool events);
+  ~SequenceReport() override;
+  SequenceReport(const SequenceReport&) = delete;
+  SequenceReport& operator=(const SequenceReport&) = delete;
 
   void started(const RenderJob& job, const std::vector<int>& frames) override;
   void frameStarted(int frame) override;
@@ -33,11 +38,14 @@ class SequenceReport : public SequenceListener {
   /// Of what is still to be drawn, by the frames drawn so far; 0 before the first.
   double secondsLeft(std::size_t done) const;
   void showOverall(std::size_t done);
+  void drawingGoesOn(const TerminalProgress::Numbers& numbers) const;
+  void frameEnded(int frame);
 
   TerminalProgress& progress_;
   const bool events_;
   Clock::time_point begin_;
   std::size_t frames_ = 0, drawn_ = 0, kept_ = 0;
+  std::optional<int> drawing_;
   std::string only_line_;
 };
 

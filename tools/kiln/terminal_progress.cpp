@@ -1,11 +1,14 @@
 #include "terminal_progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <limits>
 
 namespace kiln::tool {
 namespace {
@@ -26,6 +29,12 @@ std::string scaled(double amount) {
   return fmt::format("{:.4g} ", amount);
 }
 
+std::size_t columnsOfTerminal() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? size.ws_col : std::numeric_limits<std::size_t>::max();
+}
+
 }  // namespace
 
 void installInterruptHandler() {
@@ -39,39 +48,54 @@ TerminalProgress::~TerminalProgress() { clear(); }
 
 bool TerminalProgress::cancelled() const { return interrupted; }
 
+// A resumed conversion begins in the middle: the rate is of what was done since.
 void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) {
-  using namespace std::chrono_literals;
-  const auto now = Clock::now();
   if (step_ != step) {
     step_ = step;
-    begin_ = last_ = now;
-    done_before_ = done;  // a resumed conversion begins in the middle
+    begin_ = Clock::now();
+    done_before_ = done;
+    told_ = false;
+    if (listener_) last_ = begin_;  // what is done sooner needs no telling
     return;
   }
-  if (silent_ || now - last_ < (terminal_ ? 200ms : 10s)) return;
-  last_ = now;
-  const double seconds = std::chrono::duration<double>(now - begin_).count();
+  if (!due(done == total)) return;
+  told_ = true;
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
   const double rate = static_cast<double>(done - done_before_) / seconds;
-  const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
-  const std::string line = fmt::format("{}: {:.0f} % of {}{}, {}{}/s, {:.0f} s left", step,
-                                       100.0 * static_cast<double>(done) / static_cast<double>(total),
-                                       scaled(static_cast<double>(total)), unit, scaled(rate), unit, left);
-  if (terminal_) {
-    fmt::print(stderr, "\r\033[K{}", line);
-    drawn_ = true;
-  } else {
-    fmt::print(stderr, "{}\n", line);
+  std::optional<double> left;
+  if (rate > 0) left = static_cast<double>(total - done) / rate;
+  if (listener_) {
+    listener_({unit, done, total, left});
+    return;
   }
-  std::fflush(stderr);
+  std::string line = fmt::format("{}: {:.0f} % of {}{}", step,
+                                 std::floor(100.0 * static_cast<double>(done) / static_cast<double>(total)),
+                                 scaled(static_cast<double>(total)), unit);
+  if (left)
+    line +=
+        fmt::format(", {}{}/s, {:.0f} s left", rate < 100 ? fmt::format("{:.1f} ", rate) : scaled(rate), unit, *left);
+  print(overall_.empty() ? line : overall_ + "; " + line);
 }
 
-void TerminalProgress::show(const std::string& line) {
+bool TerminalProgress::due(bool at_end) {
   using namespace std::chrono_literals;
   const auto now = Clock::now();
-  if (silent_ || (!terminal_ && now - shown_ < 10s)) return;
-  shown_ = now;
+  if (listener_ ? now - last_ < 250ms && !(at_end && told_) : silent_ || now - last_ < (terminal_ ? 200ms : 10s))
+    return false;
+  last_ = now;
+  return true;
+}
+
+void TerminalProgress::show(const std::string& line, const std::string& before_steps) {
+  overall_ = before_steps;
+  if (listener_ || line.empty() || !(terminal_ ? !silent_ : due(false))) return;
+  print(line);
+}
+
+// A line that is to be drawn over must not be broken.
+void TerminalProgress::print(const std::string& line) {
   if (terminal_)
-    fmt::print(stderr, "\r\033[K{}", line);
+    fmt::print(stderr, "\r\033[K{}", line.substr(0, columnsOfTerminal() - 1));
   else
     fmt::print(stderr, "{}\n", line);
   drawn_ = terminal_;

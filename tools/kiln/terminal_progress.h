@@ -3,7 +3,10 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "base/progress.h"
 
@@ -17,8 +20,17 @@ class TerminalProgress : public Progress {
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override;
   bool cancelled() const override;
-  /// A line of the caller's own, drawn over on a terminal; otherwise now and then.
-  void show(const std::string& line);
+  /// A line of the caller's own, drawn over on a terminal; otherwise now and then. `before_steps`, which is shorter, is
+  /// said before what steps say from here on.
+  void show(const std::string& line, const std::string& before_steps);
+  /// A step's numbers, for machines; before there is a rate, nobody knows what is left.
+  struct Numbers {
+    std::string unit;
+    std::uint64_t done, total;
+    std::optional<double> seconds_left;
+  };
+  /// Told how far a step is instead of people, a few times a second, and of the end of one that it was told of.
+  void tell(std::function<void(const Numbers&)> listener) { listener_ = std::move(listener); }
   /// Shows no progress from here on, or plain lines also on a terminal.
   void silence() { silent_ = true; }
   /// As `silence`, and notes say whose they are.
@@ -32,11 +44,17 @@ class TerminalProgress : public Progress {
   bool terminal_;
   bool silent_ = false;
   std::string speaker_ = "kiln: ";
+  /// Whether it is time to say something again; then it is said now.
+  bool due(bool at_end);
+  void print(const std::string& line);
+
+  std::function<void(const Numbers&)> listener_;
+  std::string overall_;  // before what steps say
   std::string step_;
-  Clock::time_point begin_, last_;
+  Clock::time_point begin_, last_ = Clock::now();
   std::uint64_t done_before_ = 0;
+  bool told_ = false;  // of the step
   bool drawn_ = false;
-  Clock::time_point shown_ = Clock::now();  // when `show` last did
 };
 
 /// Makes SIGINT and SIGTERM ask instead of kill; a second one kills.
