@@ -42,6 +42,7 @@ std::vector<int> Animation::frames() const {
   range.add(functions);
   range.add(lights);
   range.add(clip);
+  range.add(stereo);
   std::vector<int> out;
   for (int frame = static_cast<int>(std::ceil(range.first.value_or(1))); frame <= range.last.value_or(1); ++frame)
     out.push_back(frame);
@@ -70,6 +71,13 @@ std::vector<ClipPlane> mixed(const std::vector<ClipPlane>& a, const std::vector<
     out[i].normal = mixedDirections(a[i].normal, b[i].normal, t);
     out[i].offset = std::lerp(a[i].offset / glm::length(a[i].normal), b[i].offset / glm::length(b[i].normal), t);
   }
+  return out;
+}
+
+Stereo mixed(const Stereo& a, const Stereo& b, double t) {
+  Stereo out = a;
+  out.interocular = std::lerp(a.interocular, b.interocular, t);
+  if (a.convergence) out.convergence = std::lerp(*a.convergence, *b.convergence, t);
   return out;
 }
 

@@ -63,6 +63,11 @@ FrameScene SceneOfJob::at(int frame) const {
     return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
   };
   if (!animation.lights.empty()) out.picture.shading.lights = between(animation.lights);
+  if (!animation.stereo.empty()) {
+    const StereoEye eye = out.picture.stereo->eye;
+    out.picture.stereo = between(animation.stereo);
+    out.picture.stereo->eye = eye;
+  }
   if (!animation.clip.empty()) {
     const std::vector<ClipPlane> planes = between(animation.clip);
     out.picture.clipping.planes.insert(out.picture.clipping.planes.end(), planes.begin(), planes.end());

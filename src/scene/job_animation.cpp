@@ -104,7 +104,46 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
   }
 }
 
+// How far the eyes are apart, and where both see the same.
+Stereo eyesFrom(const JobObject& object) {
+  constexpr std::string_view kExpected = "a number of world units above 0";
+  Stereo out;
+  const auto interocular = object.number("interocular", kExpected, legal::positiveLength);
+  if (!interocular) object.complain("interocular", "is missing; it is the distance between both eyes");
+  out.interocular = *interocular;
+  out.convergence = object.number("convergence", kExpected, legal::positiveLength);
+  return out;
+}
+
+std::vector<Key<Stereo>> eyeKeysFrom(const JobObject& stereo) {
+  for (const std::string_view key : {"interocular", "convergence"}) {
+    if (stereo.has(key)) stereo.complain(key, "is each keyframe's where there are keyframes");
+  }
+  auto out = keysFrom<Stereo>(stereo, Ease::kLinear, [](const JobObject& key) {
+    key.requireKnown(job_keys::kStereoKey);
+    return eyesFrom(key);
+  });
+  for (const Key<Stereo>& key : out) {
+    if (key.value.convergence.has_value() == out.front().value.convergence.has_value()) continue;
+    stereo.complain("keyframes", fmt::format("expected a convergence in all keys or in none; that at frame {} differs "
+                                             "from the first",
+                                             key.frame));
+  }
+  return out;
+}
+
 }  // namespace
+
+void readStereo(const JobObject& root, RenderJob& job) {
+  const auto stereo = root.object("stereo");
+  if (!stereo) return;
+  stereo->requireKnown(job_keys::kStereo);
+  const auto eye = stereo->choice("eye", kStereoEyeNames);
+  if (!eye) stereo->complain("eye", "is missing; a picture shows what the left eye sees, the right eye, or both");
+  if (stereo->has("keyframes")) job.animation.stereo = eyeKeysFrom(*stereo);
+  job.picture.stereo = job.animation.stereo.empty() ? eyesFrom(*stereo) : job.animation.stereo.front().value;
+  job.picture.stereo->eye = static_cast<StereoEye>(*eye);
+}
 
 void readCamera(const JobObject& root, RenderJob& job) {
   const auto camera = root.object("camera");

@@ -9,6 +9,7 @@ namespace kiln {
 /// Each reads one key of a job's root, where it is there, into the still picture or into the animation.
 /// throws: Error kUsage naming the key.
 void readCamera(const JobObject& root, RenderJob& job);
+void readStereo(const JobObject& root, RenderJob& job);
 /// `still` and `keys` are of the volume that `owner` says this of.
 void readTransferFunction(const JobObject& owner, TransferFunctionChoice& still,
                           std::vector<Key<TransferFunctionChoice>>& keys);

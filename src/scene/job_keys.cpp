@@ -100,6 +100,7 @@ constexpr JobKey kStereoKeys[] = {
     {"interocular", R"({"$ref": "positiveLength", "description": "between both eyes"})"},
     {"convergence",
      R"({"$ref": "positiveLength", "description": "the depth at which both see the same; the target's"})"},
+    {"keyframes", R"({"type": "array", "items": {"$ref": "stereoKeyframe"}, "minItems": 1})"},
 };
 
 constexpr JobKey kCameraPathKeys[] = {
@@ -132,6 +133,12 @@ constexpr JobKey kLightsKeyKeys[] = {
     kFrameKey, kEaseKey, {"lights", R"({"type": "array", "items": {"$ref": "light"}})"}};
 constexpr JobKey kClipKeyKeys[] = {
     kFrameKey, kEaseKey, {"planes", R"({"type": "array", "items": {"$ref": "clipPlane"}})"}};
+constexpr JobKey kStereoKeyKeys[] = {
+    kFrameKey,
+    kEaseKey,
+    {"interocular", R"({"$ref": "positiveLength"})"},
+    {"convergence", R"({"$ref": "positiveLength", "description": "in all keys, or in none"})"},
+};
 constexpr JobKey kFunctionKeysKeys[] = {
     {"keyframes", R"({"type": "array", "items": {"$ref": "functionKeyframe"}, "minItems": 1})"}};
 constexpr JobKey kLightsKeysKeys[] = {
@@ -227,7 +234,7 @@ constexpr JobKey kVideoKeys[] = {
 constexpr JobKeys kCameraPath = kCameraPathKeys, kTurntable = kTurntableKeys, kCameraKey = kCameraKeyKeys,
                   kFunctionKeys = kFunctionKeysKeys, kFunctionKey = kFunctionKeyKeys, kLightsKeys = kLightsKeysKeys,
                   kLightsKey = kLightsKeyKeys, kClipKeys = kClipKeysKeys, kClipKey = kClipKeyKeys,
-                  kVolume = kVolumeKeys, kLabel = kLabelKeys;
+                  kStereoKey = kStereoKeyKeys, kVolume = kVolumeKeys, kLabel = kLabelKeys;
 constexpr JobKeys kRoot = kRootKeys, kImage = kImageKeys, kCamera = kCameraKeys,
                   kTransferFunction = kTransferFunctionKeys, kPoint = kPointKeys, kGradientPoint = kGradientPointKeys,
                   kShading = kShadingKeys, kLight = kLightKeys, kHeadlight = kLight.subspan(1, 3),

@@ -17,7 +17,7 @@ using JobKeys = std::span<const JobKey>;
 
 namespace job_keys {
 extern const JobKeys kCameraPath, kTurntable, kCameraKey, kFunctionKeys, kFunctionKey, kLightsKeys, kLightsKey,
-    kClipKeys, kClipKey, kVolume, kLabel;
+    kClipKeys, kClipKey, kStereoKey, kVolume, kLabel;
 extern const JobKeys kRoot, kImage, kCamera, kTransferFunction, kPoint, kGradientPoint, kShading, kLight, kHeadlight,
     kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng, kOutput, kVideo, kStereo;
 }  // namespace job_keys

@@ -33,20 +33,6 @@ void readPart(const JobObject& root, PictureOptions& picture) {
   if (!picture.part) root.refuse("part", "\"I/N\", I from 1 to N, or a box of voxels [x0, y0, z0, x1, y1, z1]");
 }
 
-std::optional<Stereo> stereoFrom(const JobObject& object) {
-  object.requireKnown(job_keys::kStereo);
-  constexpr std::string_view kExpected = "a number of world units above 0";
-  Stereo out;
-  const auto eye = object.choice("eye", kStereoEyeNames);
-  if (!eye) object.complain("eye", "is missing; a picture shows what the left eye sees, the right eye, or both");
-  out.eye = static_cast<StereoEye>(*eye);
-  const auto interocular = object.number("interocular", kExpected, legal::positiveLength);
-  if (!interocular) object.complain("interocular", "is missing; it is the distance between both eyes");
-  out.interocular = *interocular;
-  out.convergence = object.number("convergence", kExpected, legal::positiveLength);
-  return out;
-}
-
 fs::path besideJob(const std::string& text, const fs::path& job) { return job.parent_path() / text; }
 
 // Several volumes: what a job of one has of its volume, each has for itself.
@@ -311,7 +297,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (job.picture.camera.projection == Projection::kEquirectangular &&
       !(image && (image->has("width") || image->has("height"))))
     job.picture.size = kPanoramaSize;
-  if (const auto stereo = root.object("stereo")) job.picture.stereo = stereoFrom(*stereo);
+  readStereo(root, job);
   readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
   job.picture.window = windowFrom(root);
   if (const auto shading = root.object("shading")) job.picture.shading = shadingFrom(*shading);

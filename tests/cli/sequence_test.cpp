@@ -19,6 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+struct PathOf {
+  explicit PathOf(const std::string& value) { ::setenv("PATH", value.c_str(), 1); }
+  ~PathOf() { ::setenv("PATH", before.c_str(), 1); }
+  std::string before = std::getenv("PATH");
+};
+
 class SequenceCli : public ToolTest {
  protected:
   SequenceCli() : ToolTest("sequence_") {}
@@ -34,6 +40,16 @@ class SequenceCli : public ToolTest {
                               {{"frame": {}, "planes": [{{"normal": [0, 0, 1], "offset": 0}}]}}]}} }})",
                                           more, frames, frames, frames));
     fs::create_directories(in("out"));
+  }
+
+  // Where a stand-in for ffmpeg is found, which writes its arguments and what it gets; it fails where there is "fail".
+  std::string pathWithFfmpeg() const {
+    fs::create_directories(in("bin"));
+    writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
+                                    "\nfor last; do :; done\ncat > \"$last\"\nif [ -e " + in("fail") +
+                                    " ]; then echo 'no such codec' >&2; exit 3; fi\n");
+    fs::permissions(in("bin/ffmpeg"), fs::perms::owner_all);
+    return in("bin") + ":" + std::getenv("PATH");
   }
 
   std::size_t picturesIn(const std::string& folder) const {
@@ -168,23 +184,13 @@ TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
 
 // A stand-in for ffmpeg that keeps what it is told and given.
 TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
-  const std::string path = std::getenv("PATH");
-  fs::create_directories(in("bin"));
-  writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
-                                  "\nfor last; do :; done\ncat > \"$last\"\nif [ -e " + in("fail") +
-                                  " ]; then echo 'no such codec' >&2; exit 3; fi\n");
-  fs::permissions(in("bin/ffmpeg"), fs::perms::owner_all);
+  const std::string path = pathWithFfmpeg();
   writeTurn(3);
-  struct PathOf {
-    explicit PathOf(const std::string& value) { ::setenv("PATH", value.c_str(), 1); }
-    ~PathOf() { ::setenv("PATH", before.c_str(), 1); }
-    std::string before = std::getenv("PATH");
-  };
   {
     const PathOf none(in("out"));
     refused({"render", in("job.json"), "-o", in("v.mp4")}, 1, "v.mp4: a video needs the program ffmpeg");
   }
-  const PathOf stand_in(in("bin") + ":" + path);
+  const PathOf stand_in(path);
   writeText(in("fail"), "");
   refused({"render", in("job.json"), "-o", in("v.mp4"), "--rate", "12.5"}, 1, "failed with exit code 3: no such codec");
   EXPECT_FALSE(fs::exists(in("v.mp4")));
@@ -203,6 +209,28 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   const ToolResult again = done({"render", in("job2.json"), "--resume"});
   EXPECT_NE(again.out.find("3 kept"), std::string::npos) << again.out << again.err;
   EXPECT_TRUE(readFile(in("w.webm")) == video);
+}
+
+// An EXR has a pair in two parts; a video has one beside the other. Known because what lies between two keys is halfway
+// the still picture of half of both.
+TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
+  const PathOf stand_in(pathWithFfmpeg());
+  const std::string image = R"("image": {"width": 40, "height": 36}, "stereo": {"eye": "both", )";
+  writeText(in("pair.json"), R"({"volume": "h.kiln", "output": "p.mp4", "outputs": [{"path": "p_#.exr"}], )" + image +
+                                 R"("keyframes": [{"frame": 1, "interocular": 10, "convergence": 200},
+                                                  {"frame": 3, "interocular": 30, "convergence": 300}]}})");
+  done({"render", in("pair.json")});
+  EXPECT_NE(readTextFile(in("arguments")).find(" -s 80x36 "), std::string::npos) << readTextFile(in("arguments"));
+  EXPECT_EQ(fs::file_size(in("p.mp4")), 3u * 80 * 36 * 3);
+  EXPECT_FALSE(fs::exists(in("p.mp4.frames")));
+  writeText(in("still.json"),
+            R"({"volume": "h.kiln", "output": "s.exr", )" + image + R"("interocular": 20, "convergence": 250}})");
+  done({"render", in("still.json")});
+  EXPECT_TRUE(readFile(in("s.exr")) == readFile(in("p_2.exr")));
+  EXPECT_FALSE(readFile(in("s.exr")) == readFile(in("p_1.exr")));
+  done({"render", in("pair.json"), "-o", in("n_#.exr"), "--interocular", "20", "--convergence", "250", "--frames",
+        "1-3"});
+  EXPECT_TRUE(readFile(in("n_1.exr")) == readFile(in("s.exr"))) << "what an option names stands still";
 }
 
 }  // namespace

@@ -163,6 +163,17 @@ TEST(Animation, LightsAndPlanesAreMixed) {
   EXPECT_EQ(mixed(low, high, 0.5), (std::vector<ClipPlane>{{{0, 0, 1}, -4}}));
 }
 
+TEST(Animation, EyesAreMixed) {
+  const RenderJob job = jobOf(R"("stereo": {"eye": "right", "keyframes": [
+      {"frame": 3, "interocular": 4, "convergence": 100}, {"frame": 7, "interocular": 8, "convergence": 300}]})");
+  EXPECT_EQ(framesOf(job), (std::vector<int>{3, 4, 5, 6, 7}));
+  EXPECT_EQ(job.picture.stereo, (Stereo{StereoEye::kRight, 4, 100}));
+  EXPECT_EQ(mixed(job.animation.stereo[0].value, job.animation.stereo[1].value, 0.25).interocular, 5);
+  EXPECT_EQ(mixed(job.animation.stereo[0].value, job.animation.stereo[1].value, 0.25).convergence, 150);
+  EXPECT_EQ(mixed(Stereo{StereoEye::kBoth, 4, {}}, Stereo{StereoEye::kBoth, 8, {}}, 0.5),
+            (Stereo{StereoEye::kBoth, 6, {}}));
+}
+
 // At each value the opacity is the mean, and the colour that of what is seen: of values that only b shows, b's.
 TEST(TransferFunctionFade, LiesBetween) {
   const TransferFunction a{1, {{0, {1, 0, 0}, 0}, {10, {1, 0, 0}, 0.8}}},

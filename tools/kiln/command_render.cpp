@@ -149,6 +149,7 @@ void applyFrames(const RenderArguments& a, RenderJob& job) {
     job.animation.camera = Turntable{*a.turntable, 360, std::nullopt};
   }
   if (a.tf) job.animation.functions.clear();
+  if (a.interocular || a.convergence) job.animation.stereo.clear();
   if (!a.scene.lights.empty()) job.animation.lights.clear();
   if (!a.scene.planes.empty()) job.animation.clip.clear();
 }
