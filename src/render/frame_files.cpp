@@ -95,8 +95,11 @@ Image besideEachOther(const Image& left, const Image& right) {
 
 OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / "######.png", Content::kColor, {}}; }
 
-// Whether a video may take it: of a pair, both eyes'.
-bool isVideoFrame(const OutputFile& file) { return holdsColors(file.content) && !hasEyePlace(file.path); }
+// Whether a video may take it: of a pair, both eyes' in one picture, which an EXR has in two.
+bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
+  const bool in_two = hasEyePlace(file.path) || (drawsBothEyes(job.picture.stereo) && isExrPath(file.path));
+  return holdsColors(file.content) && !file.eye && !in_two;
+}
 
 // Names still without numbers.
 std::vector<OutputFile> patternsOf(const RenderJob& job) {
@@ -108,7 +111,8 @@ std::vector<OutputFile> patternsOf(const RenderJob& job) {
     if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
     out.push_back(file);
   }
-  if (!job.output.video.path.empty() && std::none_of(out.begin(), out.end(), isVideoFrame))
+  const auto in_video = [&](const OutputFile& file) { return isVideoFrame(file, job); };
+  if (!job.output.video.path.empty() && std::none_of(out.begin(), out.end(), in_video))
     out.push_back(keptFrame(job.output.video));
   return ofEyes(out, job.picture.stereo);
 }
@@ -166,8 +170,7 @@ std::vector<OutputFile> filesOf(const RenderJob& job, int frame) {
 
 fs::path videoFrameOf(const RenderJob& job, int frame) {
   const std::vector<OutputFile> files = filesOf(job, frame);
-  return std::find_if(files.begin(), files.end(),
-                      [](const OutputFile& file) { return holdsColors(file.content) && !file.eye; })
+  return std::find_if(files.begin(), files.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); })
       ->path;
 }
 
