@@ -49,6 +49,8 @@ constexpr const char* kJobs[] = {
    {"volume": "v.kiln", "clip": [{"normal": [0, 1, 1], "offset": -9}], "shading": {"model": "none"},
     "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 3, "function": "fire"}]}}],
   "image": {"width": 8, "height": 8}, "camera": {"view": "left"}, "level": "auto"})",
+    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "camera": {"view": "right"}, "stereo": {"eye": "both",
+   "keyframes": [{"frame": 1, "interocular": 3, "convergence": 40}, {"frame": 4, "interocular": 1, "convergence": 9}]}})",
     R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "part": "1/2", "interpolation": "cubic",
   "exr": {"compression": "piz", "owner": "us", "comments": "none", "statistics": true}})"};
 
