@@ -4,14 +4,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/matrix_transform.hpp>
+#include <tuple>
 
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "support/contact_sheet.h"
 #include "support/drawing.h"
+#include "support/foreign_files.h"
 #include "support/lattices.h"
 #include "support/quality_scenes.h"
 #include "support/reference_renderer.h"
@@ -57,6 +60,7 @@ TEST(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
 
 struct MixMagnification {
   double px_per_voxel, least_db;
+  int rays_per_axis = 4;  // of the reference, in a pixel
 };
 constexpr int kMixPixels = 128;
 
@@ -70,6 +74,37 @@ Camera mixCameraAt(const VolumeGeometry& volume, Projection projection, double p
   return camera;
 }
 
+// The affine of a volume that is turned, has voxels of these edges, and its middle there.
+glm::dmat4 turnedAround(const glm::dvec3& middle, const glm::dvec3& spacing, const Extent3& dims) {
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), middle);
+  turned = glm::rotate(turned, 0.8, glm::normalize(glm::dvec3(1, 0.4, 0.2)));
+  turned = glm::scale(turned, spacing);
+  return glm::translate(turned, -glm::dvec3(dims.x - 1, dims.y - 1, dims.z - 1) / 2.0);
+}
+
+// Draws the scene, says how far it is from the reference's picture, and adds both and their difference to the sheet.
+void expectThatOfTheReference(const std::vector<ReferenceVolume>& scene,
+                              const std::vector<std::filesystem::path>& stores, const View& view,
+                              const MixMagnification& must, const std::string& name,
+                              std::vector<std::vector<Image>>& sheet) {
+  FrameRequest request;
+  setLattice(request, Lattice::kPixel);
+  request.view = view;
+  request.opacity_threshold = 0.9999;
+  for (const ReferenceVolume& volume : scene)
+    request.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
+  const Image truth = referenceImage(scene, view, {must.rays_per_axis, 0.25, 0.9999}), image = draw(stores, request);
+  const ImageDifference ours = compareImages(truth, image);
+  std::printf("%s, %.0f px/voxel: %.1f dB, brightness %+.2f %%\n", name.c_str(), must.px_per_voxel,
+              ours.foreground_psnr_db, 100 * (ours.mean_brightness_ratio - 1));
+  std::fflush(stdout);
+  EXPECT_GE(ours.foreground_psnr_db, must.least_db);
+  EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.01);
+  sheet[0].push_back(image);
+  sheet[1].push_back(truth);
+  sheet[2].push_back(differenceImage(image, truth));
+}
+
 class VolumeMixPicture : public ::testing::TestWithParam<Projection> {};
 
 TEST_P(VolumeMixPicture, IsThatOfTheReference) {
@@ -77,10 +112,8 @@ TEST_P(VolumeMixPicture, IsThatOfTheReference) {
   DenseVolume second = readVolume("phantom:engine:100x120x90");
   const glm::dvec3 middle = first.geometry.worldOf({71.5, 71.5, 71.5});
   const double edge = first.geometry.meanSpacing();
-  glm::dmat4 turned = glm::translate(glm::dmat4(1), middle + edge * glm::dvec3(10, -25, 15));
-  turned = glm::rotate(turned, 0.8, glm::normalize(glm::dvec3(1, 0.4, 0.2)));
-  turned = glm::scale(turned, edge * glm::dvec3(0.8, 0.9, 1.3));
-  second.geometry.world_from_index = glm::translate(turned, -glm::dvec3(49.5, 59.5, 44.5));
+  second.geometry.world_from_index =
+      turnedAround(middle + edge * glm::dvec3(10, -25, 15), edge * glm::dvec3(0.8, 0.9, 1.3), second.geometry.dims);
   const std::vector<std::filesystem::path> stores = {makeStore(first, "mixed_head", 64),
                                                      makeStore(second, "mixed_engine", 32)};
   const ValueRange values = second.range();
@@ -98,27 +131,53 @@ TEST_P(VolumeMixPicture, IsThatOfTheReference) {
   scene[0].clipping.planes = {{{0, 1, 0}, -middle.y + 30 * edge}};
   std::vector<std::vector<Image>> sheet(3);
   for (const MixMagnification& must : {MixMagnification{1, 30}, {2, 34}}) {
-    FrameRequest request;
-    setLattice(request, Lattice::kPixel);
-    request.view = resolve(mixCameraAt(first.geometry, GetParam(), must.px_per_voxel), {kMixPixels, kMixPixels});
-    request.opacity_threshold = 0.9999;
-    for (const ReferenceVolume& volume : scene)
-      request.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
-    const Image truth = referenceImage(scene, request.view, {4, 0.25, 0.9999}), image = draw(stores, request);
-    const ImageDifference ours = compareImages(truth, image);
-    std::printf("%s, %.0f px/voxel: %.1f dB, brightness %+.2f %%\n", nameOf(GetParam()), must.px_per_voxel,
-                ours.foreground_psnr_db, 100 * (ours.mean_brightness_ratio - 1));
-    EXPECT_GE(ours.foreground_psnr_db, must.least_db);
-    EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.01);
-    sheet[0].push_back(image);
-    sheet[1].push_back(truth);
-    sheet[2].push_back(differenceImage(image, truth));
+    const View view = resolve(mixCameraAt(first.geometry, GetParam(), must.px_per_voxel), {kMixPixels, kMixPixels});
+    expectThatOfTheReference(scene, stores, view, must, nameOf(GetParam()), sheet);
   }
   writeContactSheet(sheet, kMixPixels, fmt::format("volume_mix_{}.png", nameOf(GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Projections, VolumeMixPicture,
                          ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+
+// Scans, at 512 x 512 pixels: a head, bone through translucent skin, and another one or an engine that is turned, has
+// voxels of other edges and goes through it.
+class NightlyMixOfScans : public ::testing::TestWithParam<std::tuple<const char*, Projection, MixMagnification>> {};
+
+TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
+  constexpr int kPixels = 512;
+  const auto [name, projection, must] = GetParam();
+  const auto subject = [](const std::string& wanted) {
+    const std::vector<QualityVolume>& all = qualityVolumes();
+    return *std::find_if(all.begin(), all.end(), [&](const QualityVolume& v) { return v.name == wanted; });
+  };
+  const QualityVolume head = subject("vhm_head"), other = subject(name);
+  if (realData(head.file).empty() || realData(other.file).empty()) GTEST_SKIP() << "the scans are not here";
+  const DenseVolume first = readVolume(realData(head.file));
+  DenseVolume second = readVolume(realData(other.file));
+  const glm::dvec3 face = first.geometry.worldOf(head.close_up);
+  const double edge = first.geometry.meanSpacing();
+  second.geometry.world_from_index =
+      turnedAround(face + edge * glm::dvec3(30, 55, 45), edge * glm::dvec3(0.8, 0.9, 1.3), second.geometry.dims);
+  const std::vector<std::filesystem::path> stores = {makeStore(first, "head", 128), makeStore(second, "other", 64)};
+  std::vector<ReferenceVolume> scene(2);
+  scene[0] = {&first, transferFunctionOf(head, Material::kBoneInSkin), {}, {}};
+  scene[1] = {&second, transferFunctionOf(other, Material::kBone), {}, {}};
+  scene[1].transfer_function.points[0].color = scene[1].transfer_function.points[1].color = {0.4, 0.6, 0.9};
+  std::vector<std::vector<Image>> sheet(3);
+  const Camera camera = cameraOf(head, first.geometry, projection, must.px_per_voxel, kPixels);
+  expectThatOfTheReference(scene, stores, resolve(camera, {kPixels, kPixels}), must,
+                           fmt::format("vhm_head and {}, {}", name, nameOf(projection)), sheet);
+  writeContactSheet(sheet, kPixels,
+                    fmt::format("volume_mix_{}_{}_{}px.png", name, nameOf(projection), must.px_per_voxel));
+}
+
+// Of the reference, as many rays a voxel or more.
+INSTANTIATE_TEST_SUITE_P(Scans, NightlyMixOfScans,
+                         ::testing::Combine(::testing::Values("engine", "cthead"),
+                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective),
+                                            ::testing::Values(MixMagnification{1, 28}, MixMagnification{2, 34, 2},
+                                                              MixMagnification{4, 34, 2})));
 
 }  // namespace
 }  // namespace kiln::test
