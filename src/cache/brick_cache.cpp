@@ -12,8 +12,8 @@
 
 namespace kiln {
 BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers,
-                       SkipHandler skip)
-    : stores_(std::move(stores)), budget_bytes_(budget_bytes), skip_(std::move(skip)) {
+                       SkipHandler skip, BrickFiles* files)
+    : stores_(std::move(stores)), budget_bytes_(budget_bytes), skip_(std::move(skip)), files_(files) {
   for (const StoreReader* const store : stores_) {
     const std::uint64_t smallest = store->largestReadBytes();
     if (smallest <= budget_bytes) continue;
@@ -73,11 +73,19 @@ BrickCache::Slots::iterator BrickCache::begin(const StoredBrick& brick) {
 void BrickCache::read(Slots::iterator slot, Lock& lock) {
   const StoredBrick brick = slot->first;
   const StoreReader& store = storeOf(brick);
+  const BrickEntry& entry = store.index().at(brick.key);
   std::shared_ptr<const BrickBlock> block;
   std::exception_ptr failure;
+  bool from_disk = true;
   lock.unlock();
   try {
-    block = std::make_shared<const BrickBlock>(store.read(brick.key));
+    if (files_ != nullptr && !entry.constant) {
+      const BrickFile file = files_->fetch(store, brick.key);
+      from_disk = file.from_disk;
+      block = std::make_shared<const BrickBlock>(store.decode(brick.key, *file.bytes));
+    } else {
+      block = std::make_shared<const BrickBlock>(store.read(brick.key));
+    }
   } catch (...) {
     failure = std::current_exception();
   }
@@ -92,9 +100,8 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
   done.failure = failure;
   if (failure) recency_.erase(done.recency);
   if (done.block) {
-    const BrickEntry& entry = store.index().at(brick.key);
-    ++(entry.constant ? counts_.constants : counts_.reads);
-    counts_.read_bytes += entry.file_bytes;
+    ++(entry.constant ? counts_.constants : from_disk ? counts_.reads : counts_.shared);
+    (from_disk ? counts_.read_bytes : counts_.shared_bytes) += entry.file_bytes;
   }
   changed_.notify_all();
 }

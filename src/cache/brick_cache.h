@@ -19,25 +19,21 @@
 #include <vector>
 
 #include "base/error.h"
+#include "cache/brick_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {
 
-/// A brick of one of the stores that a cache is of.
-struct StoredBrick {
-  BrickKey key;
-  int store = 0;  // its place among them
-  auto operator<=>(const StoredBrick&) const = default;
-};
-
 struct CacheCounts {
-  std::uint64_t reads = 0;       // bricks decoded from a file
+  std::uint64_t reads = 0;       // bricks decoded from a file that was read from the disk for them
   std::uint64_t read_bytes = 0;  // of those files
-  std::uint64_t constants = 0;   // bricks made without a file
-  std::uint64_t hits = 0;        // bricks that were there, or on their way, when they were asked for
-  std::uint64_t unused = 0;      // bricks read ahead that made room again before anyone asked
-  std::uint64_t skipped = 0;     // times that `get` gave nothing, because the brick cannot be read
-  double load_seconds = 0;       // that `get` took
+  std::uint64_t shared = 0;      // bricks decoded from a file that was in memory, here or elsewhere
+  std::uint64_t shared_bytes = 0;
+  std::uint64_t constants = 0;  // bricks made without a file
+  std::uint64_t hits = 0;       // bricks that were there, or on their way, when they were asked for
+  std::uint64_t unused = 0;     // bricks read ahead that made room again before anyone asked
+  std::uint64_t skipped = 0;    // times that `get` gave nothing, because the brick cannot be read
+  double load_seconds = 0;      // that `get` took
 };
 
 class BrickCache {
@@ -46,12 +42,13 @@ class BrickCache {
   using SkipHandler = std::function<void(const Error&)>;
 
   /// `readers` threads read what is announced; 0 reads nothing ahead. With `skip`, a brick that cannot be read is no
-  /// error. throws: Error kBudget where the largest brick does not fit, naming the smallest budget that works.
+  /// error. With `files`, brick files come from there. throws: Error kBudget where the largest brick does not fit,
+  /// naming the smallest budget that works.
   BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
       : BrickCache(std::vector<const StoreReader*>{&store}, budget_bytes, readers, std::move(skip)) {}
   /// The same of several stores, whose bricks have the budget together.
   BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers = 0,
-             SkipHandler skip = {});
+             SkipHandler skip = {}, BrickFiles* files = nullptr);
   ~BrickCache();
   BrickCache(const BrickCache&) = delete;
   BrickCache& operator=(const BrickCache&) = delete;
@@ -112,6 +109,7 @@ class BrickCache {
   const std::vector<const StoreReader*> stores_;
   const std::uint64_t budget_bytes_;
   const SkipHandler skip_;
+  BrickFiles* const files_;
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;

@@ -55,6 +55,17 @@ Manifest loadManifest(const fs::path& directory) {
   return parseManifest(readTextFile(path, kLargestManifest), path);
 }
 
+template <class BytesOf>
+std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
+  std::uint64_t largest = 0;
+  for (int level = 0; level < index.levels(); ++level) {
+    const Extent3& lattice = index.lattice(level);
+    for (std::int64_t i = 0; i < lattice.count(); ++i)
+      largest = std::max<std::uint64_t>(largest, bytes_of(BrickKey{level, brickAt(lattice, i)}));
+  }
+  return largest;
+}
+
 }  // namespace
 
 StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(loadManifest(directory)) {
@@ -69,7 +80,7 @@ BrickFrame StoreReader::frame(const BrickKey& key) const {
   return {key, manifest_.type, manifest_.brick_size, manifest_.apron, level(key.level).geometry};
 }
 
-std::vector<std::byte> StoreReader::readFileOf(const BrickKey& key) const {
+std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   Span span(Activity::kRead);
   if (span.traced()) {
@@ -82,7 +93,15 @@ std::vector<std::byte> StoreReader::readFileOf(const BrickKey& key) const {
 BrickBlock StoreReader::read(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   if (entry.constant) return constantBrick(frame(key), entry.core.lo);
-  const std::vector<std::byte> file = readFileOf(key);
+  return decode(key, readFile(key));
+}
+
+bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) const {
+  const BrickEntry& entry = index_.at(key);
+  return file.size() == entry.file_bytes && hashOf(file) == entry.checksum;
+}
+
+BrickBlock StoreReader::decode(const BrickKey& key, std::span<const std::byte> file) const {
   Span span(Activity::kDecode);
   if (span.traced()) span.note("brick", brickPath(key).native());
   return decodeBrick(frame(key), file, directory_ / brickPath(key));
@@ -93,13 +112,11 @@ std::size_t StoreReader::readBytes(const BrickKey& key) const {
 }
 
 std::uint64_t StoreReader::largestReadBytes() const {
-  std::uint64_t largest = 0;
-  for (int level = 0; level < index_.levels(); ++level) {
-    const Extent3& lattice = index_.lattice(level);
-    for (std::int64_t i = 0; i < lattice.count(); ++i)
-      largest = std::max<std::uint64_t>(largest, readBytes({level, brickAt(lattice, i)}));
-  }
-  return largest;
+  return largestOf(index_, [this](const BrickKey& key) { return readBytes(key); });
+}
+
+std::uint64_t StoreReader::largestFileBytes() const {
+  return largestOf(index_, [this](const BrickKey& key) { return index_.at(key).file_bytes; });
 }
 
 bool isStore(const fs::path& directory) {

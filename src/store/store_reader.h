@@ -1,7 +1,10 @@
 // Opens a store and reads its bricks, each checked against its checksum before a byte of it is interpreted.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <vector>
 
 #include "store/brick_codec.h"
 #include "store/brick_index.h"
@@ -23,14 +26,21 @@ class StoreReader {
   /// Reads, checks and decodes a brick; a constant one costs no I/O. thread: safe.
   /// throws: Error kDamaged naming the file and both checksums, kNotFound, kIo.
   BrickBlock read(const BrickKey& key) const;
+  /// The two halves of `read` of a brick that is not constant, for bytes that come another way: the file, checked, and
+  /// the brick that it is. requires: `file` has passed `check`. thread: safe. throws: as `read`.
+  std::vector<std::byte> readFile(const BrickKey& key) const;
+  BrickBlock decode(const BrickKey& key, std::span<const std::byte> file) const;
+  /// Whether bytes that this process has not read itself are those of the brick's file.
+  bool check(const BrickKey& key, std::span<const std::byte> file) const;
   /// The memory that `read` holds at its peak, the result included. unit: bytes.
   std::size_t readBytes(const BrickKey& key) const;
 
   /// The most of these over all bricks: less memory than this reads no picture. unit: bytes.
   std::uint64_t largestReadBytes() const;
+  /// The largest brick file. unit: bytes.
+  std::uint64_t largestFileBytes() const;
 
  private:
-  std::vector<std::byte> readFileOf(const BrickKey& key) const;
   std::filesystem::path directory_;
   Manifest manifest_;
   BrickIndex index_;
