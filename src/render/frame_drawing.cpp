@@ -301,6 +301,8 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_unused = after.unused - before_.unused;
   out.bricks_damaged = out.damaged.size();
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
+  out.bricks_shared = after.shared - before_.shared;
+  out.bricks_shared_bytes = after.shared_bytes - before_.shared_bytes;
   out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : 0;
   out.load_s = after.load_seconds - before_.load_seconds;
   return out;

@@ -24,6 +24,7 @@ struct FrameMemory {
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t trace = 0;       // the trace, where one is kept
+  std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves
   std::uint64_t brick = 0;       // reading one, the largest of the store; of several volumes, all that meet in a tile
 
   bool several = false;  // volumes
@@ -36,14 +37,14 @@ struct FrameMemory {
   int bricks_together = kMostBricksTogether;  // that are drawn at a time: one where slabs else were too much
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
-  std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace; }
+  std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace + shared; }
   /// All that grows with the pixels that are drawn.
   std::uint64_t framebuffer() const { return image + face + band + deep + edges; }
   /// What `brick` is for, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
-    return besideBricks() - slabs + least_slabs - band + least_band - edges + least_edges + brick;
+    return besideBricks() - shared - slabs + least_slabs - band + least_band - edges + least_edges + brick;
   }
 };
 

@@ -33,6 +33,14 @@ FrameMemory withBeside(FrameMemory memory, std::uint64_t beside_bytes) {
   return memory;
 }
 
+FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vector<const StoreReader*>& stores) {
+  const std::uint64_t taken = memory.besideBricks() + memory.brick;
+  std::uint64_t largest = 0;
+  for (const StoreReader* const store : stores) largest = std::max(largest, store->largestFileBytes());
+  if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, largest);
+  return memory;
+}
+
 }  // namespace
 
 Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
@@ -90,14 +98,18 @@ FrameMemory memoryOf(const RenderJob& job, const std::vector<const StoreReader*>
   return frameMemory(stores, job, least);
 }
 
-OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes)
+OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes, SharedReads* shared)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
       scenes_(drawn_job_, manifestsOf(stores_)),
-      memory_(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes)),
+      memory_(withShared(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes),
+                         shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
+      for_ranks_(shared, readersOf(stores_), memory_.shared),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
-             skipperOf(job_, progress)) {
+             skipperOf(job_, progress), for_ranks_.files()) {}
+
+void OpenedJob::noteUnknownLabels(Progress& progress) const {
   for (std::size_t v = 0; v < stores_.size(); ++v) {
     const std::string unknown = unknownLabelsText(scenes_.functionOf(v), stores_[v]->manifest());
     if (!unknown.empty()) progress.note("warning: " + stores_[v]->path().string() + ": " + unknown);
@@ -167,6 +179,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.index_bytes = memory_.index;
   statistics.slabs_bytes = memory_.slabs;
   statistics.trace_bytes = memory_.trace;
+  statistics.shared_reads_bytes = memory_.shared;
 }
 
 }  // namespace kiln

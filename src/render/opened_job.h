@@ -10,6 +10,7 @@
 #include "output/image.h"
 #include "render/frame_memory.h"
 #include "render/render_frame.h"
+#include "render/shared_reads.h"
 #include "render/statistics.h"
 #include "scene/frame_scene.h"
 #include "scene/render_job.h"
@@ -32,7 +33,8 @@ class OpenedJob {
  public:
   /// `job.volume` is a store; of several volumes, each is. `beside_bytes` are the caller's, charged with the image.
   /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
-  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0);
+  /// With `shared`, brick files are read once among all ranks, where memory is left for it.
+  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0, SharedReads* shared = nullptr);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
@@ -50,6 +52,8 @@ class OpenedJob {
   const StoreReader& store() const { return *stores_.front(); }
   /// As it was given.
   const RenderJob& job() const { return job_; }
+  /// Labels that are there and have no entry: a sentence a volume.
+  void noteUnknownLabels(Progress& progress) const;
   /// What the memory is for, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;
 
@@ -59,6 +63,7 @@ class OpenedJob {
   const std::vector<std::unique_ptr<StoreReader>> stores_;
   SceneOfJob scenes_;
   FrameMemory memory_;
+  const OpenedForRanks for_ranks_;
   BrickCache cache_;
 };
 

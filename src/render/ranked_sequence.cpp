@@ -13,11 +13,14 @@ namespace fs = std::filesystem;
 
 RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores,
                                Progress& progress, SequenceListener& listener, std::uint64_t beside_bytes,
-                               std::optional<VoxelBox> part)
+                               std::optional<VoxelBox> part, bool share_reads)
     : job_(job),
       ranks_(*options.ranks),
       progress_(progress),
-      frames_(job, std::move(stores), progress, beside_bytes, part),
+      shared_reads_(share_reads ? std::make_unique<SharedReads>(ranks_) : nullptr),
+      // Of a time series, ranks have volumes of their own.
+      frames_(job, std::move(stores), progress, beside_bytes,
+              {part, shared_reads_.get(), ranks_.first() || isSeries(job)}),
       resume_(options.resume),
       listener_(listener) {}
 
@@ -26,9 +29,20 @@ SequenceResult RankedSequence::run() {
   frames_.requireScenes();
   if (ranks_.first()) listener_.started(job_, frames_.numbers());
   findKept();
-  if (!to_draw_.empty()) share();
+  if (!to_draw_.empty()) shareAndRead();
   finish();
   return std::move(result_);
+}
+
+// A rank that fails here ends all: what it waits for will not come.
+void RankedSequence::shareAndRead() {
+  try {
+    share();
+    if (shared_reads_) shared_reads_->finish();
+  } catch (...) {
+    if (shared_reads_) shared_reads_->abandon();
+    throw;
+  }
 }
 
 // Each rank looks at some of the frames, since looking is reading them.
@@ -96,6 +110,7 @@ void RankedSequence::finish() {
   const RankTraffic traffic = ranks_.traffic();
   own_.sent_bytes = traffic.sent_bytes;
   own_.received_bytes = traffic.received_bytes;
+  if (shared_reads_) own_.add(shared_reads_->counts());
   RenderStatistics& s = result_.statistics;
   s.ranks = gatherLists(ranks_, std::vector<RankStatistics>{own_});
   if (ranks_.first()) {

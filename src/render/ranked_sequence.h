@@ -3,18 +3,21 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "cluster/ranks.h"
 #include "render/rank_messages.h"
 #include "render/sequence.h"
+#include "render/shared_reads.h"
 
 namespace kiln {
 
 class RankedSequence {
  public:
   RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores, Progress& progress,
-                 SequenceListener& listener, std::uint64_t beside_bytes, std::optional<VoxelBox> part = std::nullopt);
+                 SequenceListener& listener, std::uint64_t beside_bytes, std::optional<VoxelBox> part = std::nullopt,
+                 bool share_reads = false);
   virtual ~RankedSequence() = default;
   RankedSequence(const RankedSequence&) = delete;
   RankedSequence& operator=(const RankedSequence&) = delete;
@@ -40,12 +43,14 @@ class RankedSequence {
   const RenderJob& job_;
   Ranks& ranks_;
   Progress& progress_;
+  const std::unique_ptr<SharedReads> shared_reads_;  // null where each rank reads for itself
   SequenceFrames frames_;
   RankStatistics own_;
   std::size_t heard_ = 0;
 
  private:
   void findKept();
+  void shareAndRead();
   void finish();
 
   const bool resume_;

@@ -62,6 +62,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   if (!job.trace.empty()) trace.emplace(job.trace);
   const int number = framesOf(job).front();
   OpenedJob opened(jobAtFrame(job, number), progress);
+  opened.noteUnknownLabels(progress);
   RenderResult result;
   DrawnFrame drawn;
   UncountedProgress of_one(progress);

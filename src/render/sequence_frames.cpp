@@ -36,12 +36,12 @@ void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)
 }
 
 SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes,
-                               std::optional<VoxelBox> part)
+                               RankRole role)
     : job_(job),
       store_for_(std::move(store_for)),
       progress_(progress),
       beside_bytes_(beside_bytes),
-      part_(part),
+      role_(role),
       numbers_(framesOf(job)) {
   requireOutputs(job_, numbers_.size());
 }
@@ -82,8 +82,9 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   if (opened_) opened_->describeMemory(memory_);
   opened_.reset();  // before the next one takes its memory
   if (store_for_) forEachVolume(job, store_for_);
-  if (part_) job.picture.clipping.part = part_;
-  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_);
+  if (role_.part) job.picture.clipping.part = role_.part;
+  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_, role_.shared_reads);
+  if (role_.warns) opened_->noteUnknownLabels(progress_);
   return *opened_;
 }
 
@@ -99,13 +100,13 @@ bool SequenceFrames::isThere(int frame) {
 
 FrameScene SequenceFrames::sceneToWrite(const OpenedJob& opened, int frame) const {
   FrameScene scene = opened.sceneAt(frame);
-  if (part_) scene.picture.clipping.part.reset();
+  if (role_.part) scene.picture.clipping.part.reset();
   return scene;
 }
 
 RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
   RenderJob job = opened.job();
-  if (!part_) return job;
+  if (!role_.part) return job;
   job.picture.clipping.part.reset();
   job.volume = job_.volume;  // also where this rank reads a part of it elsewhere
   return job;

@@ -41,7 +41,8 @@ struct Assembly {
 class SharedSequence : public RankedSequence {
  public:
   SharedSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
-      : RankedSequence(job, options, sharedStores(job, options), progress, listener, tileBytes(job)),
+      : RankedSequence(job, options, sharedStores(job, options), progress, listener, tileBytes(job), std::nullopt,
+                       job.share_reads && !isSeries(job)),
         crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
 
  private:
@@ -56,6 +57,8 @@ class SharedSequence : public RankedSequence {
     }
     broadcastList(ranks_, plan_.tiles);
     broadcastList(ranks_, plan_.bounds);
+    broadcastList(ranks_, plan_.homes);
+    if (shared_reads_) shared_reads_->settle(plan_.homes);
   }
 
   void share() override {

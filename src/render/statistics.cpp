@@ -48,6 +48,8 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"unused", frame.bricks_unused},
             {"damaged", frame.bricks_damaged},
             {"read_bytes", frame.bricks_read_bytes},
+            {"shared", frame.bricks_shared},
+            {"shared_bytes", frame.bricks_shared_bytes},
             {"contributing", frame.bricks_contributing},
             {"contributing_bytes", frame.bricks_contributing_bytes},
             {"read_to_contributing", readToContributing(frame)}}},
@@ -64,7 +66,13 @@ nlohmann::ordered_json ranksOf(const RenderStatistics& s) {
                    {"frames_written", rank.frames_written},
                    {"sent_bytes", rank.sent_bytes},
                    {"received_bytes", rank.received_bytes},
-                   {"bricks", {{"read", rank.bricks_read}, {"read_bytes", rank.bricks_read_bytes}}},
+                   {"bricks",
+                    {{"read", rank.bricks_read},
+                     {"read_bytes", rank.bricks_read_bytes},
+                     {"received", rank.bricks_received},
+                     {"received_bytes", rank.bricks_received_bytes},
+                     {"sent", rank.bricks_sent},
+                     {"sent_bytes", rank.bricks_sent_bytes}}},
                    {"voxels", {{"visited", rank.voxels_visited}, {"splats", rank.voxels_splats}}},
                    {"memory", {{"peak_cache_bytes", rank.peak_cache_bytes}, {"peak_rss_bytes", rank.peak_rss_bytes}}}});
   return out;
@@ -103,6 +111,8 @@ void FrameStatistics::merge(const FrameStatistics& other) {
   nodes_hidden += other.nodes_hidden;
   bricks_read += other.bricks_read;
   bricks_read_bytes += other.bricks_read_bytes;
+  bricks_shared += other.bricks_shared;
+  bricks_shared_bytes += other.bricks_shared_bytes;
   bricks_hidden += other.bricks_hidden;
   bricks_unused += other.bricks_unused;
   bricks_total = std::max(bricks_total, other.bricks_total);
@@ -132,6 +142,15 @@ void RankStatistics::add(const FrameStatistics& share) {
   peak_rss_bytes = std::max(peak_rss_bytes, share.peak_rss_bytes);
 }
 
+void RankStatistics::add(const SharedReadCounts& shared) {
+  bricks_read = shared.read;
+  bricks_read_bytes = shared.read_bytes;
+  bricks_received = shared.received;
+  bricks_received_bytes = shared.received_bytes;
+  bricks_sent = shared.sent;
+  bricks_sent_bytes = shared.sent_bytes;
+}
+
 void RenderStatistics::add(const FrameStatistics& frame) {
   frames.push_back(frame);
   load_s += frame.load_s;
@@ -155,11 +174,17 @@ std::string statisticsText(const RenderStatistics& s) {
   if (!s.failed.empty()) out["failed"] = s.failed;
   if (!s.frames.empty()) out.update(threadsOf(s.frames.back()));
   if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
-  out["memory"] = {{"budget_bytes", s.budget_bytes},         {"cache_bytes", s.cache_bytes},
-                   {"peak_cache_bytes", s.peak_cache_bytes}, {"framebuffer_bytes", s.framebuffer_bytes},
-                   {"visibility_bytes", s.visibility_bytes}, {"index_bytes", s.index_bytes},
-                   {"slabs_bytes", s.slabs_bytes},           {"peak_slabs_bytes", s.peak_slabs_bytes},
-                   {"trace_bytes", s.trace_bytes},           {"peak_rss_bytes", s.peak_rss_bytes}};
+  out["memory"] = {{"budget_bytes", s.budget_bytes},
+                   {"cache_bytes", s.cache_bytes},
+                   {"peak_cache_bytes", s.peak_cache_bytes},
+                   {"framebuffer_bytes", s.framebuffer_bytes},
+                   {"visibility_bytes", s.visibility_bytes},
+                   {"index_bytes", s.index_bytes},
+                   {"slabs_bytes", s.slabs_bytes},
+                   {"peak_slabs_bytes", s.peak_slabs_bytes},
+                   {"shared_reads_bytes", s.shared_reads_bytes},
+                   {"trace_bytes", s.trace_bytes},
+                   {"peak_rss_bytes", s.peak_rss_bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
   if (!s.ranks.empty()) {
     out["shared_by"] = s.shared_by;

@@ -33,6 +33,8 @@ struct FrameStatistics {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
+  /// Of several ranks: bricks whose files were in the memory of one when another, or it again, needed them.
+  std::uint64_t bricks_shared = 0, bricks_shared_bytes = 0;
   /// Bricks without which a pixel would be another, and the bytes of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
   std::uint64_t slab_bytes = 0;                            // that the threads swept with, at the most
@@ -51,21 +53,34 @@ struct FrameStatistics {
   void addView(const FrameStatistics& view);
 };
 
+/// Brick files of one rank, and their bytes.
+struct SharedReadCounts {
+  std::uint64_t read = 0, read_bytes = 0;          // from the disk, for itself and for others
+  std::uint64_t received = 0, received_bytes = 0;  // from other ranks
+  std::uint64_t sent = 0, sent_bytes = 0;          // to other ranks
+};
+
 /// What a rank did for a job. `busy_s` is all time but that in which it waited for others.
 struct RankStatistics {
   int rank = 0;
   double busy_s = 0, idle_s = 0;
   std::uint64_t tiles = 0, frames_written = 0;
   std::uint64_t sent_bytes = 0, received_bytes = 0;
-  std::uint64_t bricks_read = 0, bricks_read_bytes = 0, voxels_visited = 0, voxels_splats = 0;
+  /// Bricks that it read from the disk; files of bricks that others sent to it, and it to them.
+  std::uint64_t bricks_read = 0, bricks_read_bytes = 0;
+  std::uint64_t bricks_received = 0, bricks_received_bytes = 0, bricks_sent = 0, bricks_sent_bytes = 0;
+  std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
+  /// Where ranks share what they read: these are the bricks that it read, also for others.
+  void add(const SharedReadCounts& shared);
 };
 
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
   std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
+  std::uint64_t shared_reads_bytes = 0;                 // of brick files that ranks send one another
   std::uint64_t trace_bytes = 0;                        // of the trace, where one is kept
   std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;

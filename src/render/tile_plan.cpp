@@ -28,10 +28,10 @@ struct SampledBrick {
   std::uint64_t bytes;
 };
 using SampledFrames = std::vector<std::vector<SampledBrick>>;
+using BrickPlaces = std::map<BrickKey, std::size_t>;
 
-SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames) {
+SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, BrickPlaces& places) {
   SampledFrames out;
-  std::map<BrickKey, std::size_t> places;
   // Of several volumes the index of one says little: tiles count by their areas.
   const std::size_t count = opened.job().volumes.empty() ? std::min(kSampled, frames.size()) : 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -49,6 +49,8 @@ SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames) {
   return out;
 }
 
+double areaOf(const PixelRect& r) { return static_cast<double>(r.width()) * r.height(); }
+
 // The picture in steps of kVisibilityTile, so that no cut goes through a thread's tile, with what drawing each may
 // take.
 struct Grid {
@@ -62,7 +64,7 @@ struct Grid {
         rows((crop.y1 - 1) / kVisibilityTile - crop.y0 / kVisibilityTile + 1),
         sums(static_cast<std::size_t>(columns + 1) * static_cast<std::size_t>(rows + 1)) {
     for (int y = 0; y < rows; ++y) {
-      for (int x = 0; x < columns; ++x) at(x + 1, y + 1) = kEmptyWork * area(rect({x, y, x + 1, y + 1}));
+      for (int x = 0; x < columns; ++x) at(x + 1, y + 1) = kEmptyWork * areaOf(rect({x, y, x + 1, y + 1}));
     }
     for (const auto& bricks : frames) {
       for (const SampledBrick& brick : bricks) addWork(brick.rect);
@@ -81,7 +83,6 @@ struct Grid {
   double work(const PixelRect& t) const { return at(t.x1, t.y1) - at(t.x0, t.y1) - at(t.x1, t.y0) + at(t.x0, t.y0); }
 
  private:
-  static double area(const PixelRect& r) { return static_cast<double>(r.width()) * r.height(); }
   double& at(int x, int y) { return sums[static_cast<std::size_t>(y * (columns + 1) + x)]; }
   double at(int x, int y) const { return sums[static_cast<std::size_t>(y * (columns + 1) + x)]; }
   void addWork(const PixelRect& brick) {
@@ -90,7 +91,7 @@ struct Grid {
     const int x0 = crop.x0 / kVisibilityTile, y0 = crop.y0 / kVisibilityTile;
     for (int y = seen.y0 / kVisibilityTile - y0; y <= (seen.y1 - 1) / kVisibilityTile - y0; ++y) {
       for (int x = seen.x0 / kVisibilityTile - x0; x <= (seen.x1 - 1) / kVisibilityTile - x0; ++x)
-        at(x + 1, y + 1) += area(intersection(seen, rect({x, y, x + 1, y + 1})));
+        at(x + 1, y + 1) += areaOf(intersection(seen, rect({x, y, x + 1, y + 1})));
     }
   }
 };
@@ -212,13 +213,34 @@ void addTiles(const Grid& grid, const PixelRect& part, std::vector<PixelRect>& o
   }
 }
 
+std::vector<BrickHome> homesOf(const SampledFrames& frames, const BrickPlaces& places,
+                               const std::vector<PixelRect>& parts) {
+  std::vector<std::map<std::size_t, double>> seen(places.size());  // pixels of each rank's
+  for (const auto& bricks : frames) {
+    for (const SampledBrick& brick : bricks) {
+      for (std::size_t rank = 0; rank < parts.size(); ++rank) {
+        const PixelRect there = intersection(brick.rect, parts[rank]);
+        if (!there.empty()) seen[brick.place][rank] += areaOf(there);
+      }
+    }
+  }
+  std::vector<BrickHome> out;
+  for (const auto& [key, place] : places) {
+    const auto most = std::max_element(seen[place].begin(), seen[place].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most != seen[place].end()) out.push_back({key, static_cast<std::int32_t>(most->first)});
+  }
+  return out;
+}
+
 }  // namespace
 
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution) {
   const PictureOptions& picture = opened.job().picture;
   TilePlan out;
   if (distribution == Distribution::kFrames) return out;
-  const SampledFrames sampled = sample(opened, frames);
+  BrickPlaces places;
+  const SampledFrames sampled = sample(opened, frames, places);
   const Grid grid(drawnPixels(picture.size, picture.crop), sampled);
   Reading reading(sampled);
   std::vector<PixelRect> parts;
@@ -233,8 +255,9 @@ TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks,
     parts = std::move(some);
   }
   out.bounds.push_back(0);
-  for (const PixelRect& part : parts) {
+  for (PixelRect& part : parts) {
     addTiles(grid, part, out.tiles);
+    part = part.empty() ? PixelRect{} : grid.rect(part);
     out.bounds.push_back(static_cast<std::uint32_t>(out.tiles.size()));
   }
   if (distribution == Distribution::kAuto && frames.size() >= static_cast<std::size_t>(2 * ranks)) {
@@ -242,6 +265,7 @@ TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks,
     if (few || static_cast<double>(bytesOfFrames(sampled, ranks)) <= kWorthTiles * static_cast<double>(least))
       return {};
   }
+  out.homes = homesOf(sampled, places, parts);
   return out;
 }
 

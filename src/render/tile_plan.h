@@ -15,6 +15,7 @@ struct TilePlan {
   static constexpr std::uint32_t kSpared = 4;
   std::vector<PixelRect> tiles;       // of the whole picture's pixels; they fill the crop, neighbours behind each other
   std::vector<std::uint32_t> bounds;  // the i-th rank's tiles are [bounds[i], bounds[i + 1])
+  std::vector<BrickHome> homes;       // bricks that are seen, each at the rank whose tiles have most of it
   bool wholeFrames() const { return tiles.empty(); }  // are handed out, not their tiles
 };
 

@@ -53,6 +53,7 @@ constexpr JobKey kRootKeys[] = {
      R"({"type": "integer", "minimum": 0, "maximum": 65536, "description": "a power of two from 64 on, or 0"})"},
     {"trace", R"({"$ref": "text", "description": "a file for what each thread did when, in Chrome's trace format"})"},
     {"distribute", R"({"enum": "distribution", "description": "what the ranks of mpirun share"})"},
+    {"shareReads", R"({"type": "boolean", "description": "a brick file is read by one rank of mpirun for all"})"},
     {"exr", R"({"$ref": "exr"})"},
     {"png", R"({"$ref": "png"})"},
 };

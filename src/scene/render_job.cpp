@@ -313,6 +313,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   job.distribution = static_cast<Distribution>(root.choice("distribute", kDistributionNames).value_or(0));
+  job.share_reads = root.flag("shareReads").value_or(true);
   readOutput(root, job.output);
   if (const auto trace = root.text("trace", "a file name")) job.trace = besideJob(*trace, path);
   return job;

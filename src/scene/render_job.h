@@ -186,6 +186,7 @@ struct RenderJob {
   std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
   SpeedOptions speed;
   Distribution distribution = Distribution::kAuto;
+  bool share_reads = true;  // of ranks that share tiles or frames: each brick file is read by one of them for all
   OutputOptions output;
   std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
 };

@@ -103,12 +103,18 @@ TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
 
 TEST_F(LabelsCli, WhatIsNotSaidIsNotDrawnAndNamedOnce) {
   writeText(in("l.txt"), kSnapFile);
-  const ToolResult result =
-      done({"render", in("l.kiln"), "-o", in("w_#.png"), "--size", "30x30", "--tf", in("l.txt"), "--turntable", "3"});
-  const std::string said = result.out + result.err;
-  const std::size_t at = said.find("label 200 is in the volume");
-  ASSERT_NE(at, std::string::npos) << said;
-  EXPECT_EQ(said.find("label 200", at + 1), std::string::npos) << said;
+  for (const int ranks : {0, 3}) {
+    if (ranks > 0 && !canRunRanks()) continue;
+    ToolOptions options;
+    options.ranks = ranks;
+    const ToolResult result =
+        done({"render", in("l.kiln"), "-o", in("w_#.png"), "--size", "30x30", "--tf", in("l.txt"), "--turntable", "3"},
+             options);
+    const std::string said = result.out + result.err;
+    const std::size_t at = said.find("label 200 is in the volume");
+    ASSERT_NE(at, std::string::npos) << said;
+    EXPECT_EQ(said.find("label 200", at + 1), std::string::npos) << said;
+  }
   EXPECT_EQ(done({"render", in("l.kiln"), "-o", in("p.png"), "--size", "30x30"}).err.find("warning"),
             std::string::npos);
 }

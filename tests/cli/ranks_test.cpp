@@ -148,6 +148,38 @@ TEST_F(RanksRender, FramesAreTheSameHoweverTheyAreShared) {
   }
 }
 
+// One thread a rank reads nothing ahead: what is read is what is seen, as one process sees it, and a file is read once
+// for all. Each for itself reads those that several see several times.
+TEST_F(RanksRender, BricksThatSeveralSeeAreReadOnce) {
+  std::vector<std::string> look = {"-o", "OUT/a.exr", "--size", "200x160", "--tf", "ct-bone-and-skin"};
+  const auto one = drawn(0, "one", look);
+  const auto sum = [](const nlohmann::json& stats, const char* what) {
+    std::uint64_t out = 0;
+    for (const auto& rank : stats["ranks"]) out += rank["bricks"][what].get<std::uint64_t>();
+    return out;
+  };
+  std::vector<std::string> shared = look;
+  shared.insert(shared.end(), {"--distribute", "tiles", "--share-reads"});
+  shared.emplace_back("on");
+  const auto on = drawn(3, "many", shared);
+  EXPECT_TRUE(filesOf(directory_ / "one") == filesOf(directory_ / "many"));
+  EXPECT_EQ(on["bricks"]["read"], one["bricks"]["read"]);
+  EXPECT_EQ(on["bricks"]["read_bytes"], one["bricks"]["read_bytes"]);
+  EXPECT_EQ(sum(on, "read_bytes"), one["bricks"]["read_bytes"]);
+  EXPECT_EQ(sum(on, "received_bytes"), sum(on, "sent_bytes"));
+  EXPECT_GT(on["memory"]["shared_reads_bytes"].get<std::uint64_t>(), 0u);
+  shared.back() = "off";
+  const auto off = drawn(3, "many", shared);
+  EXPECT_TRUE(filesOf(directory_ / "one") == filesOf(directory_ / "many"));
+  EXPECT_EQ(off["memory"]["shared_reads_bytes"], 0u);
+  EXPECT_EQ(sum(off, "received"), 0u);
+  EXPECT_GT(sum(off, "read"), sum(on, "read"));
+  const ToolResult wrong =
+      runTool({"render", volume_, "-o", (directory_ / "x.exr").string(), "--share-reads", "maybe"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("--share-reads: expected one of off, on, found 'maybe'"), std::string::npos) << wrong.err;
+}
+
 // What is not one image of pixels is one rank's, frame by frame, and each rank keeps a trace of its own.
 TEST_F(RanksRender, ViewsThatHaveNoTilesAreSharedByFrames) {
   for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{

@@ -55,6 +55,8 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_EQ(job.output.png_bits, 16);
   EXPECT_FALSE(job.picture.skip_damaged);
   EXPECT_TRUE(parseJob(R"({"volume": "a.kiln", "skipDamaged": true})", "job.json").picture.skip_damaged);
+  EXPECT_TRUE(job.share_reads);
+  EXPECT_FALSE(parseJob(R"({"volume": "a.kiln", "shareReads": false})", "job.json").share_reads);
 }
 
 TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {

@@ -30,7 +30,7 @@ struct RenderArguments {
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples, deep_samples;
   std::vector<std::string> aovs, added, added_tfs;
-  std::optional<std::string> distribute, store_local;
+  std::optional<std::string> distribute, share_reads, store_local;
   std::optional<std::string> frames;
   std::optional<int> turntable;
   std::optional<double> rate, deep_error;
@@ -50,6 +50,8 @@ E named(const std::array<std::string_view, N>& names, const std::string& found, 
                 fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(names, ", "), found));
   return static_cast<E>(it - names.begin());
 }
+
+constexpr std::array<std::string_view, 2> kOffOn = {"off", "on"};
 
 // Numbers a job would refuse, refused the same way on the command line.
 double between(double value, double lo, double hi, const char* option) {
@@ -241,6 +243,7 @@ RenderJob jobOf(const RenderArguments& a) {
   applyOutput(a, job.output);
   if (!a.trace.empty()) job.trace = a.trace;
   if (a.distribute) job.distribution = named<Distribution>(kDistributionNames, *a.distribute, "--distribute");
+  if (a.share_reads) job.share_reads = named<int>(kOffOn, *a.share_reads, "--share-reads") == 1;
   requirePart(job);
   requireVolumes(job);
   requireViews(job);
@@ -416,6 +419,13 @@ void addRender(CLI::App& app, Context& context) {
       "--distribute", a->distribute,
       "under mpirun, what the ranks share: tiles of frames, whole frames, bricks (each rank draws its own, "
       "and the partial images are composited), or auto (default): tiles or frames, whichever reads less");
+  command
+      ->add_option(
+          "--share-reads", a->share_reads,
+          "under mpirun, with tiles or frames: on (default), each brick file is read from the disk by one rank "
+          "and sent to others that need it; off, each reads for itself, as where each has a fast copy of "
+          "the store")
+      ->type_name("on|off");
   command
       ->add_option("--store-local", a->store_local,
                    "with --distribute bricks: where each rank finds its part of the store, made by kiln split; a run "
