@@ -11,7 +11,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '2'};
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '3'};
 
 std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
   std::vector<std::byte> out;

@@ -86,7 +86,7 @@ ProjectedValues ValueProjection::begin(const PixelRect& pixels) const {
 ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
   if (!entry.sub_ranges) return entry.support;
   ValueRange out;
-  for (std::size_t i = 0; i < SubRanges::kCount; ++i) out.include(entry.sub_ranges->at(i, entry.support));
+  for (std::size_t i = 0; i < entry.sub_ranges->count(); ++i) out.include(entry.sub_ranges->at(i, entry.support));
   return out;
 }
 
@@ -111,10 +111,11 @@ bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& va
   if (!shows(rangeOf(entry), brick.rect)) return true;
   if (!entry.sub_ranges) return false;
   const VoxelBox core = coreOf(brick.key);
-  return !anySubBrick([&](std::size_t i, const VoxelCoord& at) {
-    const ValueRange range = entry.sub_ranges->at(i, entry.support);
+  const SubRanges& ranges = *entry.sub_ranges;
+  return !ranges.any([&](std::size_t i, const VoxelCoord& at) {
+    const ValueRange range = ranges.at(i, entry.support);
     if (range.empty()) return false;
-    const VoxelBox box = dilated(subBrickOf(core, store_.manifest().brick_size, at), kGhosts);
+    const VoxelBox box = dilated(subBrickOf(core, store_.manifest().brick_size, ranges.along(), at), kGhosts);
     return shows(range, intersection(levels_.projector(brick.key.level).bounds(box), brick.rect));
   });
 }

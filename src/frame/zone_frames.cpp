@@ -37,9 +37,10 @@ bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_
     return !bounds.empty() && test(bounds.rect);
   };
   if (!entry.sub_ranges) return passes(reach);
-  return anySubBrick([&](std::size_t i, const VoxelCoord& at) {
-    return frame.interesting(entry.sub_ranges->at(i, entry.support)) &&
-           passes(samplesOf(subBrickOf(core, brick_size, at), core, reach));
+  const SubRanges& ranges = *entry.sub_ranges;
+  return ranges.any([&](std::size_t i, const VoxelCoord& at) {
+    return frame.interesting(ranges.at(i, entry.support)) &&
+           passes(samplesOf(subBrickOf(core, brick_size, ranges.along(), at), core, reach));
   });
 }
 

@@ -18,11 +18,11 @@ double interestingPart(const BrickEntry& entry, const Classifier& classifier) {
   if (!classifier.interesting(entry.core)) return 0;
   if (!entry.sub_ranges) return 1;
   int parts = 0;
-  for (std::size_t i = 0; i < SubRanges::kCount; ++i) {
+  for (std::size_t i = 0; i < entry.sub_ranges->count(); ++i) {
     const ValueRange range = entry.sub_ranges->at(i, entry.support);
     parts += !range.empty() && classifier.interesting(range) ? 1 : 0;
   }
-  return static_cast<double>(parts) / static_cast<double>(SubRanges::kCount);
+  return static_cast<double>(parts) / static_cast<double>(entry.sub_ranges->count());
 }
 
 class VolumeCutter {

@@ -11,14 +11,14 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "index.bin is little-endian and copied as it is");
 
-constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '2'};
-// Of format 1, which had no sub-ranges.
-constexpr char kEarlierMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '1'};
+// The digit is the format: 1 had no sub-ranges, 2 fewer, of which an entry did not say the number.
+constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '3'};
+constexpr char kFirstDigit = '1';
 constexpr std::uint32_t kConstantFlag = 1, kSubRangesFlag = 2;
 
 // FORMAT.md, index.bin: the 64 bytes of an entry.
 struct RawEntry {
-  std::uint32_t flags, zero;
+  std::uint32_t flags, sub_bricks;
   double core_min, core_max, support_min, support_max;
   std::uint64_t file_bytes;
   std::uint8_t checksum[16];
@@ -43,7 +43,7 @@ bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
 
 void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
   RawEntry raw{(entry.constant ? kConstantFlag : 0) | (entry.sub_ranges ? kSubRangesFlag : 0),
-               0,
+               static_cast<std::uint32_t>(entry.sub_ranges ? entry.sub_ranges->along() : 0),
                entry.core.lo,
                entry.core.hi,
                entry.support.lo,
@@ -52,7 +52,9 @@ void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry) {
                {}};
   std::memcpy(raw.checksum, entry.checksum.bytes.data(), sizeof raw.checksum);
   appendValue(out, raw);
-  if (entry.sub_ranges) appendValue(out, *entry.sub_ranges);
+  if (!entry.sub_ranges) return;
+  const std::span<const std::byte> ranges = entry.sub_ranges->bytes();
+  out.insert(out.end(), ranges.begin(), ranges.end());
 }
 
 std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes) {
@@ -67,11 +69,12 @@ std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes) {
   std::memcpy(entry.checksum.bytes.data(), raw.checksum, sizeof raw.checksum);
   std::size_t taken = sizeof raw;
   if ((raw.flags & kSubRangesFlag) != 0) {
-    SubRanges sub_ranges;
-    if (bytes.size() < taken + sizeof sub_ranges) return std::nullopt;
-    std::memcpy(&sub_ranges, bytes.data() + taken, sizeof sub_ranges);
-    entry.sub_ranges = std::make_shared<const SubRanges>(sub_ranges);
-    taken += sizeof sub_ranges;
+    const std::uint32_t along = raw.sub_bricks == 0 ? kEarlierSubBricks : raw.sub_bricks;
+    if (along > kMostSubBricks) return std::nullopt;
+    const std::size_t size = SubRanges::bytesOf(static_cast<int>(along));
+    if (bytes.size() < taken + size) return std::nullopt;
+    entry.sub_ranges = std::make_shared<const SubRanges>(static_cast<int>(along), bytes.subspan(taken, size));
+    taken += size;
   }
   bytes = bytes.subspan(taken);
   return entry;
@@ -98,15 +101,17 @@ std::size_t BrickIndex::place(const BrickKey& key) const {
 }
 
 std::uint64_t BrickIndex::bytes() const {
-  constexpr std::uint64_t kShared = 32;  // what it takes to be allocated and counted
+  constexpr std::uint64_t kShared = 64;  // what it takes to be allocated and counted
   std::uint64_t sum = entries_.size() * sizeof(BrickEntry);
-  for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? sizeof(SubRanges) + kShared : 0;
+  for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? entry.sub_ranges->bytes().size() + kShared : 0;
   return sum;
 }
 
 std::vector<std::byte> BrickIndex::encode() const {
   std::vector<std::byte> out;
-  out.reserve(12 + lattices_.size() * 24 + entries_.size() * (sizeof(RawEntry) + sizeof(SubRanges)));
+  std::size_t size = 12 + lattices_.size() * 24 + entries_.size() * sizeof(RawEntry);
+  for (const BrickEntry& entry : entries_) size += entry.sub_ranges ? entry.sub_ranges->bytes().size() : 0;
+  out.reserve(size);
   for (const char c : kMagic) appendValue(out, c);
   appendValue(out, static_cast<std::uint32_t>(lattices_.size()));
   for (std::size_t level = 0; level < lattices_.size(); ++level) {
@@ -134,8 +139,9 @@ BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector
   std::uint32_t levels = 0;
   take(magic, sizeof magic);
   take(&levels, sizeof levels);
+  constexpr std::size_t kDigit = sizeof magic - 1;
   const bool known =
-      std::memcmp(magic, kMagic, sizeof magic) == 0 || std::memcmp(magic, kEarlierMagic, sizeof magic) == 0;
+      std::memcmp(magic, kMagic, kDigit) == 0 && magic[kDigit] >= kFirstDigit && magic[kDigit] <= kMagic[kDigit];
   if (!known || levels != lattices.size())
     throw Error(ErrorCode::kFormat, path, "byte 0", "not the index of this store");
   std::size_t next = 0;

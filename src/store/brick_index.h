@@ -29,7 +29,7 @@ struct BrickEntry {
 
 /// Adds the bytes of an entry in index.bin.
 void appendEntry(std::vector<std::byte>& out, const BrickEntry& entry);
-/// Takes an entry from the front of `bytes`; nothing, and leaves them, where they end before it does.
+/// Takes an entry from the front of `bytes`; nothing, and leaves them, where they end before it does or are none.
 std::optional<BrickEntry> takeEntry(std::span<const std::byte>& bytes);
 
 class BrickIndex {

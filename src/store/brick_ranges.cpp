@@ -8,7 +8,7 @@ BrickRanges rangesIn(const VoxelBox& core, std::int64_t brick_size, VoxelType ty
   BrickRanges out;
   out.cells = cellRanges(voxels, type, box, core, static_cast<int>(brick_size / kCellSize));
   for (const ValueRange& cell : out.cells) out.core.include(cell);
-  out.sub_bricks = subBrickRanges(voxels, type, box, core, brick_size);
+  out.sub_bricks = subBrickRanges(voxels, type, box, core, brick_size, subBricksOf(brick_size));
   for (const ValueRange& sub_brick : out.sub_bricks) out.support.include(sub_brick);
   return out;
 }

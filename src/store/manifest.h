@@ -14,7 +14,7 @@
 
 namespace kiln {
 
-inline constexpr int kFormatVersion = 2;
+inline constexpr int kFormatVersion = 3;
 /// The first that is still read.
 inline constexpr int kFirstFormatVersion = 1;
 inline constexpr std::int64_t kApron = 6;

@@ -63,7 +63,8 @@ EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte>
     out.file = encodeBrick(brick, voxels, ranges.cells);
     entry.file_bytes = out.file.size();
     entry.checksum = hashOf(out.file);
-    entry.sub_ranges = std::make_shared<const SubRanges>(ranges.sub_bricks, entry.support);
+    entry.sub_ranges =
+        std::make_shared<const SubRanges>(subBricksOf(brick.brick_size), ranges.sub_bricks, entry.support);
   }
   keep(key, entry);
   return out;

@@ -35,6 +35,9 @@ int stepAbove(double value, const ValueRange& support) {
   return step;
 }
 
+// The edge of a sub-brick. unit: voxels.
+std::int64_t sizeOf(std::int64_t brick_size, int along) { return std::max(kCellSize, brick_size / along); }
+
 // Sub-brick i of an axis: [lo, hi) of the core.
 VoxelSpan spanOf(std::int64_t i, std::int64_t core_lo, std::int64_t core_hi, std::int64_t size) {
   return {core_lo + i * size, std::min(core_lo + (i + 1) * size, core_hi)};
@@ -42,12 +45,14 @@ VoxelSpan spanOf(std::int64_t i, std::int64_t core_lo, std::int64_t core_hi, std
 
 }  // namespace
 
-std::int64_t subBrickSize(std::int64_t brick_size) { return std::max(kCellSize, brick_size / kSubBricks); }
+int subBricksOf(std::int64_t brick_size) {
+  return static_cast<int>(std::clamp<std::int64_t>(brick_size / kCellSize, 1, kMostSubBricks));
+}
 
-VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, const VoxelCoord& at) {
+VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, int along, const VoxelCoord& at) {
   VoxelBox out;
   for (int axis = 0; axis < 3; ++axis) {
-    const VoxelSpan span = spanOf(at[axis], core.lo[axis], core.hi[axis], subBrickSize(brick_size));
+    const VoxelSpan span = spanOf(at[axis], core.lo[axis], core.hi[axis], sizeOf(brick_size, along));
     out.lo[axis] = span.lo;
     out.hi[axis] = span.hi;
   }
@@ -55,12 +60,12 @@ VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, const VoxelCo
 }
 
 std::vector<ValueRange> subBrickRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
-                                       const VoxelBox& core, std::int64_t brick_size) {
+                                       const VoxelBox& core, std::int64_t brick_size, int along) {
   std::array<std::vector<VoxelSpan>, 3> spans;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t lo = core.lo[axis], hi = core.hi[axis];
-    for (std::int64_t i = 0; i < kSubBricks; ++i) {
-      VoxelSpan span = spanOf(i, lo, hi, subBrickSize(brick_size));
+    for (std::int64_t i = 0; i < along; ++i) {
+      VoxelSpan span = spanOf(i, lo, hi, sizeOf(brick_size, along));
       if (span.lo < span.hi) {
         span.lo = span.lo == lo ? box.lo[axis] : std::max(span.lo - kSubBrickReach, box.lo[axis]);
         span.hi = span.hi == hi ? box.hi[axis] : std::min(span.hi + kSubBrickReach, box.hi[axis]);
@@ -73,16 +78,20 @@ std::vector<ValueRange> subBrickRanges(std::span<const std::byte> voxels, VoxelT
   return boxRanges(voxels, type, box, spans);
 }
 
-SubRanges::SubRanges(std::span<const ValueRange> ranges, const ValueRange& support) {
-  for (std::size_t i = 0; i < kCount; ++i) {
-    lo_[i] = static_cast<std::uint8_t>(ranges[i].empty() ? kSubSteps : stepBelow(ranges[i].lo, support));
-    hi_[i] = static_cast<std::uint8_t>(ranges[i].empty() ? 0 : stepAbove(ranges[i].hi, support));
+SubRanges::SubRanges(int along, std::span<const ValueRange> ranges, const ValueRange& support)
+    : along_(along), bytes_(bytesOf(along)) {
+  for (std::size_t i = 0; i < count(); ++i) {
+    bytes_[i] = static_cast<std::byte>(ranges[i].empty() ? kSubSteps : stepBelow(ranges[i].lo, support));
+    bytes_[count() + i] = static_cast<std::byte>(ranges[i].empty() ? 0 : stepAbove(ranges[i].hi, support));
   }
 }
 
+SubRanges::SubRanges(int along, std::span<const std::byte> bytes) : along_(along), bytes_(bytes.begin(), bytes.end()) {}
+
 ValueRange SubRanges::at(std::size_t i, const ValueRange& support) const {
-  if (lo_[i] > hi_[i]) return {};
-  return {valueOfStep(lo_[i], support), valueOfStep(hi_[i], support)};
+  const int lo = std::to_integer<int>(bytes_[i]), hi = std::to_integer<int>(bytes_[count() + i]);
+  if (lo > hi) return {};
+  return {valueOfStep(lo, support), valueOfStep(hi, support)};
 }
 
 }  // namespace kiln

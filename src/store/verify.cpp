@@ -147,8 +147,14 @@ class Verification {
     if (!covers(level, entry.support, own.support) || !entry.support.contains(entry.core))
       contradict("support range in the index", entry.support, own.support);
     if (!entry.sub_ranges) return;
-    const SubRanges found(own.sub_bricks, entry.support);
-    for (std::size_t i = 0; i < SubRanges::kCount; ++i) {
+    const int along = entry.sub_ranges->along();
+    const std::int64_t brick_size = store_.manifest().brick_size;
+    const SubRanges found(along,
+                          along == subBricksOf(brick_size)
+                              ? own.sub_bricks
+                              : subBrickRanges(block.voxels, block.type, block.extent, block.core, brick_size, along),
+                          entry.support);
+    for (std::size_t i = 0; i < found.count(); ++i) {
       const ValueRange said = entry.sub_ranges->at(i, entry.support), expected = found.at(i, entry.support);
       if (said != expected) contradict(fmt::format("range of sub-brick {} in the index", i), said, expected);
     }

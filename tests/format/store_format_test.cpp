@@ -358,18 +358,24 @@ TEST(StoreFormatEdges, NothingButNanIsAStore) {
   for (const BrickKey& key : keysOf(store)) expectBrick(volume, store, key);
 }
 
-// Known because format 1 differs in what the index has: it opens, is whole, and draws the picture.
-TEST(StoreFormatEdges, AStoreOfFormat1Opens) {
+// Known because they differ in what the index has: it opens, is whole, and draws the picture.
+TEST(StoreFormatEdges, StoresOfEarlierFormatsOpen) {
   const DenseVolume volume = cheese({{60, 41, 37}, VoxelType::u8}, 3, usualRange(VoxelType::u8));
-  const fs::path store = makeStore(volume, "format_1", 32);
+  const fs::path store = makeStore(volume, "earlier", 64);
   const RandomScene scene = randomScene(4, volume, {60, 50});
   const FrameRequest request = requestOf(scene, Lattice::kPixel, 0.99);
   const Image picture = draw(store, request);
   const std::uint64_t files = wholeFiles(store);
-  makeFormat1(store);
-  EXPECT_EQ(StoreReader(store).index().at({0, {0, 0, 0}}).sub_ranges, nullptr);
-  EXPECT_TRUE(equalBits(draw(store, request), picture));
-  EXPECT_EQ(wholeFiles(store), files);
+  const BrickKey first{0, {0, 0, 0}};
+  EXPECT_EQ(StoreReader(store).index().at(first).sub_ranges->along(), 8);
+  for (const int format : {2, 1}) {
+    makeFormat(format, store);
+    const StoreReader reader(store);
+    const SubRanges* const ranges = reader.index().at(first).sub_ranges.get();
+    EXPECT_EQ(ranges == nullptr ? 0 : ranges->along(), format == 2 ? 4 : 0);
+    EXPECT_TRUE(equalBits(draw(store, request), picture)) << "format " << format;
+    EXPECT_EQ(wholeFiles(store), files) << "format " << format;
+  }
 }
 
 // --- manifest

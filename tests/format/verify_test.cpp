@@ -242,8 +242,8 @@ TEST_F(Verify, ALyingSubRangeIsFound) {
   for (const int level : {0, 1}) {
     rewrite([&](BrickIndex& index, Manifest&) {
       BrickEntry& entry = index.at({level, {0, 0, 0}});
-      const std::vector<ValueRange> wide(SubRanges::kCount, entry.support);
-      entry.sub_ranges = std::make_shared<const SubRanges>(wide, entry.support);
+      const std::vector<ValueRange> wide(entry.sub_ranges->count(), entry.support);
+      entry.sub_ranges = std::make_shared<const SubRanges>(entry.sub_ranges->along(), wide, entry.support);
     });
     const Findings found = findingsOf(store_);
     ASSERT_EQ(found.sentences.size(), static_cast<std::size_t>(level + 1));

@@ -34,10 +34,10 @@ FrameRequest sceneOf(std::uint64_t seed, const DenseVolume& volume) {
 }
 
 // What a store without sub-ranges draws, the same store draws with them, of no more bricks.
-void check(std::uint64_t first_seed, std::uint64_t scenes) {
+void check(std::uint64_t first_seed, std::uint64_t scenes, std::int64_t brick_size) {
   const DenseVolume volume = head({{120, 131, 60}, VoxelType::i16, anisotropicAffine()}, usualRange(VoxelType::i16));
-  const auto with = makeStore(volume, "with", 32), without = makeStore(volume, "without", 32);
-  makeFormat1(without);
+  const auto with = makeStore(volume, "with", brick_size), without = makeStore(volume, "without", brick_size);
+  makeFormat(1, without);
   std::uint64_t read_with = 0, read_without = 0;
   for (std::uint64_t seed = first_seed; seed < first_seed + scenes; ++seed) {
     const FrameRequest request = sceneOf(seed, volume);
@@ -56,8 +56,12 @@ void check(std::uint64_t first_seed, std::uint64_t scenes) {
   EXPECT_LT(read_with, read_without);
 }
 
-TEST(SubBricks, SaveReadingAndChangeNoPicture) { check(704, kScenes); }
-TEST(SubBricks, NightlySaveReadingAndChangeNoPicture) { check(7000, 200); }
+TEST(SubBricks, SaveReadingAndChangeNoPicture) { check(704, kScenes / 2, 32); }
+TEST(SubBricks, OfLargeBricksSaveReadingAndChangeNoPicture) { check(712, kScenes / 2, 64); }
+TEST(SubBricks, NightlySaveReadingAndChangeNoPicture) {
+  check(7000, 100, 32);
+  check(7100, 100, 64);
+}
 
 }  // namespace
 }  // namespace kiln::test

@@ -10,9 +10,9 @@ namespace kiln::test {
 /// before it.
 template <class F>
 void forEachSubBrick(const VoxelBox& core, std::int64_t brick_size, const Extent3& dims, F&& f) {
-  const std::int64_t size = brick_size >= 32 ? brick_size / 4 : 8;
-  for (std::int64_t i = 0; i < 64; ++i) {
-    const std::int64_t at[3] = {i % 4, i / 4 % 4, i / 16};
+  const std::int64_t size = brick_size >= 64 ? brick_size / 8 : 8, n = brick_size / size;
+  for (std::int64_t i = 0; i < n * n * n; ++i) {
+    const std::int64_t at[3] = {i % n, i / n % n, i / n / n};
     VoxelBox box;
     for (int axis = 0; axis < 3; ++axis) {
       box.lo[axis] = core.lo[axis] + at[axis] * size;

@@ -1,9 +1,11 @@
 #include "support/test_store.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -59,21 +61,47 @@ std::uint64_t wholeFiles(const fs::path& store) {
       .files;
 }
 
-void makeFormat1(const fs::path& store) {
+namespace {
+
+// Of format 2, which had no number of them.
+void zeroSubBrickCounts(const BrickIndex& index, std::vector<std::byte>& data) {
+  std::size_t at = 12;
+  for (int level = 0; level < index.levels(); ++level) {
+    at += 24;
+    for (std::int64_t i = 0; i < index.lattice(level).count(); ++i) {
+      const BrickEntry& entry = index.at({level, brickAt(index.lattice(level), i)});
+      std::fill_n(data.begin() + static_cast<std::ptrdiff_t>(at) + 4, 4, std::byte{0});
+      at += 64 + (entry.sub_ranges ? entry.sub_ranges->bytes().size() : 0);
+    }
+  }
+}
+
+}  // namespace
+
+void makeFormat(int format, const fs::path& store) {
   constexpr std::size_t kDigitOfMagic = 7;
   const StoreReader reader(store);
+  const Manifest& now_manifest = reader.manifest();
   BrickIndex index = reader.index();
   for (int level = 0; level < index.levels(); ++level) {
-    for (std::int64_t i = 0; i < index.lattice(level).count(); ++i)
-      index.at({level, brickAt(index.lattice(level), i)}).sub_ranges.reset();
+    for (std::int64_t i = 0; i < index.lattice(level).count(); ++i) {
+      const BrickKey key{level, brickAt(index.lattice(level), i)};
+      BrickEntry& entry = index.at(key);
+      if (!std::exchange(entry.sub_ranges, nullptr) || format == 1) continue;
+      const BrickBlock block = reader.read(key);
+      const std::vector<ValueRange> ranges = subBrickRanges(block.voxels, block.type, block.extent, block.core,
+                                                            now_manifest.brick_size, kEarlierSubBricks);
+      entry.sub_ranges = std::make_shared<const SubRanges>(kEarlierSubBricks, ranges, entry.support);
+    }
   }
   std::vector<std::byte> data = index.encode();
-  data[kDigitOfMagic] = std::byte{'1'};
-  Manifest manifest = reader.manifest();
+  data[kDigitOfMagic] = static_cast<std::byte>('0' + format);
+  zeroSubBrickCounts(index, data);
+  Manifest manifest = now_manifest;
   manifest.index_bytes = data.size();
   manifest.index_checksum = hashOf(data);
   std::string text = manifestText(manifest);
-  const std::string now = "\"kiln\": 2", then = "\"kiln\": 1";
+  const std::string now = "\"kiln\": 3", then = fmt::format("\"kiln\": {}", format);
   text.replace(text.find(now), now.size(), then);
   writeText(store / "index.bin", {reinterpret_cast<const char*>(data.data()), data.size()});
   writeText(store / "manifest.json", restamped(text));

@@ -29,8 +29,8 @@ std::map<std::string, std::vector<std::byte>> filesOf(const std::filesystem::pat
 /// How many files of the store there are, each of them whole. throws: Error, the first damage that `verify` finds.
 std::uint64_t wholeFiles(const std::filesystem::path& store);
 
-/// Makes of a store one of format 1, whose index says nothing of sub-bricks.
-void makeFormat1(const std::filesystem::path& store);
+/// Makes of a store one of format 1, whose index says nothing of sub-bricks, or of format 2, where they are larger.
+void makeFormat(int format, const std::filesystem::path& store);
 
 /// The text of a manifest with the checksum that it would have been written with.
 std::string restamped(std::string manifest);
