@@ -17,6 +17,9 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
   bool empty() const { return x0 >= x1 || y0 >= y1; }
   bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+  bool contains(const PixelRect& other) const {
+    return other.x0 >= x0 && other.x1 <= x1 && other.y0 >= y0 && other.y1 <= y1;
+  }
   /// requires: not empty.
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }

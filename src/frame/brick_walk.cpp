@@ -1,5 +1,6 @@
 #include "frame/brick_walk.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -155,20 +156,25 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
 }
 
 // What of the brick's parts falls on `rect`.
-BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility) const {
+BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
+                                std::span<const PixelRect> covered) const {
   const VoxelBox core = coreBox(key.brick, brick_size_, levels_.dims(key.level));
   Seen out = Seen::kOutside;
   any_part_(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
     const PixelRect touched = intersection(part, rect);
     if (touched.empty()) return false;
-    out = visibility.hidden(touched) ? Seen::kHidden : Seen::kOpen;
+    const bool hidden =
+        visibility.hidden(touched) ||
+        std::any_of(covered.begin(), covered.end(), [&](const PixelRect& r) { return r.contains(touched); });
+    out = hidden ? Seen::kHidden : Seen::kOpen;
     return out == Seen::kOpen;
   });
   return out;
 }
 
-bool BrickWalk::hidden(const BrickInView& brick, const Visibility& visibility) const {
-  return visibility.hidden(brick.rect) || seen(brick.key, brick.rect, visibility) != Seen::kOpen;
+bool BrickWalk::hidden(const BrickInView& brick, const Visibility& visibility,
+                       std::span<const PixelRect> covered) const {
+  return visibility.hidden(brick.rect) || seen(brick.key, brick.rect, visibility, covered) != Seen::kOpen;
 }
 
 BrickWalk::Choice voxelChoice(const FrameLevels& levels) {

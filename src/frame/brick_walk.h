@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "frame/frame_levels.h"
@@ -57,8 +58,8 @@ class BrickWalk {
 
   /// The bricks that `run` would draw if nothing hid anything, in its order, and its counts.
   std::vector<BrickInView> inView(const PixelRect& image, BrickWalkCounts& counts) const;
-  /// Whether a brick in view touches no pixel that is not hidden.
-  bool hidden(const BrickInView& brick, const Visibility& visibility) const;
+  /// Whether each part of a brick in view is hidden, or lies in one of `covered`.
+  bool hidden(const BrickInView& brick, const Visibility& visibility, std::span<const PixelRect> covered = {}) const;
 
  private:
   struct Node {
@@ -75,7 +76,8 @@ class BrickWalk {
   };
   struct Visit;
   enum class Seen { kOpen, kHidden, kOutside };
-  Seen seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility) const;
+  Seen seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
+            std::span<const PixelRect> covered = {}) const;
   void addLayer(Layer layer, const Choice& choice);
   Node sumOfChildren(std::size_t layer, const VoxelCoord& at) const;
   const Node* find(std::size_t layer, const VoxelCoord& at) const;

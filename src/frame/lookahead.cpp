@@ -1,18 +1,39 @@
 #include "frame/lookahead.h"
 
+#include <algorithm>
+
 namespace kiln {
+
+// One guess for nothing is free, so that there are some to learn from.
+bool Lookahead::guesses() const {
+  constexpr std::size_t kPartThatMayBeWrong = 32;
+  return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
+}
 
 std::vector<BrickKey> Lookahead::after(const BrickKey& drawn, std::size_t count) {
   // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
   constexpr std::size_t kLooks = 64;
   while (next_ < in_view_.size() && in_view_[next_].key != drawn) ++next_;
-  if (next_ < in_view_.size()) ++next_;
+  if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
+  std::vector<PixelRect> covered;
+  for (const BrickInView& brick : undrawn_) covered.push_back(brick.rect);
   std::vector<BrickKey> out;
   for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && out.size() < count; ++i) {
-    if (!known_hidden_[i]) known_hidden_[i] = is_hidden_(in_view_[i]);
-    if (!known_hidden_[i]) out.push_back(in_view_[i].key);
+    if (!known_hidden_[i]) known_hidden_[i] = is_hidden_(in_view_[i], {});
+    if (known_hidden_[i]) continue;
+    const bool guess = is_hidden_(in_view_[i], covered);
+    covered.push_back(in_view_[i].rect);
+    if (guess && !guesses()) continue;
+    if (guess) guessed_.insert(in_view_[i].key);
+    out.push_back(in_view_[i].key);
   }
   return out;
+}
+
+void Lookahead::drew(const BrickKey& key, bool changed) {
+  std::erase_if(undrawn_, [&](const BrickInView& brick) { return brick.key == key; });
+  drawn_ += changed ? 1 : 0;
+  wrong_ += !changed && guessed_.contains(key) ? 1 : 0;
 }
 
 }  // namespace kiln

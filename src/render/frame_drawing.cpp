@@ -8,7 +8,6 @@
 
 #include "base/parallel.h"
 #include "base/span.h"
-#include "frame/lookahead.h"
 #include "frame/make_visibility.h"
 #include "frame/tile_span.h"
 #include "frame/tile_walk.h"
@@ -168,16 +167,19 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   std::vector<BrickInView> in_view = plan_.bricks->inView(pixels, ignored);
   part_.emplace(progress_, "bricks", in_view.size());
   BricksPassed passed(in_view);
-  std::optional<Lookahead> lookahead;
   if (cache_.readsAhead()) {
-    lookahead.emplace(std::move(in_view),
-                      [&](const BrickInView& brick) { return plan_.bricks->hidden(brick, *visibility_); });
+    lookahead_.emplace(std::move(in_view), [&](const BrickInView& brick, std::span<const PixelRect> before) {
+      return plan_.bricks->hidden(brick, *visibility_, before);
+    });
   }
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");
     std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
-    if (lookahead) cache_.announce(lookahead->after(key, kAnnounced));
-    if (block) due_.push_back({std::move(block), rect, {}, {}, {}});
+    if (lookahead_) cache_.announce(lookahead_->after(key, kAnnounced));
+    if (block)
+      due_.push_back({std::move(block), rect, {}, {}, {}});
+    else if (lookahead_)
+      lookahead_->drew(key, false);
     // Those before it are drawn or hidden, but for those that are due.
     part_->reached(passed.with(key) - due_.size());
     if (due_.size() == drawn_together_) drawDue(all);
@@ -272,6 +274,7 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, Splat
 
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
   counts_.add(drawn);
+  if (lookahead_) lookahead_->drew(key, drawn.changed);
   statistics_.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
   if (drawn.changed) statistics_.addContributing({key}, store_.index().at(key).file_bytes);
 }

@@ -7,6 +7,7 @@
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
+#include "frame/lookahead.h"
 #include "frame/pixel_lattice.h"
 #include "frame/value_projection.h"
 #include "frame/volume_mix.h"
@@ -108,6 +109,7 @@ class FrameDrawing {
   BrickWalkCounts walked_;
   std::set<StoredBrick> mixed_;
   const std::size_t drawn_together_;
+  std::optional<Lookahead> lookahead_;  // where the cache reads ahead
   std::vector<DueBrick> due_;
   std::optional<PartProgress> part_;  // of what is being drawn
   std::uint64_t mixed_steps_ = 0;     // of it, where it has several volumes

@@ -2,7 +2,6 @@
 // pixel's value becomes a colour when all are there.
 #include "base/parallel.h"
 #include "base/span.h"
-#include "frame/lookahead.h"
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 
@@ -37,7 +36,12 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
   for (const BrickInView& brick : bricks) {
     if (!store_.index().at(brick.key).constant) with_file.push_back(brick);
   }
-  Lookahead lookahead(std::move(with_file), [&](const BrickInView& brick) { return projection.hidden(brick, values); });
+  if (cache_.readsAhead()) {
+    // Nothing is opaque here: what lies behind something is no guess.
+    lookahead_.emplace(std::move(with_file), [&](const BrickInView& brick, std::span<const PixelRect> covered) {
+      return covered.empty() && projection.hidden(brick, values);
+    });
+  }
   part_.emplace(progress_, "bricks", bricks.size());
   std::uint64_t passed = 0;
   for (const BrickInView& brick : bricks) {
@@ -51,7 +55,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
     std::shared_ptr<const BrickBlock> block;
     if (!store_.index().at(brick.key).constant) {
       block = cache_.get(brick.key);
-      if (cache_.readsAhead()) cache_.announce(lookahead.after(brick.key, kAnnounced));
+      if (lookahead_) cache_.announce(lookahead_->after(brick.key, kAnnounced));
       if (!block) {
         statistics_.damaged.insert({brick.key});
         continue;

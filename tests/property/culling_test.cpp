@@ -129,7 +129,7 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
   const auto mask = makeMaskVisibility(64, 64);
   std::vector<BrickInView> in_view;
   for (std::int32_t i = 0; i < 8; ++i) in_view.push_back({{0, {i, 0, 0}}, {8 * i, 0, 8 * i + 8, 8}});
-  Lookahead lookahead(in_view, [&](const BrickInView& brick) { return mask->hidden(brick.rect); });
+  Lookahead lookahead(in_view, [&](const BrickInView& brick, auto) { return mask->hidden(brick.rect); });
   const auto names = [&](std::int32_t drawn) {
     std::vector<std::int32_t> out;
     for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);
@@ -142,6 +142,31 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
   EXPECT_EQ(names(1), (std::vector<std::int32_t>{2, 5, 6}));
   EXPECT_EQ(names(5), (std::vector<std::int32_t>{6, 7}));
   EXPECT_EQ(names(7), (std::vector<std::int32_t>{}));
+}
+
+// Bricks behind one another and one beside them: those behind are named until two of them have shown nothing, and again
+// once so much else has been drawn that two are few.
+TEST(Lookahead, GuessesAsLongAsGuessesProveRight) {
+  const PixelRect front{0, 0, 8, 8}, beside{8, 0, 16, 8};
+  std::vector<BrickInView> in_view;
+  for (std::int32_t i = 0; i < 50; ++i) in_view.push_back({{0, {i, 0, 0}}, i == 5 || i > 12 ? beside : front});
+  Lookahead lookahead(in_view, [](const BrickInView& brick, std::span<const PixelRect> covered) {
+    return std::any_of(covered.begin(), covered.end(), [&](const PixelRect& r) { return r.contains(brick.rect); });
+  });
+  const auto names = [&](std::int32_t drawn, bool changed) {
+    std::vector<std::int32_t> out;
+    for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);
+    lookahead.drew({0, {drawn, 0, 0}}, changed);
+    return out;
+  };
+  using Names = std::vector<std::int32_t>;
+  EXPECT_EQ(names(0, true), (Names{1, 2, 3}));
+  EXPECT_EQ(names(1, false), (Names{2, 3, 4}));
+  EXPECT_EQ(names(2, false), (Names{3, 4, 5}));
+  EXPECT_EQ(names(3, true), (Names{5}));
+  EXPECT_EQ(names(5, true), (Names{6}));
+  for (std::int32_t i = 6; i < 35; ++i) EXPECT_EQ(names(i, true), i <= 12 ? Names{13} : Names{}) << i;
+  EXPECT_EQ(names(35, true), (Names{36, 37, 38}));
 }
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {
