@@ -2,7 +2,7 @@
 
 namespace kiln {
 
-BrickFile EncodedBricks::get(const StoreReader& store, const StoredBrick& brick) {
+BrickFile EncodedBricks::get(const StoreReader& store, const StoredBrick& brick, bool likely) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !being_read_.contains(brick); });
   if (const auto place = places_.find(brick); place != places_.end()) {
@@ -20,18 +20,17 @@ BrickFile EncodedBricks::get(const StoreReader& store, const StoredBrick& brick)
   }
   lock.lock();
   being_read_.erase(brick);
-  if (bytes) keep(brick, bytes);
+  if (bytes) keep(brick, bytes, likely);
   changed_.notify_all();
   // Who waited for it finds out by itself.
   if (failure) std::rethrow_exception(failure);
   return {std::move(bytes), true};
 }
 
-void EncodedBricks::keep(const StoredBrick& brick, Bytes bytes) {
+void EncodedBricks::keep(const StoredBrick& brick, Bytes bytes, bool likely) {
   if (bytes->size() > budget_bytes_) return;
   held_bytes_ += bytes->size();
-  recency_.emplace_front(brick, std::move(bytes));
-  places_[brick] = recency_.begin();
+  places_[brick] = recency_.emplace(likely ? recency_.begin() : recency_.end(), brick, std::move(bytes));
   while (held_bytes_ > budget_bytes_) {
     held_bytes_ -= recency_.back().second->size();
     places_.erase(recency_.back().first);

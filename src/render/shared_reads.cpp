@@ -74,23 +74,24 @@ void SharedReads::close() {
 
 void SharedReads::settle(const std::vector<BrickHome>& homes) {
   homes_.clear();
-  for (const BrickHome& home : homes) homes_[home.key] = home.rank;
+  for (const BrickHome& home : homes) homes_[home.key] = home;
 }
 
-int SharedReads::homeOf(const StoreReader& store, const BrickKey& key) const {
+BrickHome SharedReads::homeOf(const StoreReader& store, const BrickKey& key) const {
   if (const auto home = homes_.find(key); home != homes_.end() && &store == stores_.front()) return home->second;
   const std::array<std::int32_t, 4> place = {key.level, key.brick.x, key.brick.y, key.brick.z};
   const Hash128 hash = hashOf(std::as_bytes(std::span(place)));
   std::uint64_t number = 0, of_store = 0;
   std::memcpy(&number, hash.bytes.data(), sizeof number);
   std::memcpy(&of_store, store.manifest().index_checksum.bytes.data(), sizeof of_store);
-  return static_cast<int>((number ^ of_store) % static_cast<std::uint64_t>(ranks_.count()));
+  return {key, static_cast<std::int32_t>((number ^ of_store) % static_cast<std::uint64_t>(ranks_.count())),
+          ranks_.count() - 1};
 }
 
 BrickFile SharedReads::fetch(const StoreReader& store, const BrickKey& key) {
-  const int home = homeOf(store, key);
-  if (home == ranks_.rank()) return readKept(store, key);
-  if (std::optional<BrickFile> file = ask(home, store, key)) return *std::move(file);
+  const BrickHome home = homeOf(store, key);
+  if (home.rank == ranks_.rank()) return readKept(store, key, home.others > 0);
+  if (std::optional<BrickFile> file = ask(home.rank, store, key)) return *std::move(file);
   return readHere(store, key);
 }
 
@@ -106,9 +107,9 @@ const StoreReader* SharedReads::openedStore(const Hash128& index) const {
   return store != stores_.end() ? *store : nullptr;
 }
 
-BrickFile SharedReads::readKept(const StoreReader& store, const BrickKey& key) {
+BrickFile SharedReads::readKept(const StoreReader& store, const BrickKey& key, bool likely) {
   const auto place = std::find(stores_.begin(), stores_.end(), &store);
-  BrickFile out = files_->get(store, {key, static_cast<int>(place - stores_.begin())});
+  BrickFile out = files_->get(store, {key, static_cast<int>(place - stores_.begin())}, likely);
   if (out.from_disk) countRead(*out.bytes);
   return out;
 }

@@ -29,6 +29,7 @@ namespace kiln {
 struct BrickHome {
   BrickKey key;
   std::int32_t rank = 0;
+  std::int32_t others = 0;  // ranks that are likely to need it, too; of none it is the first to make room
 };
 
 class SharedReads : public BrickFiles {
@@ -72,11 +73,11 @@ class SharedReads : public BrickFiles {
   };
   using Lock = std::unique_lock<std::mutex>;
 
-  int homeOf(const StoreReader& store, const BrickKey& key) const;
+  BrickHome homeOf(const StoreReader& store, const BrickKey& key) const;
   std::optional<BrickFile> ask(int home, const StoreReader& store, const BrickKey& key);
   BrickFile readHere(const StoreReader& store, const BrickKey& key);
   const StoreReader* openedStore(const Hash128& index) const;
-  BrickFile readKept(const StoreReader& store, const BrickKey& key);
+  BrickFile readKept(const StoreReader& store, const BrickKey& key, bool likely = true);
   void countRead(const std::vector<std::byte>& file);
   void send(int to, const Letter& letter, const std::vector<std::byte>* file);
   bool inARush();
@@ -86,7 +87,7 @@ class SharedReads : public BrickFiles {
   void answer(const Question& question, Lock& lock);
 
   Ranks& ranks_;
-  std::map<BrickKey, int> homes_;
+  std::map<BrickKey, BrickHome> homes_;
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable_any changed_;
   bool asking_ = true;      // else each reads by itself

@@ -228,7 +228,8 @@ std::vector<BrickHome> homesOf(const SampledFrames& frames, const BrickPlaces& p
   for (const auto& [key, place] : places) {
     const auto most = std::max_element(seen[place].begin(), seen[place].end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most != seen[place].end()) out.push_back({key, static_cast<std::int32_t>(most->first)});
+    if (most == seen[place].end()) continue;
+    out.push_back({key, static_cast<std::int32_t>(most->first), static_cast<std::int32_t>(seen[place].size() - 1)});
   }
   return out;
 }

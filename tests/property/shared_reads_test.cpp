@@ -156,6 +156,19 @@ TEST_F(SharedReadsTest, ARankThatFailsEndsTheOthers) {
   }
 }
 
+TEST_F(SharedReadsTest, WhatNobodyElseIsLikelyToNeedMakesRoomFirst) {
+  const StoreReader store(path_);
+  EncodedBricks files(3 * largest_);
+  const auto from_disk = [&](std::size_t i, bool likely) { return files.get(store, {keys_[i]}, likely).from_disk; };
+  EXPECT_TRUE(from_disk(0, true));
+  for (std::size_t i = 1; i < keys_.size(); ++i) EXPECT_TRUE(from_disk(i, false));
+  EXPECT_FALSE(from_disk(0, true));
+  // Of those that are likely the one that was asked for last stays.
+  for (std::size_t i = 1; i < keys_.size(); ++i) from_disk(i, true);
+  EXPECT_FALSE(from_disk(keys_.size() - 1, true));
+  EXPECT_TRUE(from_disk(0, true));
+}
+
 TEST(SharedReadsMemory, IsAShareOfWhatIsLeftOrNothing) {
   const std::uint64_t mib = 1 << 20;
   EXPECT_EQ(SharedReads::shareOf(2048 * mib, 1800 * mib, 3 * mib), 256 * mib);
