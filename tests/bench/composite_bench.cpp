@@ -75,9 +75,9 @@ int main() {
       all += sent;
     }
     if (!ranks->first()) continue;
-    const double pixels = 1e-6 * size * size, mib = 1.0 / (1 << 20);
-    const double least = 2e6 * pixels / (ranks->count() + 1) * (ranks->count() - 1) * sizeof(PartPixel);
+    const double megapixels = 1e-6 * size * size, mib = 1.0 / (1 << 20);
+    const double least = 2e6 * megapixels / (ranks->count() + 1) * (ranks->count() - 1) * sizeof(PartPixel);
     fmt::print("{:5} {:4}²  {:7.1f} MP/s  {:7.1f} MP/s  {:7.1f} MiB  {:7.1f} MiB\n", ranks->count(), size,
-               pixels / by_reduction, pixels / by_sending, mib * static_cast<double>(all), mib * least);
+               megapixels / by_reduction, megapixels / by_sending, mib * static_cast<double>(all), mib * least);
   }
 }
