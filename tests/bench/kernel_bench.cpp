@@ -52,7 +52,7 @@ FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
 struct Scene {
   explicit Scene(const StoreReader& store, Interpolation interpolation)
       : request(requestFor(store, interpolation)),
-        plan(store, request),
+        plan({&store}, request),
         block(store.read({0, {0, 0, 0}})),
         zones(plan.pixel->cellsOf(block)),
         fullest(*std::max_element(zones.begin(), zones.end(),

@@ -60,7 +60,9 @@ TEST_F(ProgressCli, EventsSayHowFarAFrameIs) {
     EXPECT_EQ(progress[i].at("total"), progress[0].at("total"));
     EXPECT_LE(progress[i].at("done"), progress[i].at("total"));
     EXPECT_GE(progress[i].at("done"), progress[i - std::min<std::size_t>(i, 1)].at("done"));
-    if (progress[i].at("done") > 0) EXPECT_GE(progress[i].at("seconds_left"), 0);
+    if (progress[i].at("done") > 0) {
+      EXPECT_GE(progress[i].at("seconds_left"), 0);
+    }
   }
   EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
 }

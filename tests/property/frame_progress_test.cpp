@@ -36,8 +36,12 @@ void expectOneCount(const std::vector<Told>& told, const std::string& step, cons
     EXPECT_EQ(told[i].step, step);
     EXPECT_EQ(told[i].unit, unit);
     EXPECT_EQ(told[i].total, told.front().total);
-    if (i > 0) EXPECT_GE(told[i].done, told[i - 1].done) << i;
-    if (i + 1 < told.size()) EXPECT_LT(told[i].done, told[i].total) << i;
+    if (i > 0) {
+      EXPECT_GE(told[i].done, told[i - 1].done) << i;
+    }
+    if (i + 1 < told.size()) {
+      EXPECT_LT(told[i].done, told[i].total) << i;
+    }
   }
 }
 
