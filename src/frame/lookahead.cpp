@@ -10,30 +10,39 @@ bool Lookahead::guesses() const {
   return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
 }
 
-std::vector<BrickKey> Lookahead::after(const BrickKey& drawn, std::size_t count) {
+std::size_t Lookahead::turnOf(const BrickKey& brick) {
+  while (next_ < in_view_.size() && in_view_[next_].key != brick) ++next_;
+  if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
+  return next_;
+}
+
+std::vector<BrickKey> Lookahead::next(std::size_t count) {
   // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
   constexpr std::size_t kLooks = 64;
-  while (next_ < in_view_.size() && in_view_[next_].key != drawn) ++next_;
-  if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
   std::vector<PixelRect> covered;
   for (const BrickInView& brick : undrawn_) covered.push_back(brick.rect);
   std::vector<BrickKey> out;
   for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && out.size() < count; ++i) {
-    if (!known_hidden_[i]) known_hidden_[i] = is_hidden_(in_view_[i], {});
     if (known_hidden_[i]) continue;
-    const bool guess = is_hidden_(in_view_[i], covered);
-    covered.push_back(in_view_[i].rect);
+    const BrickInView& brick = in_view_[i];
+    const bool guess = is_hidden_(brick, covered);
+    if (guess && is_hidden_(brick, {})) {
+      known_hidden_[i] = true;
+      continue;
+    }
+    covered.push_back(brick.rect);
     if (guess && !guesses()) continue;
-    if (guess) guessed_.insert(in_view_[i].key);
-    out.push_back(in_view_[i].key);
+    if (guess) guessed_.insert(brick.key);
+    out.push_back(brick.key);
   }
   return out;
 }
 
 void Lookahead::drew(const BrickKey& key, bool changed) {
   std::erase_if(undrawn_, [&](const BrickInView& brick) { return brick.key == key; });
+  const bool guessed = guessed_.erase(key) > 0;
   drawn_ += changed ? 1 : 0;
-  wrong_ += !changed && guessed_.contains(key) ? 1 : 0;
+  wrong_ += guessed && !changed ? 1 : 0;
 }
 
 }  // namespace kiln

@@ -1,7 +1,7 @@
-// What a frame will need next: the bricks behind the one being drawn, in the order in which their turn comes, without
-// those that are hidden already. The cache reads them while this one is drawn. Those of which nothing would be seen if
-// what comes before them were opaque are a guess: it is made as long as guesses prove right, and so in media that one
-// sees through, and not behind a surface.
+// Where a frame is among its bricks, and what it will need next: those behind the one being drawn, in the order in
+// which their turn comes, without those that are hidden already. The cache reads them while this one is drawn. Those of
+// which nothing would be seen if what comes before them were opaque are a guess: it is made as long as guesses prove
+// right, and so in media that one sees through, and not behind a surface.
 #pragma once
 
 #include <functional>
@@ -21,9 +21,12 @@ class Lookahead {
   Lookahead(std::vector<BrickInView> in_view, Hidden hidden)
       : in_view_(std::move(in_view)), is_hidden_(std::move(hidden)), known_hidden_(in_view_.size()) {}
 
-  /// The turn of `drawn` has come: up to `count` bricks that come after it. requires: calls in the order of the frame.
-  /// thread: not while tiles are drawn. cost: two tests for each brick looked at, a bounded number of them.
-  std::vector<BrickKey> after(const BrickKey& drawn, std::size_t count);
+  /// The turn of a brick has come: how many have had theirs, it and those that were passed over with them. requires:
+  /// calls in the order of the frame.
+  std::size_t turnOf(const BrickKey& brick);
+  /// Up to `count` bricks that come after it. thread: not while tiles are drawn. cost: one or two tests for each brick
+  /// looked at, a bounded number of them.
+  std::vector<BrickKey> next(std::size_t count);
   /// A brick whose turn had come is drawn, and has changed a pixel, or has not.
   void drew(const BrickKey& key, bool changed);
 
@@ -34,8 +37,8 @@ class Lookahead {
   const Hidden is_hidden_;
   std::vector<bool> known_hidden_;  // and so they stay
   std::size_t next_ = 0;
-  std::vector<BrickInView> undrawn_;  // whose turn has come
-  std::set<BrickKey> guessed_;
+  std::vector<BrickInView> undrawn_;   // whose turn has come
+  std::set<BrickKey> guessed_;         // and not drawn yet
   std::size_t wrong_ = 0, drawn_ = 0;  // guesses for nothing; all that has changed a pixel
 };
 

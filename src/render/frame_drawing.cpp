@@ -166,22 +166,20 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   BrickWalkCounts ignored;
   std::vector<BrickInView> in_view = plan_.bricks->inView(pixels, ignored);
   part_.emplace(progress_, "bricks", in_view.size());
-  BricksPassed passed(in_view);
-  if (cache_.readsAhead()) {
-    lookahead_.emplace(std::move(in_view), [&](const BrickInView& brick, std::span<const PixelRect> before) {
-      return plan_.bricks->hidden(brick, *visibility_, before);
-    });
-  }
+  lookahead_.emplace(std::move(in_view), [&](const BrickInView& brick, std::span<const PixelRect> before) {
+    return plan_.bricks->hidden(brick, *visibility_, before);
+  });
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");
     std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
-    if (lookahead_) cache_.announce(lookahead_->after(key, kAnnounced));
+    const std::size_t passed = lookahead_->turnOf(key);
+    if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
     if (block)
       due_.push_back({std::move(block), rect, {}, {}, {}});
-    else if (lookahead_)
+    else
       lookahead_->drew(key, false);
     // Those before it are drawn or hidden, but for those that are due.
-    part_->reached(passed.with(key) - due_.size());
+    part_->reached(passed - due_.size());
     if (due_.size() == drawn_together_) drawDue(all);
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
@@ -274,7 +272,7 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, Splat
 
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
   counts_.add(drawn);
-  if (lookahead_) lookahead_->drew(key, drawn.changed);
+  lookahead_->drew(key, drawn.changed);
   statistics_.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
   if (drawn.changed) statistics_.addContributing({key}, store_.index().at(key).file_bytes);
 }

@@ -109,7 +109,7 @@ class FrameDrawing {
   BrickWalkCounts walked_;
   std::set<StoredBrick> mixed_;
   const std::size_t drawn_together_;
-  std::optional<Lookahead> lookahead_;  // where the cache reads ahead
+  std::optional<Lookahead> lookahead_;  // of what is being drawn, but for several volumes
   std::vector<DueBrick> due_;
   std::optional<PartProgress> part_;  // of what is being drawn
   std::uint64_t mixed_steps_ = 0;     // of it, where it has several volumes

@@ -115,7 +115,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   }
   const bool composites = job.picture.mode == Mode::kComposite;
   if (composites) out.visibility = visibilityBytes(job.speed.visibility.method, tested);
-  const std::uint64_t of_brick = job.volumes.empty() ? kWalkBytes + sizeof(BrickInView) + sizeof(BrickKey) : kMixBytes;
+  const std::uint64_t of_brick = job.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
   for (const StoreReader* const store : stores) out.index += store->index().bytes() + store->index().size() * of_brick;
   out.brick = brick_bytes;
   out.several = !job.volumes.empty();

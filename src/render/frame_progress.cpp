@@ -34,17 +34,6 @@ void PartProgress::finish() {
   if (total_ > 0) progress_.advance("drawing", unit_, total_, total_);
 }
 
-BricksPassed::BricksPassed(const std::vector<BrickInView>& in_view) {
-  order_.reserve(in_view.size());
-  for (const BrickInView& brick : in_view) order_.push_back(brick.key);
-}
-
-std::uint64_t BricksPassed::with(const BrickKey& brick) {
-  while (next_ < order_.size() && order_[next_] != brick) ++next_;
-  if (next_ < order_.size()) ++next_;
-  return next_;
-}
-
 FrameProgress::FrameProgress(int frame, std::uint64_t total, Progress& progress)
     : step_(stepOfFrame(frame)), total_(total), progress_(progress) {}
 

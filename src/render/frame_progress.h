@@ -7,10 +7,8 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
-#include <vector>
 
 #include "base/progress.h"
-#include "frame/brick_walk.h"
 
 namespace kiln {
 
@@ -34,18 +32,6 @@ class PartProgress {
   const std::uint64_t total_;
   std::uint64_t reached_ = 0, told_ = 0;
   std::mutex telling_;
-};
-
-/// How many of the bricks in view have had their turn.
-class BricksPassed {
- public:
-  explicit BricksPassed(const std::vector<BrickInView>& in_view);
-  /// With this one. requires: calls in the order of the frame.
-  std::uint64_t with(const BrickKey& brick);
-
- private:
-  std::vector<BrickKey> order_;
-  std::size_t next_ = 0;
 };
 
 /// Tells the frame's progress what its parts tell theirs.

@@ -36,12 +36,9 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
   for (const BrickInView& brick : bricks) {
     if (!store_.index().at(brick.key).constant) with_file.push_back(brick);
   }
-  if (cache_.readsAhead()) {
-    // Nothing is opaque here: what lies behind something is no guess.
-    lookahead_.emplace(std::move(with_file), [&](const BrickInView& brick, std::span<const PixelRect> covered) {
-      return covered.empty() && projection.hidden(brick, values);
-    });
-  }
+  // Nothing is opaque here: what lies behind something is no guess.
+  lookahead_.emplace(std::move(with_file),
+                     [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick, values); });
   part_.emplace(progress_, "bricks", bricks.size());
   std::uint64_t passed = 0;
   for (const BrickInView& brick : bricks) {
@@ -55,7 +52,8 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
     std::shared_ptr<const BrickBlock> block;
     if (!store_.index().at(brick.key).constant) {
       block = cache_.get(brick.key);
-      if (lookahead_) cache_.announce(lookahead_->after(brick.key, kAnnounced));
+      lookahead_->turnOf(brick.key);
+      if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
       if (!block) {
         statistics_.damaged.insert({brick.key});
         continue;

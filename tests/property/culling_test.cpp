@@ -132,7 +132,8 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
   Lookahead lookahead(in_view, [&](const BrickInView& brick, auto) { return mask->hidden(brick.rect); });
   const auto names = [&](std::int32_t drawn) {
     std::vector<std::int32_t> out;
-    for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);
+    lookahead.turnOf({0, {drawn, 0, 0}});
+    for (const BrickKey& key : lookahead.next(3)) out.push_back(key.brick.x);
     return out;
   };
   EXPECT_EQ(names(0), (std::vector<std::int32_t>{1, 2, 3}));
@@ -155,7 +156,8 @@ TEST(Lookahead, GuessesAsLongAsGuessesProveRight) {
   });
   const auto names = [&](std::int32_t drawn, bool changed) {
     std::vector<std::int32_t> out;
-    for (const BrickKey& key : lookahead.after({0, {drawn, 0, 0}}, 3)) out.push_back(key.brick.x);
+    lookahead.turnOf({0, {drawn, 0, 0}});
+    for (const BrickKey& key : lookahead.next(3)) out.push_back(key.brick.x);
     lookahead.drew({0, {drawn, 0, 0}}, changed);
     return out;
   };
