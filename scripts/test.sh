@@ -3,8 +3,8 @@
 # All of them under the address and undefined-behaviour sanitizers, but for those that draw many pictures or large ones;
 # those that threads meet in under the thread sanitizer; and last, in the build nearest to what users run, those that a
 # sanitizer is too slow for or may hide: these pictures, known answers, memory, Kiln's use as a library. With --nightly
-# or --only dev that build runs everything. Several ranks work together in that build only: Open MPI leaves memory behind at its end and
-# orders its threads in ways that the sanitizers do not see, and what ranks do alone, the other tests do.
+# or --only dev that build runs everything. Several ranks work together in that build only: Open MPI leaves memory behind
+# at its end and orders its threads in ways that the sanitizers do not see, and what ranks do alone, the other tests do.
 # The first stage that fails ends the script with its exit code; what is built is not built again.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

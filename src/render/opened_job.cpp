@@ -35,9 +35,7 @@ FrameMemory withBeside(FrameMemory memory, std::uint64_t beside_bytes) {
 
 FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vector<const StoreReader*>& stores) {
   const std::uint64_t taken = memory.besideBricks() + memory.brick;
-  std::uint64_t largest = 0;
-  for (const StoreReader* const store : stores) largest = std::max(largest, store->largestFileBytes());
-  if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, largest);
+  if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, SharedReads::largestFileOf(stores));
   return memory;
 }
 

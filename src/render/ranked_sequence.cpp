@@ -110,7 +110,7 @@ void RankedSequence::finish() {
   const RankTraffic traffic = ranks_.traffic();
   own_.sent_bytes = traffic.sent_bytes;
   own_.received_bytes = traffic.received_bytes;
-  if (shared_reads_) own_.add(shared_reads_->counts());
+  if (shared_reads_) own_.setReads(shared_reads_->counts());
   RenderStatistics& s = result_.statistics;
   s.ranks = gatherLists(ranks_, std::vector<RankStatistics>{own_});
   if (ranks_.first()) {

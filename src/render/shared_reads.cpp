@@ -51,14 +51,19 @@ SharedReads::SharedReads(Ranks& ranks) : ranks_(ranks) {
 
 SharedReads::~SharedReads() { abandon(); }
 
+std::uint64_t SharedReads::largestFileOf(const std::vector<const StoreReader*>& stores) {
+  std::uint64_t out = 0;
+  for (const StoreReader* const store : stores) out = std::max(out, store->largestFileBytes());
+  return out;
+}
+
 std::uint64_t SharedReads::shareOf(std::uint64_t budget_bytes, std::uint64_t left_bytes, std::uint64_t largest_bytes) {
   const std::uint64_t share = std::min(budget_bytes / 8, left_bytes / 4);
   return share >= 2 * kLeastServed * largest_bytes ? share : 0;
 }
 
 void SharedReads::open(const std::vector<const StoreReader*>& stores, std::uint64_t bytes) {
-  std::uint64_t largest = 1;
-  for (const StoreReader* const store : stores) largest = std::max(largest, store->largestFileBytes());
+  const std::uint64_t largest = largestFileOf(stores);
   const Lock lock(mutex_);
   stores_ = stores;
   largest_serving_bytes_ = std::clamp(bytes / 2, kLeastServed * largest, kMostServed * largest);

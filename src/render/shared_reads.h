@@ -40,6 +40,8 @@ class SharedReads : public BrickFiles {
   SharedReads(const SharedReads&) = delete;
   SharedReads& operator=(const SharedReads&) = delete;
 
+  /// The largest file of all the stores. unit: bytes.
+  static std::uint64_t largestFileOf(const std::vector<const StoreReader*>& stores);
   /// What of `left_bytes` this rank takes for files: 0 where it is too little for files of `largest_bytes`.
   static std::uint64_t shareOf(std::uint64_t budget_bytes, std::uint64_t left_bytes, std::uint64_t largest_bytes);
 

@@ -142,7 +142,7 @@ void RankStatistics::add(const FrameStatistics& share) {
   peak_rss_bytes = std::max(peak_rss_bytes, share.peak_rss_bytes);
 }
 
-void RankStatistics::add(const SharedReadCounts& shared) {
+void RankStatistics::setReads(const SharedReadCounts& shared) {
   bricks_read = shared.read;
   bricks_read_bytes = shared.read_bytes;
   bricks_received = shared.received;

@@ -72,8 +72,8 @@ struct RankStatistics {
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
-  /// Where ranks share what they read: these are the bricks that it read, also for others.
-  void add(const SharedReadCounts& shared);
+  /// Where ranks share what they read: these are the bricks that it read, also for others, and no longer its frames'.
+  void setReads(const SharedReadCounts& shared);
 };
 
 struct RenderStatistics {

@@ -49,7 +49,7 @@ SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, Br
   return out;
 }
 
-double areaOf(const PixelRect& r) { return static_cast<double>(r.width()) * r.height(); }
+double areaOf(const PixelRect& r) { return static_cast<double>(r.count()); }
 
 // The picture in steps of kVisibilityTile, so that no cut goes through a thread's tile, with what drawing each may
 // take.
@@ -193,7 +193,7 @@ std::uint64_t bytesOfFrames(const SampledFrames& frames, int ranks) {
 // The edge of tiles in a part. Not smaller than that a rank's threads have enough to do in each. unit: steps.
 int tileEdge(const PixelRect& part) {
   const int least = static_cast<int>(std::ceil(std::sqrt(4.0 * std::min(ThreadLimit::active(), 64u))));
-  return std::max(least, static_cast<int>(std::sqrt(static_cast<double>(part.width()) * part.height() / kTilesOfRank)));
+  return std::max(least, static_cast<int>(std::sqrt(areaOf(part) / kTilesOfRank)));
 }
 
 // Each beside the next, row by row to and fro, from what is far from the picture's middle on: what another rank takes

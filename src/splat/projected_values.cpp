@@ -12,12 +12,12 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 ProjectedValues::ProjectedValues(Mode mode, const PixelRect& rect)
     : rect_(rect), blocks_(blocksOf(rect)), mean_(mode == Mode::kAverage), sign_(mode == Mode::kMinip ? -1 : 1) {
-  const std::size_t pixels = static_cast<std::size_t>(rect.width()) * static_cast<std::size_t>(rect.height());
+  const std::size_t pixels = rect.count();
   held_.assign(pixels, mean_ ? 0 : kNothingHeld);
   if (mean_)
     length_.assign(pixels, 0);
   else
-    least_.assign(static_cast<std::size_t>(blocks_.width()) * static_cast<std::size_t>(blocks_.height()), kNothingHeld);
+    least_.assign(blocks_.count(), kNothingHeld);
 }
 
 PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {

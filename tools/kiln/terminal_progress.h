@@ -41,13 +41,13 @@ class TerminalProgress : public Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool terminal_;
-  bool silent_ = false;
-  std::string speaker_ = "kiln: ";
   /// Whether it is time to say something again; then it is said now.
   bool due(bool at_end);
   void print(const std::string& line);
 
+  bool terminal_;
+  bool silent_ = false;
+  std::string speaker_ = "kiln: ";
   std::function<void(const Numbers&)> listener_;
   std::string overall_;  // before what steps say
   std::string step_;
