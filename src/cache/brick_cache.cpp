@@ -34,7 +34,7 @@ BrickCache::~BrickCache() {
 }
 
 bool BrickCache::announced(const StoredBrick& brick) const {
-  return std::find(announced_.begin(), announced_.end(), brick) != announced_.end();
+  return std::any_of(announced_.begin(), announced_.end(), [&](const NextBrick& next) { return next.brick == brick; });
 }
 
 void BrickCache::erase(Slots::iterator slot) {
@@ -141,7 +141,8 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
 
 // The turn of those before a brick that is asked for has passed: they became hidden.
 void BrickCache::passTurnsUpTo(const StoredBrick& brick) {
-  const auto due = std::find(announced_.begin(), announced_.end(), brick);
+  const auto due =
+      std::find_if(announced_.begin(), announced_.end(), [&](const NextBrick& next) { return next.brick == brick; });
   if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
 }
 
@@ -169,13 +170,7 @@ std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool firs
   return nullptr;
 }
 
-void BrickCache::announce(std::span<const BrickKey> next) {
-  std::vector<StoredBrick> bricks;
-  for (const BrickKey& key : next) bricks.push_back({key});
-  announce(std::span<const StoredBrick>(bricks));
-}
-
-void BrickCache::announce(std::span<const StoredBrick> next) {
+void BrickCache::announce(std::span<const NextBrick> next) {
   if (readers_.empty()) return;
   {
     const Lock lock(mutex_);
@@ -190,19 +185,29 @@ void BrickCache::settle() {
   changed_.wait(lock, [&] { return reading_ == 0; });
 }
 
-// A reader's life: the first announced brick that is not there, as soon as there is room for it and nobody waits for
-// some. What it took then would have to make room for the brick that is due, and be read again.
+// The first announced brick that is not there, where there is room for it and for those before it; null else.
+const StoredBrick* BrickCache::nextToRead() {
+  std::uint64_t before_bytes = 0;
+  for (const auto& [brick, is_read] : announced_) {
+    if (slots_.contains(brick)) continue;
+    const std::uint64_t bytes = storeOf(brick).readBytes(brick.key);
+    if (is_read) return makeRoom(before_bytes + bytes, true) ? &brick : nullptr;
+    before_bytes += bytes;
+  }
+  return nullptr;
+}
+
+// A reader's life: what is announced, as soon as there is room for it and nobody waits for some. What it took then
+// would have to make room for the brick that is due, and be read again.
 void BrickCache::readAhead() {
   Trace::nameThread("reads");
   Lock lock(mutex_);
   while (!closing_) {
-    const auto next =
-        std::find_if(announced_.begin(), announced_.end(), [&](const StoredBrick& b) { return !slots_.contains(b); });
-    if (starved_ || next == announced_.end() || !makeRoom(storeOf(*next).readBytes(next->key), true)) {
+    const StoredBrick* const next = starved_ ? nullptr : nextToRead();
+    if (next == nullptr)
       changed_.wait(lock);
-      continue;
-    }
-    read(begin(*next), lock);
+    else
+      read(begin(*next), lock);
   }
 }
 

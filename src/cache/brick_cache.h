@@ -36,6 +36,12 @@ struct CacheCounts {
   double load_seconds = 0;      // that `get` took
 };
 
+/// A brick that may be asked for soon.
+struct NextBrick {
+  StoredBrick brick;
+  bool read = true;  // ahead of that; else what comes after it leaves room for it, so as not to be in its way
+};
+
 class BrickCache {
  public:
   /// Told of a brick that is damaged, missing or cannot be read, once for each, when it is first asked for.
@@ -67,8 +73,7 @@ class BrickCache {
   /// and announced. What was announced before and is not now is dropped, if its reading has not begun, and so is what
   /// stands before a brick that is asked for. A brick that cannot be read is no error before it is asked for. thread:
   /// as `get`.
-  void announce(std::span<const StoredBrick> next);
-  void announce(std::span<const BrickKey> next);
+  void announce(std::span<const NextBrick> next);
   /// Whether announcing gains anything.
   bool readsAhead() const { return !readers_.empty(); }
   /// Announces nothing, and waits until nothing is being read.
@@ -96,6 +101,7 @@ class BrickCache {
   using Lock = std::unique_lock<std::mutex>;
 
   bool announced(const StoredBrick& brick) const;
+  const StoredBrick* nextToRead();
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
@@ -117,8 +123,8 @@ class BrickCache {
   bool closing_ = false;
   bool starved_ = false;  // `get` is waiting for room
   Slots slots_;
-  std::list<StoredBrick> recency_;     // most recent first
-  std::deque<StoredBrick> announced_;  // not asked for yet; the next first
+  std::list<StoredBrick> recency_;   // most recent first
+  std::deque<NextBrick> announced_;  // not asked for yet; the next first
   CacheCounts counts_;
   std::vector<std::thread> readers_;
 };

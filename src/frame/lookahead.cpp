@@ -16,13 +16,14 @@ std::size_t Lookahead::turnOf(const BrickKey& brick) {
   return next_;
 }
 
-std::vector<BrickKey> Lookahead::next(std::size_t count) {
+std::vector<NextBrick> Lookahead::next(std::size_t count) {
   // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
   constexpr std::size_t kLooks = 64;
   std::vector<PixelRect> covered;
   for (const BrickInView& brick : undrawn_) covered.push_back(brick.rect);
-  std::vector<BrickKey> out;
-  for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && out.size() < count; ++i) {
+  std::vector<NextBrick> out;
+  std::size_t read = 0;
+  for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && read < count; ++i) {
     if (known_hidden_[i]) continue;
     const BrickInView& brick = in_view_[i];
     const bool guess = is_hidden_(brick, covered);
@@ -31,9 +32,10 @@ std::vector<BrickKey> Lookahead::next(std::size_t count) {
       continue;
     }
     covered.push_back(brick.rect);
-    if (guess && !guesses()) continue;
-    if (guess) guessed_.insert(brick.key);
-    out.push_back(brick.key);
+    const bool reads = !guess || guesses();
+    if (guess && reads) guessed_.insert(brick.key);
+    out.push_back({{brick.key}, reads});
+    read += reads ? 1 : 0;
   }
   return out;
 }

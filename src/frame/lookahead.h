@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cache/brick_cache.h"
 #include "frame/brick_walk.h"
 
 namespace kiln {
@@ -24,9 +25,9 @@ class Lookahead {
   /// The turn of a brick has come: how many have had theirs, it and those that were passed over with them. requires:
   /// calls in the order of the frame.
   std::size_t turnOf(const BrickKey& brick);
-  /// Up to `count` bricks that come after it. thread: not while tiles are drawn. cost: one or two tests for each brick
-  /// looked at, a bounded number of them.
-  std::vector<BrickKey> next(std::size_t count);
+  /// What comes after it, up to `count` bricks that are to be read ahead. thread: not while tiles are drawn. cost: one
+  /// or two tests for each brick looked at, a bounded number of them.
+  std::vector<NextBrick> next(std::size_t count);
   /// A brick whose turn had come is drawn, and has changed a pixel, or has not.
   void drew(const BrickKey& key, bool changed);
 

@@ -63,6 +63,7 @@ class FrameDrawing {
   /// The same of several volumes.
   void mix(const TilePixels& all);
   void mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles);
+  void announce(std::span<const VolumeMix::Brick* const> bricks);
   void announceBehind(std::size_t zone, std::span<const PixelRect> tiles);
   /// Tells how far it is, tile after tile.
   void drawMixed(std::size_t zone, std::span<const VolumeMix::Brick* const> bricks, const VolumeMix::Blocks& blocks,

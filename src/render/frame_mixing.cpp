@@ -60,11 +60,10 @@ void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<c
                 fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
                             "{} at once; give {} more",
                             formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
-  std::vector<StoredBrick> keys;
-  for (const VolumeMix::Brick* const brick : bricks) keys.push_back(brick->brick);
-  if (cache_.readsAhead()) cache_.announce(std::span<const StoredBrick>(keys));
+  announce(bricks);
   VolumeMix::Blocks blocks;
-  for (const StoredBrick& key : keys) {
+  for (const VolumeMix::Brick* const brick : bricks) {
+    const StoredBrick& key = brick->brick;
     blocks.push_back(cache_.get(key));
     if (!blocks.back()) statistics_.damaged.insert(key);
     const bool first = mixed_.insert(key).second;
@@ -98,12 +97,15 @@ void FrameDrawing::drawMixed(std::size_t zone, std::span<const VolumeMix::Brick*
   }
 }
 
+void FrameDrawing::announce(std::span<const VolumeMix::Brick* const> bricks) {
+  std::vector<NextBrick> next;
+  for (const VolumeMix::Brick* const brick : bricks) next.push_back({brick->brick});
+  cache_.announce(next);
+}
+
 // While a zone is drawn, what the next one will need is read.
 void FrameDrawing::announceBehind(std::size_t zone, std::span<const PixelRect> tiles) {
-  if (!cache_.readsAhead() || zone + 1 >= plan_.mix->zones()) return;
-  std::vector<StoredBrick> next;
-  for (const VolumeMix::Brick* const brick : toBeMixed(zone + 1, tiles)) next.push_back(brick->brick);
-  cache_.announce(std::span<const StoredBrick>(next));
+  if (cache_.readsAhead() && zone + 1 < plan_.mix->zones()) announce(toBeMixed(zone + 1, tiles));
 }
 
 }  // namespace kiln

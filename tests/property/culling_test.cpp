@@ -133,7 +133,9 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
   const auto names = [&](std::int32_t drawn) {
     std::vector<std::int32_t> out;
     lookahead.turnOf({0, {drawn, 0, 0}});
-    for (const BrickKey& key : lookahead.next(3)) out.push_back(key.brick.x);
+    for (const auto& [brick, read] : lookahead.next(3)) {
+      if (read) out.push_back(brick.key.brick.x);
+    }
     return out;
   };
   EXPECT_EQ(names(0), (std::vector<std::int32_t>{1, 2, 3}));
@@ -157,7 +159,9 @@ TEST(Lookahead, GuessesAsLongAsGuessesProveRight) {
   const auto names = [&](std::int32_t drawn, bool changed) {
     std::vector<std::int32_t> out;
     lookahead.turnOf({0, {drawn, 0, 0}});
-    for (const BrickKey& key : lookahead.next(3)) out.push_back(key.brick.x);
+    for (const auto& [brick, read] : lookahead.next(3)) {
+      if (read) out.push_back(brick.key.brick.x);
+    }
     lookahead.drew({0, {drawn, 0, 0}}, changed);
     return out;
   };
