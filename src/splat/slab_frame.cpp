@@ -6,11 +6,16 @@
 #include <glm/geometric.hpp>
 
 #include "splat/label_samples.h"
+#include "splat/view_box.h"
 
 namespace kiln {
 namespace {
 
 int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
+
+// A box is cut off at its zone where it spans more than this of its nearest depth: there it looks much larger than what
+// of it is in the zone.
+constexpr double kDeep = 0.25;
 
 // A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
 // slabs (ARCHITECTURE.md has the figures).
@@ -141,50 +146,26 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
 }
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
-  double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
-  double z0, z1;
-  const glm::dvec3 corner = projector_.viewOfIndex(
-      {static_cast<double>(box.lo.x) - 0.5, static_cast<double>(box.lo.y) - 0.5, static_cast<double>(box.lo.z) - 0.5});
-  const glm::dvec3 edge[3] = {static_cast<double>(box.hi.x - box.lo.x) * projector_.axis(0),
-                              static_cast<double>(box.hi.y - box.lo.y) * projector_.axis(1),
-                              static_cast<double>(box.hi.z - box.lo.z) * projector_.axis(2)};
-  if (!projector_.perspective()) {
-    const glm::dvec3 half = 0.5 * (glm::abs(edge[0]) + glm::abs(edge[1]) + glm::abs(edge[2]));
-    const glm::dvec3 middle = corner + 0.5 * (edge[0] + edge[1] + edge[2]);
-    const glm::dvec2 px = projector_.pixelOf(middle);
-    x0 = px.x - projector_.focal() * half.x, x1 = px.x + projector_.focal() * half.x;
-    y0 = px.y - projector_.focal() * half.y, y1 = px.y + projector_.focal() * half.y;
-    z0 = middle.z - half.z, z1 = middle.z + half.z;
-  } else {
-    z0 = corner.z + std::min(edge[0].z, 0.0) + std::min(edge[1].z, 0.0) + std::min(edge[2].z, 0.0);
-    z1 = corner.z + std::max(edge[0].z, 0.0) + std::max(edge[1].z, 0.0) + std::max(edge[2].z, 0.0);
-    if (z0 < 0.5 * projector_.nearDepth()) {
-      x0 = y0 = -kFar_px, x1 = y1 = kFar_px;
-    } else {
-      const auto include = [&](const glm::dvec3& p) {
-        const double scale = projector_.focal() / p.z, x = scale * p.x, y = scale * p.y;
-        x0 = std::min(x0, x), x1 = std::max(x1, x);
-        y0 = std::min(y0, y), y1 = std::max(y1, y);
-      };
-      for (const glm::dvec3& p : {corner, corner + edge[1], corner + edge[2], corner + (edge[1] + edge[2])})
-        include(p), include(p + edge[0]);
-      const glm::dvec2& centre = projector_.centre();
-      x0 += centre.x, x1 += centre.x, y0 += centre.y, y1 += centre.y;
-    }
-  }
-  Bounds out;
+  const ViewBox at(projector_, box);
   // A sample has a depth of its own.
   const double reach = lattice_.spread.reach * zone_.thickness;
-  if (z1 + reach < zone_.near || z0 - reach >= zone_.far) return out;
+  Bounds out;
+  if (at.farthest + reach < zone_.near || at.nearest - reach >= zone_.far) return out;
+  // Beside the eye, what is nearer than the zone would be all over the picture.
+  const bool deep = projector_.perspective() && at.farthest - at.nearest > kDeep * at.nearest;
+  const ViewExtent seen =
+      deep ? at.extentBetween(std::max(zone_.near - reach, 0.5 * projector_.nearDepth()), zone_.far + reach)
+           : at.extent();
   // Half a pixel to the nearest centre and rounding beside the footprint.
   const double r = footprint_.radius() + 0.51;
-  out.rect = {floorOf(x0 - r), floorOf(y0 - r), floorOf(x1 + r) + 1, floorOf(y1 + r) + 1};
+  out.rect = {floorOf(seen.x0 - r), floorOf(seen.y0 - r), floorOf(seen.x1 + r) + 1, floorOf(seen.y1 + r) + 1};
   const auto slab = [&](double z) {
     return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));
   };
   // One for rounding.
-  out.first = std::max(0, slab(z0 - reach) - 1);
-  out.last = slab(z1 + reach);
+  out.first = std::max(0, slab(at.nearest - reach) - 1);
+  out.last = slab(at.farthest + reach);
+  out.in_zone = at.nearest - reach >= zone_.near && at.farthest + reach < zone_.far;
   return out;
 }
 

@@ -64,6 +64,7 @@ class SlabFrame {
   struct Bounds {
     PixelRect rect;
     int first = 0, last = -1;
+    bool in_zone = false;  // all of them
     bool empty() const { return first > last || rect.empty(); }
   };
   Bounds boundsOf(const VoxelBox& box) const;

@@ -10,6 +10,7 @@
 #include "splat/label_samples.h"
 #include "splat/lay_sheet.h"
 #include "splat/pixel_slabs.h"
+#include "splat/sample_window.h"
 #include "splat/slab_layer.h"
 #include "splat/unit_load.h"
 #include "splat/waiting_samples.h"
@@ -27,6 +28,7 @@ struct SweepMemory::Parts {
     PixelRect rect;
     const BrickBlock* block;
     std::size_t volume;
+    bool inside;  // of the tile and the zone
   };
   struct OfVolume {
     WaitingSamples<SlabSample> waiting;  // by their slab
@@ -70,6 +72,9 @@ namespace {
 using OwnedBlock = SweepMemory::Parts::OwnedBlock;
 using Unit = SweepMemory::Parts::Unit;
 using OfVolume = SweepMemory::Parts::OfVolume;
+
+// From so many rows of samples on, looking at which of them reach the tile is less than refining them all.
+constexpr int kManyRows = 32;
 
 // What is swept, and where to.
 struct SweepInput {
@@ -179,7 +184,7 @@ class Sweep {
           const PixelRect rect = intersection(bounds.rect, tile_.rect);
           if (bounds.empty() || rect.empty()) continue;
           m_.units[static_cast<std::size_t>(std::max(bounds.first, slab) - begin_)].push_back(
-              {box.lo, rect, swept.block, swept.volume});
+              {box.lo, rect, swept.block, swept.volume, bounds.in_zone && rect == bounds.rect});
         }
       }
     }
@@ -222,6 +227,8 @@ class Sweep {
       if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f.ends().part[a]));
     }
     in.tile = tile_.rect;
+    const bool many = l.axis[1].samples * l.axis[2].samples >= kManyRows;
+    if (many && !unit.inside && !SampleWindow(l, tile_.rect).narrow(in)) return;
     if (l.labels && !sampled(unit, in)) return;
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
