@@ -8,10 +8,11 @@
 #include "phantom/painter.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
+#include "base/vectors.h"
 #include "phantom/labyrinth.h"
-#include "phantom/vectors.h"
 
 namespace kiln::phantom {
 namespace {
@@ -46,17 +47,11 @@ KILN_VECTORS void join(const Shape& shape, float depth, bool first, Work& work, 
   const float* const d = work.d;
   const float blend = shape.blend, inverse = blend > 0 ? 1 / blend : 0.f;
   if (first) {
-    work.rows([&](int at) {
-      for (int i = at; i < at + kEdge; ++i) surface[i] = d[i] + depth;
-    });
+    work.each([&](int i) { surface[i] = d[i] + depth; });
   } else if (shape.carves) {
-    work.rows([&](int at) {
-      for (int i = at; i < at + kEdge; ++i) surface[i] = -smoothMin(-surface[i], d[i] - depth, blend, inverse);
-    });
+    work.each([&](int i) { surface[i] = -smoothMin(-surface[i], d[i] - depth, blend, inverse); });
   } else {
-    work.rows([&](int at) {
-      for (int i = at; i < at + kEdge; ++i) surface[i] = smoothMin(surface[i], d[i] + depth, blend, inverse);
-    });
+    work.each([&](int i) { surface[i] = smoothMin(surface[i], d[i] + depth, blend, inverse); });
   }
 }
 
@@ -64,12 +59,10 @@ KILN_VECTORS void join(const Shape& shape, float depth, bool first, Work& work, 
 // inside the surface, nothing where it is half a voxel outside, linear between.
 KILN_VECTORS void give(float tissue_value, const float* surface, float offset, float inverse_blur,
                        Work& work) noexcept {
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) {
-      const float covered = std::min(std::max(0.5f - (surface[i] + offset) * inverse_blur, 0.f), 1.f);
-      work.value[i] += work.left[i] * covered * tissue_value;
-      work.left[i] *= 1 - covered;
-    }
+  work.each([&](int i) {
+    const float covered = std::min(std::max(0.5f - (surface[i] + offset) * inverse_blur, 0.f), 1.f);
+    work.value[i] += work.left[i] * covered * tissue_value;
+    work.left[i] *= 1 - covered;
   });
 }
 
@@ -89,26 +82,20 @@ KILN_VECTORS void fold(const Folds& folds, float shell, Work& work) noexcept {
 }
 
 KILN_VECTORS bool nothingLeft(Work& work) noexcept {
-  float most = 0;
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) most = std::max(most, work.left[i]);
-  });
-  return most == 0;
+  std::uint32_t bits = 0;  // none is below zero
+  work.each([&](int i) { bits |= std::bit_cast<std::uint32_t>(work.left[i]); });
+  return bits == 0;
 }
 
 // All that is left to one tissue, after which nothing is asked of it.
 KILN_VECTORS void giveRest(float tissue_value, Work& work) noexcept {
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) work.value[i] += work.left[i] * tissue_value;
-  });
+  work.each([&](int i) { work.value[i] += work.left[i] * tissue_value; });
 }
 
 KILN_VECTORS void clear(Work& work) noexcept {
-  work.rows([&](int at) {
-    for (int i = at; i < at + kEdge; ++i) {
-      work.value[i] = 0;
-      work.left[i] = 1;
-    }
+  work.each([&](int i) {
+    work.value[i] = 0;
+    work.left[i] = 1;
   });
 }
 

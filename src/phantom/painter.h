@@ -60,6 +60,17 @@ struct Work {
       for (int j = lo_y; j < hi_y; ++j) f((k * kEdge + j) * kEdge);
     }
   }
+  // Calls f(offset) for each number of them, many at a time where f is simple.
+  template <class F>
+  void each(F&& f) {
+    if (lo_y == 0 && hi_y == kEdge && lo_z == 0 && hi_z == kEdge) {
+      for (int i = 0; i < kBlockVoxels; ++i) f(i);
+      return;
+    }
+    rows([&](int at) {
+      for (int i = at; i < at + kEdge; ++i) f(i);
+    });
+  }
 };
 
 class Painter {

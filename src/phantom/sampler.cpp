@@ -1,19 +1,22 @@
 // The box that is asked for, cut into regions and blocks at fixed places: a region without a shape near is air and
-// costs its noise only, the others go to the painter block by block.
+// costs its noise only, the others go to the painter block by block. A row of a region's blocks is painted before the
+// noise is added to all of it, as many voxels at a time as the machine has vectors for.
 #include "phantom/sampler.h"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
+#include "base/vectors.h"
 #include "phantom/noise.h"
 #include "phantom/painter.h"
-#include "phantom/vectors.h"
 
 namespace kiln::phantom {
 namespace {
 
-constexpr std::int64_t kRegionEdge = 32;  // blocks of a region share the first choice of shapes
+constexpr int kRegionEdge = 32;  // blocks of a region share the first choice of shapes
 
-// Clean value to voxel: one rounding, the same for a row of tissue and a row of air.
+// Clean value to voxel: one rounding.
 struct Finish {
   float scale, highest;
   template <class T>
@@ -23,33 +26,35 @@ struct Finish {
   }
 };
 
-// A row of `count` voxels of one clean value, from x = first.
+// Rows that begin at x = first, and what lies how far apart between them.
 template <class T>
-void finishEven(Finish finish, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count, T* to) noexcept {
-  for (std::uint32_t i = 0; i < count; ++i) to[i] = finish.operator()<T>(clean, noise, first + i);
+struct Rows {
+  std::int64_t count;
+  std::uint32_t first;
+  const NoiseRow* noise;
+  const float* clean;
+  std::int64_t clean_step;
+  T* to;
+  std::int64_t step;
+};
+template <int kWidth, class T>
+void finishRows(Finish finish, const Rows<T>& rows) noexcept {
+  for (std::int64_t row = 0; row < rows.count; ++row) {
+    const float* const clean = rows.clean + row * rows.clean_step;
+    const NoiseRow noise = rows.noise[row];
+    T* const to = rows.to + row * rows.step;
+    for (std::uint32_t i = 0; i < kWidth; ++i) to[i] = finish.operator()<T>(clean[i], noise, rows.first + i);
+  }
 }
-// A row of a block.
-template <class T>
-void finishRow(Finish finish, const float* clean, NoiseRow noise, std::uint32_t first, T* to) noexcept {
-  for (std::uint32_t i = 0; i < kEdge; ++i) to[i] = finish.operator()<T>(clean[i], noise, first + i);
+// Whole rows of a region, and of a block.
+KILN_VECTORS void finishWide(Finish how, const Rows<std::uint8_t>& rows) noexcept {
+  finishRows<kRegionEdge>(how, rows);
 }
-// The same by the vectors that there are.
-KILN_VECTORS void finish(Finish how, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count,
-                         std::uint8_t* to) noexcept {
-  finishEven(how, clean, noise, first, count, to);
+KILN_VECTORS void finishWide(Finish how, const Rows<std::uint16_t>& rows) noexcept {
+  finishRows<kRegionEdge>(how, rows);
 }
-KILN_VECTORS void finish(Finish how, float clean, NoiseRow noise, std::uint32_t first, std::uint32_t count,
-                         std::uint16_t* to) noexcept {
-  finishEven(how, clean, noise, first, count, to);
-}
-KILN_VECTORS void finish(Finish how, const float* clean, NoiseRow noise, std::uint32_t first,
-                         std::uint8_t* to) noexcept {
-  finishRow(how, clean, noise, first, to);
-}
-KILN_VECTORS void finish(Finish how, const float* clean, NoiseRow noise, std::uint32_t first,
-                         std::uint16_t* to) noexcept {
-  finishRow(how, clean, noise, first, to);
-}
+KILN_VECTORS void finishNarrow(Finish how, const Rows<std::uint8_t>& rows) noexcept { finishRows<kEdge>(how, rows); }
+KILN_VECTORS void finishNarrow(Finish how, const Rows<std::uint16_t>& rows) noexcept { finishRows<kEdge>(how, rows); }
 
 // The regions that meet the box, as one box.
 VoxelBox regionsAround(const VoxelBox& box) {
@@ -61,79 +66,113 @@ VoxelBox regionsAround(const VoxelBox& box) {
   return out;
 }
 
-// Calls f for each cube of `edge`, aligned to multiples of it, that meets the box.
+// Calls f for each box of these edges, aligned to multiples of them, that meets the box.
 template <class F>
-void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
-  const auto down = [&](std::int64_t v) { return v / edge * edge; };
-  for (std::int64_t z = down(box.lo.z); z < box.hi.z; z += edge) {
-    for (std::int64_t y = down(box.lo.y); y < box.hi.y; y += edge) {
-      for (std::int64_t x = down(box.lo.x); x < box.hi.x; x += edge) {
-        f(VoxelBox{{x, y, z}, {x + edge, y + edge, z + edge}});
+void forBoxes(const VoxelBox& box, const Extent3& edges, F&& f) {
+  const auto down = [&](int axis) { return box.lo[axis] / edges[axis] * edges[axis]; };
+  for (std::int64_t z = down(2); z < box.hi.z; z += edges.z) {
+    for (std::int64_t y = down(1); y < box.hi.y; y += edges.y) {
+      for (std::int64_t x = down(0); x < box.hi.x; x += edges.x) {
+        f(VoxelBox{{x, y, z}, {x + edges.x, y + edges.y, z + edges.z}});
       }
     }
   }
 }
 
+// The clean values of a row of a region's blocks, each of kEdge³ voxels.
+struct Strip {
+  static constexpr std::int64_t kSlice = kEdge * kRegionEdge;
+  alignas(64) std::array<float, kEdge * kSlice> clean;
+};
+
 // The box that was asked for, filled part by part.
 template <class T>
 class Canvas {
  public:
-  Canvas(const VoxelBox& box, T* out, const Lattice& lattice, const ValueTable& values, std::uint64_t seed)
-      : box_(box),
-        n_(box.extent()),
-        out_(out),
-        lattice_(lattice),
-        finish_{values.noise_sigma / kNoiseDeviation, values.highest},
-        air_(values.of(Tissue::kAir)),
-        seed_(seed) {}
+  Canvas(const VoxelBox& box, T* out, const ValueTable& values, std::uint64_t seed)
+      : box_(box), n_(box.extent()), out_(out), finish_{values.noise_sigma / kNoiseDeviation, values.highest} {
+    noise_.reserve(static_cast<std::size_t>(n_.y * n_.z));
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) noise_.push_back(noiseRow(seed, y, z));
+    }
+    air_.fill(values.of(Tissue::kAir));
+  }
 
-  void paintAir(const VoxelBox& part) const { paintEven(part, air_); }
-  void paintEven(const VoxelBox& part, float clean) const;
-  // The block's voxels that are in the box.
-  void paintBlock(const VoxelBox& block, const Painter& painter, const NearShapes& near, Work& work) const;
+  // requires, of both: `part` within a region.
+  void finishAir(const VoxelBox& part) const { finishPart(part, air_.data(), 0, 0); }
+  void finishStrip(const VoxelBox& part, const Strip& strip) const {
+    finishPart(part, strip.clean.data() + (part.lo.z % kEdge) * Strip::kSlice + (part.lo.y % kEdge) * kRegionEdge,
+               kRegionEdge, Strip::kSlice);
+  }
 
  private:
-  T* row(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return out_ + ((z - box_.lo.z) * n_.y + (y - box_.lo.y)) * n_.x + (x - box_.lo.x);
-  }
+  // The voxels of a part of a region. `clean` is for the region's first x, and the part's first y and z.
+  void finishPart(const VoxelBox& part, const float* clean, std::int64_t row, std::int64_t slice) const;
+  void finishBlocks(const VoxelBox& part, Rows<T> rows) const;
 
   VoxelBox box_;
   Extent3 n_;
   T* out_;
-  const Lattice& lattice_;
   Finish finish_;
-  float air_;
-  std::uint64_t seed_;
+  std::vector<NoiseRow> noise_;  // of the box's rows
+  alignas(64) std::array<float, kRegionEdge> air_;
 };
 
 template <class T>
-void Canvas<T>::paintEven(const VoxelBox& part, float clean) const {
-  const auto first = static_cast<std::uint32_t>(part.lo.x), count = static_cast<std::uint32_t>(part.extent().x);
-  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      finish(finish_, clean, noiseRow(seed_, y, z), first, count, row(part.lo.x, y, z));
-    }
+void Canvas<T>::finishPart(const VoxelBox& part, const float* clean, std::int64_t row, std::int64_t slice) const {
+  const Extent3 n = part.extent();
+  for (std::int64_t z = 0; z < n.z; ++z) {
+    const std::int64_t at = (part.lo.z + z - box_.lo.z) * n_.y + (part.lo.y - box_.lo.y);
+    const Rows<T> rows = {n.y,
+                          static_cast<std::uint32_t>(part.lo.x / kRegionEdge * kRegionEdge),
+                          noise_.data() + at,
+                          clean + z * slice,
+                          row,
+                          out_ + at * n_.x + (part.lo.x - box_.lo.x),
+                          n_.x};
+    if (n.x == kRegionEdge)
+      finishWide(finish_, rows);
+    else
+      finishBlocks(part, rows);
   }
 }
 
+// Rows that are no whole ones of a region: those of the blocks that they meet, of which is taken what was asked for.
 template <class T>
-void Canvas<T>::paintBlock(const VoxelBox& block, const Painter& painter, const NearShapes& near, Work& work) const {
-  const VoxelBox part = intersection(block, box_);
+void Canvas<T>::finishBlocks(const VoxelBox& part, Rows<T> rows) const {
+  const std::int64_t region = rows.first;
+  T* const to = rows.to;
+  std::array<T, kRegionEdge * kEdge> voxels;
+  rows.to = voxels.data();
+  rows.step = kEdge;
+  for (std::int64_t x = part.lo.x / kEdge * kEdge; x < part.hi.x; x += kEdge) {
+    const std::int64_t lo = std::max(x, part.lo.x), hi = std::min(x + kEdge, part.hi.x);
+    Rows<T> block = rows;
+    block.first = static_cast<std::uint32_t>(x);
+    block.clean += x - region;
+    finishNarrow(finish_, block);
+    for (std::int64_t row = 0; row < rows.count; ++row)
+      std::copy_n(voxels.data() + row * kEdge + (lo - x), hi - lo, to + row * n_.x + (lo - part.lo.x));
+  }
+}
+
+// The clean values of a block's rows, into the strip of its region.
+void paintBlock(const VoxelBox& block, const VoxelBox& part, const Lattice& lattice, const Painter& painter,
+                const NearShapes& near, Work& work, Strip& strip) {
   for (int i = 0; i < kEdge; ++i) {
-    const glm::vec3 p = lattice_.centreOf({block.lo.x + i, block.lo.y + i, block.lo.z + i});
+    const glm::vec3 p = lattice.centreOf({block.lo.x + i, block.lo.y + i, block.lo.z + i});
     work.x[i] = p.x, work.y[i] = p.y, work.z[i] = p.z;
   }
   work.lo_y = static_cast<int>(part.lo.y - block.lo.y), work.hi_y = static_cast<int>(part.hi.y - block.lo.y);
   work.lo_z = static_cast<int>(part.lo.z - block.lo.z), work.hi_z = static_cast<int>(part.hi.z - block.lo.z);
-  if (const std::optional<float> even = painter.paint(near, work)) return paintEven(part, *even);
+  const std::optional<float> even = painter.paint(near, work);
+  float* const to = strip.clean.data() + block.lo.x % kRegionEdge;
   work.rows([&](int at) {
-    const std::int64_t y = block.lo.y + at / kEdge % kEdge, z = block.lo.z + at / kEdge / kEdge;
-    const auto first = static_cast<std::uint32_t>(block.lo.x);
-    T* const to = row(part.lo.x, y, z);
-    if (part.extent().x == kEdge) return finish(finish_, work.value + at, noiseRow(seed_, y, z), first, to);
-    T voxels[kEdge];
-    finish(finish_, work.value + at, noiseRow(seed_, y, z), first, voxels);
-    std::copy(voxels + (part.lo.x - block.lo.x), voxels + (part.hi.x - block.lo.x), to);
+    float* const row = to + at / kEdge * kRegionEdge;
+    if (even)
+      std::fill_n(row, kEdge, *even);
+    else
+      std::copy_n(work.value + at, kEdge, row);
   });
 }
 
@@ -150,19 +189,23 @@ glm::vec3 Lattice::centreOf(const VoxelCoord& v) const {
 template <class T>
 void Sampler::sample(const VoxelBox& box, T* out) const {
   if (box.empty()) return;
-  const Canvas<T> canvas(box, out, lattice_, values_, seed_);
+  const Canvas<T> canvas(box, out, values_, seed_);
   const Painter painter(figure_, lattice_, values_);
   NearShapes of_box, of_region, of_block;
   Work work;
+  Strip strip;
   painter.choose(regionsAround(box), of_box);
-  forCubes(box, kRegionEdge, [&](const VoxelBox& region) {
-    const VoxelBox part = intersection(region, box);
+  forBoxes(box, {kRegionEdge, kRegionEdge, kRegionEdge}, [&](const VoxelBox& region) {
+    const VoxelBox in_region = intersection(region, box);
     painter.choose(region, of_box, of_region);
-    if (of_region.parts.empty()) return canvas.paintAir(part);
-    forCubes(part, kEdge, [&](const VoxelBox& block) {
-      painter.choose(block, of_region, of_block);
-      if (of_block.parts.empty()) return canvas.paintAir(intersection(block, box));
-      canvas.paintBlock(block, painter, of_block, work);
+    if (of_region.parts.empty()) return canvas.finishAir(in_region);
+    forBoxes(in_region, {kRegionEdge, kEdge, kEdge}, [&](const VoxelBox& row) {
+      const VoxelBox part = intersection(row, in_region);
+      forBoxes(part, {kEdge, kEdge, kEdge}, [&](const VoxelBox& block) {
+        painter.choose(block, of_region, of_block);
+        paintBlock(block, intersection(block, part), lattice_, painter, of_block, work, strip);
+      });
+      canvas.finishStrip(part, strip);
     });
   });
 }
