@@ -248,7 +248,7 @@ void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::
   }
 }
 
-CoarsePart cropped(CoarsePart part, const VoxelBox& box) {
+CoarsePart cropped(const CoarsePart& part, const VoxelBox& box) {
   const VoxelBox common = intersection(part.box, box);
   if (common == part.box) return part;
   const auto voxel_bytes = part.voxels.size() / static_cast<std::size_t>(part.box.count());

@@ -41,7 +41,7 @@ CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& b
 
 /// What of a part lies in `box`; with all of its voxels it keeps its cells, else it has none: who needs those needs
 /// all.
-CoarsePart cropped(CoarsePart part, const VoxelBox& box);
+CoarsePart cropped(const CoarsePart& part, const VoxelBox& box);
 
 /// As bytes, for a file or another process of the same machine type, and back. throws: Error kDamaged naming `place`.
 std::vector<std::byte> bytesOf(const CoarsePart& part);

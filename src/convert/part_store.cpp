@@ -23,40 +23,68 @@ fs::path PartStore::pathOf(const BrickKey& key) const {
   return directory_ / fmt::format("{}_{}_{}_{}.tmp", key.level, key.brick.x, key.brick.y, key.brick.z);
 }
 
-void PartStore::put(const BrickKey& key, CoarsePart part) {
-  const std::uint64_t bytes = part.bytes();
-  {
-    const std::scoped_lock lock(mutex_);
-    if (bytes <= free_bytes_) {
-      free_bytes_ -= bytes;
-      kept_[key] = std::make_shared<const CoarsePart>(std::move(part));
-      return;
-    }
-  }
-  disk_.writeFile(pathOf(key), bytesOf(part), WriteMode::kUnsynced);
+bool PartStore::reserve(std::uint64_t bytes) {
+  const std::scoped_lock lock(mutex_);
+  if (bytes > free_bytes_) return false;
+  free_bytes_ -= bytes;
+  return true;
 }
 
-std::shared_ptr<const CoarsePart> PartStore::get(const BrickKey& key) const {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = kept_.find(key);
-    if (found != kept_.end()) return found->second;
+PartStore::Pieces PartStore::written(const BrickKey& key, const std::vector<PartPiece>& pieces) {
+  Pieces out;
+  std::vector<std::byte> file;
+  for (const auto& [parent, part] : pieces) {
+    const std::vector<std::byte> bytes = bytesOf(part);
+    out.emplace(parent, Stretch{file.size(), bytes.size()});
+    file.insert(file.end(), bytes.begin(), bytes.end());
   }
-  return std::make_shared<const CoarsePart>(partFrom(readFile(pathOf(key)), pathOf(key)));
+  disk_.writeFile(pathOf(key), file, WriteMode::kUnsynced);
+  return out;
 }
 
-void PartStore::drop(const BrickKey& key) noexcept {
+void PartStore::put(const BrickKey& key, std::vector<PartPiece> pieces) {
+  if (pieces.empty()) return;
+  std::uint64_t bytes = 0;
+  for (const PartPiece& piece : pieces) bytes += piece.part.bytes();
+  Pieces kept;
+  if (reserve(bytes)) {
+    for (auto& [parent, part] : pieces) kept.emplace(parent, std::move(part));
+  } else {
+    kept = written(key, pieces);
+  }
+  const std::scoped_lock lock(mutex_);
+  left_[key] = std::move(kept);
+}
+
+CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
+  Stretch stretch;
   {
     const std::scoped_lock lock(mutex_);
-    const auto found = kept_.find(key);
-    if (found != kept_.end()) {
-      free_bytes_ += found->second->bytes();
-      kept_.erase(found);
-      return;
+    Pieces& pieces = left_.at(key);
+    auto& piece = pieces.at(parent);
+    if (auto* const part = std::get_if<CoarsePart>(&piece)) {
+      CoarsePart out = std::move(*part);
+      free_bytes_ += out.bytes();
+      pieces.erase(parent);
+      if (pieces.empty()) left_.erase(key);
+      return out;
     }
+    stretch = std::get<Stretch>(piece);
+  }
+  const fs::path path = pathOf(key);
+  std::vector<std::byte> bytes(stretch.bytes);
+  File(path).readAt(stretch.offset, bytes);
+  CoarsePart out = partFrom(bytes, path);
+  {
+    const std::scoped_lock lock(mutex_);
+    Pieces& pieces = left_.at(key);
+    pieces.erase(parent);
+    if (!pieces.empty()) return out;
+    left_.erase(key);
   }
   std::error_code ignored;
-  fs::remove(pathOf(key), ignored);
+  fs::remove(path, ignored);
+  return out;
 }
 
 }  // namespace kiln

@@ -1,39 +1,56 @@
-// Where the parts of bricks whose parents are not yet built wait: in memory as far as they may, then in a folder of the
-// store being written, one file a part. Nothing here outlives the process: a resumed conversion makes the parts it
-// needs anew.
+// Where the parts of bricks wait whose parents are not yet built: cut into a piece for each parent, which is all that
+// it needs, so that most of a part goes with the parent that it is the core of, and its neighbours' few voxels later.
+// In memory as far as they may, then in a folder of the store being written, one file a part. Nothing here outlives the
+// process: a resumed conversion makes the parts it needs anew.
 #pragma once
 
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <mutex>
+#include <variant>
+#include <vector>
 
 #include "base/file.h"
 #include "convert/coarse_part.h"
 
 namespace kiln {
 
+/// What a brick gives to one parent.
+struct PartPiece {
+  BrickKey parent;
+  CoarsePart part;
+};
+
 class PartStore {
  public:
-  /// `directory` is emptied, or made. Parts of `memory_bytes` together have no file. throws: Error kNoSpace, kIo.
+  /// `directory` is emptied, or made. Pieces of `memory_bytes` together have no file. throws: Error kNoSpace, kIo.
   PartStore(const std::filesystem::path& directory, std::uint64_t memory_bytes, FileSystem& disk);
   /// Removes it.
   ~PartStore();
   PartStore(const PartStore&) = delete;
   PartStore& operator=(const PartStore&) = delete;
 
-  /// thread: safe for different keys. throws: Error kNoSpace, kIo.
-  void put(const BrickKey& key, CoarsePart part);
-  /// requires: the part was put, and not dropped. thread: safe. throws: Error kIo, kFormat, kNotFound.
-  std::shared_ptr<const CoarsePart> get(const BrickKey& key) const;
-  void drop(const BrickKey& key) noexcept;
+  /// Keeps all of a brick's pieces. thread: safe for different keys. throws: Error kNoSpace, kIo.
+  void put(const BrickKey& key, std::vector<PartPiece> pieces);
+  /// Gives back a brick's piece for a parent, which is then forgotten. requires: it was put, and not taken. thread:
+  /// safe. throws: Error kIo, kFormat, kNotFound.
+  CoarsePart take(const BrickKey& key, const BrickKey& parent);
 
  private:
+  // In a part's file. unit: bytes.
+  struct Stretch {
+    std::uint64_t offset = 0, bytes = 0;
+  };
+  using Pieces = std::map<BrickKey, std::variant<CoarsePart, Stretch>>;  // by parent
+
+  bool reserve(std::uint64_t bytes);
+  Pieces written(const BrickKey& key, const std::vector<PartPiece>& pieces);
   std::filesystem::path pathOf(const BrickKey& key) const;
+
   std::filesystem::path directory_;
   FileSystem& disk_;
   mutable std::mutex mutex_;  // guards what follows
-  std::map<BrickKey, std::shared_ptr<const CoarsePart>> kept_;
+  std::map<BrickKey, Pieces> left_;
   std::uint64_t free_bytes_;
 };
 

@@ -64,18 +64,26 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
 }
 
-// The most that waits at once. Bricks come layer by layer, and a parent needs those of four: the two that its core is
-// made of, and for its apron one on either side.
+// What a brick leaves to its parents, which overlap by their aprons.
+std::uint64_t leftBytes(const Extent3& by, std::int64_t brick_size, std::uint64_t voxel_bytes) {
+  std::int64_t voxels = 1;
+  // A half of a parent has one neighbour, a whole one two.
+  for (int axis = 0; axis < 3; ++axis) voxels *= brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron;
+  const Extent3 part = {brick_size / by.x, brick_size / by.y, brick_size / by.z};
+  const std::uint64_t overlap_bytes = static_cast<std::uint64_t>(voxels - part.count()) * voxel_bytes;
+  return CoarsePart::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4;
+}
+
+// The most that waits at once. Bricks come layer by layer, and a parent needs those that its core is made of, one or
+// two, and for its apron one on either side, of which nothing but that is left when it comes, or that is just coming.
 std::uint64_t waitingPartBytes(const SourceInfo& info, const ConvertOptions& options) {
   std::uint64_t out = 0;
   const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
-    const std::int64_t slices = std::min(4 * options.brick_size, dims.z);
+    const std::int64_t slices = std::min((by.z + 1) * options.brick_size, dims.z);
     const auto bricks = brickLattice({dims.x, dims.y, slices}, options.brick_size).count();
-    const std::int64_t edge = options.brick_size;
-    out += static_cast<std::uint64_t>(bricks) *
-           CoarsePart::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
+    out += static_cast<std::uint64_t>(bricks) * leftBytes(by, options.brick_size, sizeOf(info.type));
   }
   return out;
 }

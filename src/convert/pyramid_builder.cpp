@@ -43,14 +43,10 @@ PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path&
   for (std::size_t l = 0; l < levels.size(); ++l) {
     const auto count = static_cast<std::size_t>(levels[l].bricks.count());
     levels_[l].awaited.resize(l == 0 ? 0 : count);
-    levels_[l].parents.resize(l + 1 == levels.size() ? 0 : count);
+    levels_[l].built.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       const BrickKey key{static_cast<int>(l), brickAt(levels[l].bricks, static_cast<std::int64_t>(i))};
       if (l > 0) levels_[l].awaited[i] = static_cast<std::uint16_t>(childrenOf(key).count());
-      if (!hasNext(key.level)) continue;
-      forEachBrick(parentsOf(key), [&](const BrickCoord& brick) {
-        if (owns({key.level + 1, brick})) ++levels_[l].parents[i];
-      });
     }
   }
 }
@@ -118,25 +114,23 @@ std::vector<BrickKey> PyramidBuilder::add(const BrickKey& key, std::span<const s
   if (!hasNext(key.level)) return {};
   std::optional<CoarsePart> part;
   if (keepsPart(key)) part = partOf(key, voxels, box, ranges);
-  std::optional<VoxelBox> own;
   for (const auto& [rank, taken] : takenOf(key)) {
-    if (rank == share_.rank) {
-      own = taken;
-    } else if (part) {
+    if (rank == share_.rank) continue;
+    if (part) {
       const CoarsePart piece = cropped(*part, taken);
       share_.give(rank, key, &piece);
     } else {
       share_.give(rank, key, nullptr);
     }
   }
-  if (part && own) parts_.put(key, cropped(*std::move(part), *own));
+  if (part) leave(key, *std::move(part));
   return arrived(key);
 }
 
 std::vector<BrickKey> PyramidBuilder::addGiven(const BrickKey& key, const BrickEntry& entry,
                                                std::optional<CoarsePart> piece) {
   writer_.keep(key, entry);
-  if (piece) parts_.put(key, *std::move(piece));
+  if (piece) leave(key, *std::move(piece));
   return arrived(key);
 }
 
@@ -153,26 +147,35 @@ std::vector<BrickKey> PyramidBuilder::arrived(const BrickKey& key) {
   return ready;
 }
 
-// `key` needs the parts below it no more.
-void PyramidBuilder::release(const BrickKey& key) {
-  forEachBrick(childrenOf(key), [&](const BrickCoord& brick) {
-    const BrickKey child{key.level - 1, brick};
-    {
-      const std::scoped_lock lock(mutex_);
-      if (--levels_[static_cast<std::size_t>(child.level)].parents[place(child)] > 0) return;
-    }
-    if (keepsPart(child)) parts_.drop(child);
+std::vector<BrickKey> PyramidBuilder::waitingFor(const BrickKey& key) const {
+  std::vector<BrickKey> out;
+  forEachBrick(parentsOf(key), [&](const BrickCoord& brick) {
+    const BrickKey parent{key.level + 1, brick};
+    if (owns(parent) && !levels_[static_cast<std::size_t>(parent.level)].built[place(parent)]) out.push_back(parent);
   });
+  return out;
+}
+
+void PyramidBuilder::leave(const BrickKey& key, CoarsePart part) {
+  std::vector<PartPiece> pieces;
+  std::optional<BrickKey> whole;
+  for (const BrickKey& parent : waitingFor(key)) {
+    const VoxelBox taken = writer_.frame(parent).stored();
+    if (intersection(part.box, taken) == part.box && !whole)
+      whole = parent;
+    else
+      pieces.push_back({parent, cropped(part, taken)});
+  }
+  if (whole) pieces.push_back({*whole, std::move(part)});
+  parts_.put(key, std::move(pieces));
 }
 
 void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels,
-                            BrickRanges& below) const {
+                            BrickRanges& below) {
   const BrickFrame frame = writer_.frame(key), fine = writer_.frame(child);
   const BrickEntry& entry = writer_.entry(child);
   const Extent3& by = levels_[static_cast<std::size_t>(child.level)].by;
-  const auto held =
-      entry.constant ? std::make_shared<const CoarsePart>(constantPartOf(fine, entry.core.lo, by)) : parts_.get(child);
-  const CoarsePart& part = *held;
+  const CoarsePart part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.take(child, key);
   copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
   const VoxelBox core = frame.core();
   if (intersection(part.box, core).empty()) return;  // the apron has ranges of its own
@@ -212,7 +215,6 @@ PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   ranges.support.include(below.support);
   Built built;
   built.brick = writer_.encode(key, voxels, ranges);
-  release(key);
   built.ready = add(key, voxels, box, ranges);
   return built;
 }
@@ -229,7 +231,7 @@ std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const Bric
     for (std::int64_t i = 0; i < lattice(level).count(); ++i) {
       const BrickKey key{level, brickAt(lattice(level), i)};
       if (!finished(key)) continue;
-      if (level > 0 && owns(key)) release(key);
+      levels_[static_cast<std::size_t>(level)].built[place(key)] = 1;
       for (const BrickKey& parent : arrived(key)) {
         if (!finished(parent)) ready.push_back(parent);
       }
@@ -238,8 +240,7 @@ std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const Bric
   for (int level = 0; hasNext(level); ++level) {
     for (std::int64_t i = 0; i < lattice(level).count(); ++i) {
       const BrickKey key{level, brickAt(lattice(level), i)};
-      if (finished(key) && keepsPart(key) && levels_[static_cast<std::size_t>(level)].parents[place(key)] > 0)
-        again(key);
+      if (finished(key) && keepsPart(key) && !waitingFor(key).empty()) again(key);
     }
   }
   return ready;
@@ -247,7 +248,7 @@ std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const Bric
 
 void PyramidBuilder::addFinished(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                  const BrickRanges& ranges) {
-  parts_.put(key, cropped(partOf(key, voxels, box, ranges), takenOf(key).at(share_.rank)));
+  leave(key, partOf(key, voxels, box, ranges));
 }
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
 // The coarser levels of a store, built while the finer bricks pass by: a parent as soon as every brick that its core
-// and apron touch is there. Each brick leaves its half-resolution part behind, and takes it away with its last parent.
+// and apron touch is there. Each brick leaves its half-resolution part behind, a piece for each of its parents.
 // Where several processes share the work each builds its own of the coarser bricks, and what they need of a brick that
 // another one made comes as a piece of that brick's part.
 #pragma once
@@ -62,7 +62,7 @@ class PyramidBuilder {
   struct Level {
     Extent3 by;                          // from this level to the next
     std::vector<std::uint16_t> awaited;  // of a brick: bricks of the level below that it still waits for
-    std::vector<std::uint8_t> parents;   // of a brick: this rank's that still need its part
+    std::vector<char> built;             // of a brick: an earlier conversion did, and it needs no parts
   };
   bool hasNext(int level) const { return level + 1 < static_cast<int>(levels_.size()); }
   Extent3 lattice(int level) const { return writer_.manifest().levels[static_cast<std::size_t>(level)].bricks; }
@@ -76,16 +76,19 @@ class PyramidBuilder {
   int ownerOf(const BrickKey& key) const;
   /// What each rank's bricks take of the voxels that `key` makes in the next level.
   std::map<int, VoxelBox> takenOf(const BrickKey& key) const;
-  void gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels, BrickRanges& below) const;
+  /// This rank's parents that still need a brick's part.
+  std::vector<BrickKey> waitingFor(const BrickKey& key) const;
+  /// Leaves what they need of it; of what another rank gave, which may be less than the whole, too.
+  void leave(const BrickKey& key, CoarsePart part);
+  void gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels, BrickRanges& below);
   std::vector<BrickKey> arrived(const BrickKey& key);
-  void release(const BrickKey& key);
 
   StoreWriter& writer_;
   PartStore parts_;
   const bool half_;
   const PyramidShare share_;
   std::vector<Level> levels_;
-  mutable std::mutex mutex_;  // guards `awaited`, `parents` and what follows
+  mutable std::mutex mutex_;  // guards `awaited` and what follows
   double largest_error_ = 0;
 };
 
