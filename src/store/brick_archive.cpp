@@ -7,12 +7,18 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+
+#include "grid/openvdb_glue.h"
 
 namespace kiln {
 namespace {
 
 constexpr std::uint32_t kCompression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
+// As OpenVDB has them, for values of any size.
+constexpr int kBloscLevel = 9;
+constexpr std::size_t kBloscTypeBytes = 4;
 // Only the values of active voxels follow; the others have the background's.
 constexpr char kActiveValuesOnly = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
 
@@ -34,6 +40,73 @@ void noteLengths([[maybe_unused]] const PackedGrid& packed) {
   packed.grid->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, note);
 #endif
 }
+
+// The leaves from `first` on that the node with that leaf has, which is 2^log2_edge voxels wide.
+std::span<const PackedLeaves::Leaf> leavesOfNode(std::span<const PackedLeaves::Leaf> from, openvdb::Index log2_edge) {
+  const auto nodeOf = [&](const PackedLeaves::Leaf& leaf) { return leaf.origin >> log2_edge; };
+  std::size_t count = 1;
+  while (count < from.size() && nodeOf(from[count]) == nodeOf(from[0])) ++count;
+  return from.first(count);
+}
+
+// Calls f(leaves) for each node of that width.
+template <class F>
+void forNodes(std::span<const PackedLeaves::Leaf> leaves, openvdb::Index log2_edge, F&& f) {
+  while (!leaves.empty()) {
+    const auto of_node = leavesOfNode(leaves, log2_edge);
+    f(of_node);
+    leaves = leaves.subspan(of_node.size());
+  }
+}
+
+// What Tree::writeTopology writes of a tree without tiles: each node is a mask of its children, one without active
+// values, and no values; each leaf a mask.
+class TopologyWriter {
+ public:
+  TopologyWriter(std::ostream& out, std::size_t value_bytes, bool as_half)
+      : out_(out), value_bytes_(value_bytes), half_(as_half) {}
+
+  void write(std::span<const PackedLeaves::Leaf> leaves) const {
+    const std::int32_t buffers = 1;
+    put(out_, &buffers, sizeof buffers);
+    const std::array<char, 8> background{};
+    put(out_, background.data(), value_bytes_);
+    const openvdb::Index32 tiles = 0;
+    openvdb::Index32 children = 0;
+    forNodes(leaves, Upper::TOTAL, [&](auto) { ++children; });
+    put(out_, &tiles, sizeof tiles);
+    put(out_, &children, sizeof children);
+    forNodes(leaves, Upper::TOTAL, [&](std::span<const PackedLeaves::Leaf> of_upper) {
+      const openvdb::Coord origin = (of_upper[0].origin >> Upper::TOTAL) << Upper::TOTAL;
+      put(out_, origin.asPointer(), 3 * sizeof(openvdb::Int32));
+      writeNode<Upper>(of_upper, Lower::TOTAL);
+      forNodes(of_upper, Lower::TOTAL, [&](std::span<const PackedLeaves::Leaf> of_lower) {
+        writeNode<Lower>(of_lower, openvdb::FloatTree::LeafNodeType::TOTAL);
+        for (const PackedLeaves::Leaf& leaf : of_lower) leaf.active.save(out_);
+      });
+    });
+  }
+
+ private:
+  using Upper = openvdb::FloatTree::RootNodeType::ChildNodeType;
+  using Lower = Upper::ChildNodeType;
+
+  template <class Node>
+  void writeNode(std::span<const PackedLeaves::Leaf> leaves, openvdb::Index log2_child) const {
+    typename Node::NodeMaskType children, active;
+    forNodes(leaves, log2_child, [&](std::span<const PackedLeaves::Leaf> of_child) {
+      children.setOn(Node::coordToOffset(of_child[0].origin));
+    });
+    children.save(out_);
+    active.save(out_);
+    put(out_, &kActiveValuesOnly, sizeof kActiveValuesOnly);
+    if (!half_) openvdb::io::bloscToStream(out_, nullptr, value_bytes_, 0);
+  }
+
+  std::ostream& out_;
+  const std::size_t value_bytes_;
+  const bool half_;
+};
 
 // What Archive::write does, with the leaves' values as they come.
 class PackedArchive : public openvdb::io::Archive {
@@ -63,7 +136,7 @@ class PackedArchive : public openvdb::io::Archive {
     noteLengths(packed);
     grid.writeMeta(out);
     grid.writeTransform(out);
-    grid.writeTopology(out);
+    TopologyWriter(out, packed.leaves.valueBytes(), grid.saveFloatAsHalf()).write(packed.leaves.leaves());
     descriptor.setBlockPos(out.tellp());
     put(out, packed.leaves.bytes().data(), packed.leaves.bytes().size());
     descriptor.setEndPos(out.tellp());
@@ -101,19 +174,40 @@ MemoryWriter::pos_type MemoryWriter::seekpos(pos_type position, std::ios_base::o
   return position;
 }
 
-void PackedLeaves::add(const openvdb::util::NodeMask<3>& active, const void* values, std::size_t value_bytes,
-                       std::size_t count) {
-  active.save(out_);
-  out_.put(kActiveValuesOnly);
-  const std::size_t before = buffer_.data().size();
-  openvdb::io::bloscToStream(out_, static_cast<const char*>(values), value_bytes, count);
-  lengths_.push_back(static_cast<std::int64_t>(buffer_.data().size() - before));
+PackedLeaves::PackedLeaves(std::size_t most, std::size_t value_bytes)
+    : value_bytes_(value_bytes),
+      data_(std::make_unique_for_overwrite<std::byte[]>(most * (Mask::SIZE * value_bytes + Mask::memUsage() +
+                                                                sizeof kActiveValuesOnly + sizeof(std::int64_t) +
+                                                                BLOSC_MAX_OVERHEAD))) {
+  leaves_.reserve(most);
+  lengths_.reserve(most);
 }
 
-void PackedLeaves::reserve(std::size_t leaves, std::size_t value_bytes) {
-  constexpr std::size_t kMaskAndLengths = 128;
-  buffer_.reserve(leaves * (openvdb::FloatTree::LeafNodeType::SIZE * value_bytes + kMaskAndLengths));
-  lengths_.reserve(leaves);
+void PackedLeaves::append(const void* from, std::size_t bytes) {
+  std::memcpy(data_.get() + size_, from, bytes);
+  size_ += bytes;
+}
+
+void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_bytes, std::size_t count) {
+  leaves_.push_back(leaf);
+  for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) {
+    const auto word = leaf.active.getWord<openvdb::util::NodeMask<3>::Word>(i);
+    append(&word, sizeof word);
+  }
+  append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
+  // As openvdb::io::bloscToStream has it, which makes a buffer for each leaf: how many bytes there are, below zero
+  // where they are as they were.
+  const std::size_t bytes = stored_bytes * count, before = size_;
+  const int packed = blosc_compress_ctx(kBloscLevel, BLOSC_SHUFFLE, kBloscTypeBytes, bytes, values,
+                                        data_.get() + size_ + sizeof(std::int64_t), bytes + BLOSC_MAX_OVERHEAD,
+                                        BLOSC_LZ4_COMPNAME, /*blocksize=*/bytes, /*threads=*/1);
+  const std::int64_t length = packed > 0 ? packed : -static_cast<std::int64_t>(bytes);
+  append(&length, sizeof length);
+  if (packed > 0)
+    size_ += static_cast<std::size_t>(packed);
+  else
+    append(values, bytes);
+  lengths_.push_back(static_cast<std::int64_t>(size_ - before));
 }
 
 std::vector<std::byte> archiveOf(std::span<const PackedGrid> grids, const openvdb::MetaMap& metadata) {

@@ -1,12 +1,14 @@
 // An OpenVDB file in memory, from grids whose leaves were packed beforehand. OpenVDB's own writer compresses every leaf
-// twice, first to note its length for delayed loading, then to write it, and wants the values as a tree of floats; this
-// one takes what was compressed once, from wherever it was, and gives the same bytes. Internal, and not installed.
+// twice, first to note its length for delayed loading, then to write it, wants the values as a tree of floats, and
+// looks at every tile that a tree might have; this one takes what was compressed once, from wherever it was, knows that
+// there are no tiles, and gives the same bytes. Internal, and not installed.
 #pragma once
 
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <ostream>
 #include <span>
 #include <streambuf>
@@ -32,27 +34,42 @@ class MemoryWriter : public std::streambuf {
   std::size_t at_ = 0;
 };
 
-/// The values of a grid's active voxels as its file holds them, leaf after leaf in the tree's order.
+/// A grid's leaves as its file holds them, one after the other.
 class PackedLeaves {
  public:
-  /// Appends a leaf: `count` values of `value_bytes` bytes each, those of its active voxels in order of their offsets.
-  /// requires: every inactive voxel of the leaf has the background's value.
-  void add(const openvdb::util::NodeMask<3>& active, const void* values, std::size_t value_bytes, std::size_t count);
+  using Mask = openvdb::util::NodeMask<3>;
+  struct Leaf {
+    openvdb::Coord origin;
+    Mask active;
+  };
 
-  /// Makes room for whole leaves that do not compress, so that nothing is moved while they are added.
-  void reserve(std::size_t leaves, std::size_t value_bytes);
+  /// For at most `most` leaves of a grid whose tree has values of `value_bytes` bytes.
+  PackedLeaves(std::size_t most, std::size_t value_bytes);
 
-  std::span<const std::byte> bytes() const { return buffer_.data(); }
+  /// Appends a leaf: `count` values of `stored_bytes` bytes each, those of its active voxels in order of their offsets;
+  /// all others have the background's value. requires: leaves come in the order of a tree; `stored_bytes` no more than
+  /// the tree's values have.
+  void add(const Leaf& leaf, const void* values, std::size_t stored_bytes, std::size_t count);
+
+  /// Of the tree's values. unit: bytes.
+  std::size_t valueBytes() const { return value_bytes_; }
+  std::span<const Leaf> leaves() const { return leaves_; }
+  /// Their values in the file.
+  std::span<const std::byte> bytes() const { return {data_.get(), size_}; }
   /// The length of each leaf's values, with their own length in front. unit: bytes.
   std::span<const std::int64_t> lengths() const { return lengths_; }
 
  private:
-  MemoryWriter buffer_;
-  std::ostream out_{&buffer_};
+  void append(const void* from, std::size_t bytes);
+
+  std::size_t value_bytes_;
+  std::vector<Leaf> leaves_;
+  std::unique_ptr<std::byte[]> data_;  // as large as leaves that do not compress
+  std::size_t size_ = 0;
   std::vector<std::int64_t> lengths_;
 };
 
-/// A grid's name, transform and topology, and its values. The values of the grid's own leaves are not read.
+/// A grid without leaves, for its name, transform and kind, and those that its file is to have. Its background is 0.
 struct PackedGrid {
   openvdb::GridBase::Ptr grid;
   PackedLeaves leaves;

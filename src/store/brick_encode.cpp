@@ -18,7 +18,31 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`; `part` is what of it lies in the box.
+// Calls f(origin, part) for each cube of `edge`, aligned to multiples of it, that meets the box, z fastest, as a tree's
+// nodes lie; `part` is what of it lies in the box.
+template <class F>
+void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
+  const auto down = [&](std::int64_t v) { return v & ~(edge - 1); };
+  for (std::int64_t x = down(box.lo.x); x < box.hi.x; x += edge) {
+    for (std::int64_t y = down(box.lo.y); y < box.hi.y; y += edge) {
+      for (std::int64_t z = down(box.lo.z); z < box.hi.z; z += edge) {
+        f(VoxelCoord{x, y, z}, intersection(VoxelBox{{x, y, z}, {x + edge, y + edge, z + edge}}, box));
+      }
+    }
+  }
+}
+
+// Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`, in the order of a tree.
+template <class F>
+void forEachLeafOfTree(const VoxelBox& box, F&& leaf) {
+  using Upper = openvdb::FloatTree::RootNodeType::ChildNodeType;
+  forCubes(box, Upper::DIM, [&](const VoxelCoord&, const VoxelBox& upper) {
+    forCubes(upper, Upper::ChildNodeType::DIM,
+             [&](const VoxelCoord&, const VoxelBox& lower) { forCubes(lower, kLeaf, leaf); });
+  });
+}
+
+// The same in the order in which a block has them.
 template <class F>
 void forEachLeaf(const VoxelBox& box, F&& leaf) {
   for (std::int64_t z = leafBelow(box.lo.z); z < box.hi.z; z += kLeaf) {
@@ -66,24 +90,25 @@ class Encoder {
         half_(fitsHalf()) {}
 
   // The core, or the apron.
-  void voxelGrid(const char* name, bool core, PackedGrid& out) const {
+  PackedGrid voxelGrid(const char* name, bool core) const {
     if constexpr (kMayBeHalf) {
-      if (half_) return packVoxels<openvdb::FloatGrid>(name, core, true, halfBitsOf, out);
+      if (half_) return packVoxels<openvdb::FloatGrid>(name, core, true, halfBitsOf);
     }
-    packVoxels<BrickGridFor<T>>(
-        name, core, false, [](T value) { return static_cast<typename BrickGridFor<T>::ValueType>(value); }, out);
+    return packVoxels<BrickGridFor<T>>(name, core, false,
+                                       [](T value) { return static_cast<typename BrickGridFor<T>::ValueType>(value); });
   }
 
-  void cellGrid(const char* name, std::span<const ValueRange> cells, bool least, PackedGrid& out) const {
+  PackedGrid cellGrid(const char* name, std::span<const ValueRange> cells, bool least) const {
     // On coarser levels cells hold values of voxels below, which need not survive where the brick's own do.
     const bool half = half_ && std::all_of(cells.begin(), cells.end(), [](const ValueRange& cell) {
                         return cell.empty() ||
                                (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
                       });
-    if (half)
-      packCells<openvdb::FloatGrid>(name, cells, least, true, out);
-    else
-      packCells<BrickGridFor<T>>(name, cells, least, false, out);
+    if (half) {
+      return packCells<openvdb::FloatGrid>(name, cells, least, true,
+                                           [](float value) { return openvdb::math::half(value); });
+    }
+    return packCells<BrickGridFor<T>>(name, cells, least, false, [](auto value) { return value; });
   }
 
  private:
@@ -94,81 +119,71 @@ class Encoder {
     return false;
   }
 
+  struct LeafPart {
+    VoxelCoord origin;
+    VoxelBox part;
+  };
+
   // A core begins and ends where leaves do, or where the volume ends: no leaf has voxels of both core and apron.
   template <class Grid, class F>
-  void packVoxels(const char* name, bool core, bool half, F storedOf, PackedGrid& out) const {
-    using Leaf = typename Grid::TreeType::LeafNodeType;
-    const typename Grid::Ptr grid = makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index), half);
+  PackedGrid packVoxels(const char* name, bool core, bool half, F storedOf) const {
+    using Stored = std::invoke_result_t<F, T>;
     const VoxelBox& box = core ? core_ : box_;
-    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      if (!core && core_.contains(part.lo)) return;
-      // It has a mask and no values.
-      auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), coordOf(origin), typename Grid::ValueType(0));
-      leaf->setValueMask(maskOf(origin, part));
-      grid->tree().addLeaf(leaf.release());
+    std::vector<LeafPart> leaves;
+    forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      if (core || !core_.contains(part.lo)) leaves.push_back({origin, part});
     });
-    out.grid = grid;
-    addLeaves(grid->tree(), box, storedOf, out.leaves);
+    PackedGrid out{makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index), half),
+                   {leaves.size(), sizeof(typename Grid::ValueType)}};
+    const std::unique_ptr<const T[]> values = inOrderOf(leaves, box);
+    const T* next = values.get();
+    for (const auto& [origin, part] : leaves) {
+      const auto count = static_cast<std::size_t>(part.count());
+      Stored stored[kLeaf * kLeaf * kLeaf];
+      std::transform(next, next + count, stored, storedOf);
+      out.leaves.add({coordOf(origin), maskOf(origin, part)}, stored, sizeof(Stored), count);
+      next += count;
+    }
+    return out;
   }
 
-  template <class Grid>
-  void packCells(const char* name, std::span<const ValueRange> cells, bool least, bool half, PackedGrid& out) const {
-    using Value = typename Grid::ValueType;
-    // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
+  // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
+  openvdb::math::Transform::Ptr transformOfCells() const {
     const double s = static_cast<double>(kCellSize);
     glm::dmat4 index_from_cell(s);
     index_from_cell[3] = glm::dvec4(glm::dvec3((s - 1) / 2), 1.0);
-    const typename Grid::Ptr grid =
-        makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index * index_from_cell), half);
-    const int edge = static_cast<int>(frame_.brick_size / kCellSize);
-    auto accessor = grid->getAccessor();
-    std::size_t i = 0;
-    for (int z = 0; z < edge; ++z) {
-      for (int y = 0; y < edge; ++y) {
-        for (int x = 0; x < edge; ++x, ++i) {
-          if (cells[i].empty()) continue;
-          const double value = least ? cells[i].lo : cells[i].hi;
-          accessor.setValueOn(
-              coordOf({core_.lo.x / kCellSize + x, core_.lo.y / kCellSize + y, core_.lo.z / kCellSize + z}),
-              static_cast<Value>(value));
-        }
-      }
-    }
-    out.grid = grid;
-    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
-      std::vector<Value> values;
-      for (auto value = leaf->cbeginValueOn(); value; ++value) values.push_back(*value);
-      if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>) {
-        if (half) {
-          const std::vector<openvdb::math::half> halves(values.begin(), values.end());
-          out.leaves.add(leaf->valueMask(), halves.data(), sizeof halves[0], halves.size());
-          continue;
-        }
-      }
-      out.leaves.add(leaf->valueMask(), values.data(), sizeof(Value), values.size());
-    }
+    return transformOf(frame_.geometry.world_from_index * index_from_cell);
   }
 
-  // Of each leaf the voxels that are in the box, from x fastest to z fastest.
-  template <class Tree, class F>
-  void addLeaves(const Tree& tree, const VoxelBox& box, F storedOf, PackedLeaves& out) const {
-    using Stored = std::invoke_result_t<F, T>;
-    out.reserve(tree.leafCount(), sizeof(Stored));
-    const std::unique_ptr<const T[]> values = inOrderOf(tree, box);
-    const T* next = values.get();
-    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
-      const auto count = static_cast<std::size_t>(leaf->onVoxelCount());
+  template <class Grid, class F>
+  PackedGrid packCells(const char* name, std::span<const ValueRange> cells, bool least, bool half, F storedOf) const {
+    using Value = typename Grid::ValueType;
+    using Stored = std::invoke_result_t<F, Value>;
+    const std::int64_t edge = frame_.brick_size / kCellSize;
+    const VoxelCoord lo = {core_.lo.x / kCellSize, core_.lo.y / kCellSize, core_.lo.z / kCellSize};
+    const VoxelBox box = {lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
+    const std::int64_t across = edge / kLeaf + 1;
+    PackedGrid out{makeGrid<Grid>(name, transformOfCells(), half),
+                   {static_cast<std::size_t>(across * across * across), sizeof(Value)}};
+    forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      PackedLeaves::Leaf leaf{coordOf(origin), {}};
       Stored stored[kLeaf * kLeaf * kLeaf];
-      std::transform(next, next + count, stored, storedOf);
-      out.add(leaf->valueMask(), stored, sizeof(Stored), count);
-      next += count;
-    }
+      std::size_t count = 0;
+      forCubes(part, 1, [&](const VoxelCoord& at, const VoxelBox&) {
+        const ValueRange& cell =
+            cells[static_cast<std::size_t>(((at.z - lo.z) * edge + (at.y - lo.y)) * edge + (at.x - lo.x))];
+        if (cell.empty()) return;
+        leaf.active.setOn(openvdb::FloatTree::LeafNodeType::coordToOffset(coordOf(at)));
+        stored[count++] = storedOf(static_cast<Value>(least ? cell.lo : cell.hi));
+      });
+      if (count > 0) out.leaves.add(leaf, stored, sizeof(Stored), count);
+    });
+    return out;
   }
 
-  // The values of the tree's leaves, one leaf after the other. Voxels are taken in the order in which they lie in the
-  // block: leaf by leaf, the tree would come back to each cache line of it four times, long after.
-  template <class Tree>
-  std::unique_ptr<const T[]> inOrderOf(const Tree& tree, const VoxelBox& box) const {
+  // The values of the leaves, one leaf after the other. Voxels are taken in the order in which they lie in the block:
+  // leaf by leaf, each cache line of it would be read four times, long after.
+  std::unique_ptr<const T[]> inOrderOf(std::span<const LeafPart> leaves, const VoxelBox& box) const {
     const auto leafIndex = [&](const VoxelCoord& voxel, int axis) {
       return voxel[axis] / kLeaf - box.lo[axis] / kLeaf;
     };
@@ -178,9 +193,9 @@ class Encoder {
     };
     std::vector<std::int64_t> begin(static_cast<std::size_t>(n.count()), -1);
     std::int64_t end = 0;
-    for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
-      begin[indexOf(voxelOf(leaf->origin()))] = end;
-      end += static_cast<std::int64_t>(leaf->onVoxelCount());
+    for (const auto& [origin, part] : leaves) {
+      begin[indexOf(origin)] = end;
+      end += part.count();
     }
     auto values = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(end));
     forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
@@ -240,11 +255,9 @@ std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std:
   initializeOpenVdb();
   return withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
     const Encoder<T> encoder(frame, voxels);
-    std::array<PackedGrid, 4> grids;
-    encoder.voxelGrid(kCoreGrid, true, grids[0]);
-    encoder.voxelGrid(kApronGrid, false, grids[1]);
-    encoder.cellGrid(kCellMinGrid, cells, true, grids[2]);
-    encoder.cellGrid(kCellMaxGrid, cells, false, grids[3]);
+    const std::array<PackedGrid, 4> grids = {encoder.voxelGrid(kCoreGrid, true), encoder.voxelGrid(kApronGrid, false),
+                                             encoder.cellGrid(kCellMinGrid, cells, true),
+                                             encoder.cellGrid(kCellMaxGrid, cells, false)};
     std::vector<std::byte> file = archiveOf(grids, metadataOf(frame));
     stampUuid(file);
     return file;

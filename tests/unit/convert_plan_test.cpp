@@ -61,9 +61,10 @@ TEST(ConversionPlan, SlicesAreInMemoryWhereTheyFitBesideTheLanes) {
   EXPECT_EQ(ample.window_slices, 140 + 128);
   EXPECT_EQ(ample.window_bytes, 268 * 2 * kMiB + 3 * kMiB);
   EXPECT_EQ(ample.scratch_bytes, 0u);
-  // Of four layers of 8 x 8 bricks, then 4 x 4, then 2 x 2 x 2 in all: 64³ voxels and the ranges of 8³ cells each, and
-  // a quarter.
-  EXPECT_NEAR(static_cast<double>(ample.parts_bytes), (256 + 64 + 8) * 650.0 * 1024, 80.0 * 1024);
+  // Of three layers of 8 x 8 bricks, then 4 x 4, then 2 x 2 x 2 in all: 64³ voxels and the ranges of 8³ cells each, 6
+  // voxels more along each axis for a neighbour, and a quarter.
+  const double voxels_bytes = 2.0 * 70 * 70 * 70, ranges_bytes = 16.0 * 8 * 8 * 8;
+  EXPECT_NEAR(static_cast<double>(ample.parts_bytes), (192 + 48 + 8) * 1.25 * (voxels_bytes + ranges_bytes), 80 * 1024);
   EXPECT_FALSE(tight.window_on_disk);
   EXPECT_GE(tight.window_slices, 140);
   EXPECT_LT(tight.window_slices, 268);
