@@ -9,6 +9,7 @@
 
 #include "base/byte_record.h"
 #include "base/error.h"
+#include "base/vectors.h"
 
 namespace kiln {
 namespace {
@@ -56,7 +57,7 @@ class Halver {
     counts_.resize(sums_.size());
   }
 
-  void run(const VoxelBox& coarse, T* out) {
+  KILN_VECTORS void run(const VoxelBox& coarse, T* out) noexcept {
     for (std::int64_t z = coarse.lo.z; z < coarse.hi.z; ++z) {
       for (std::int64_t y = coarse.lo.y; y < coarse.hi.y; ++y) {
         const int rows = sumRows(below(y, by_.y, core_.hi.y), below(z, by_.z, core_.hi.z));

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "base/vectors.h"
+
 namespace kiln {
 namespace {
 
@@ -14,7 +16,7 @@ struct Rows {
            std::numeric_limits<T>::has_infinity ? std::numeric_limits<T>::infinity() : std::numeric_limits<T>::max()),
         hi(count, std::numeric_limits<T>::has_infinity ? -std::numeric_limits<T>::infinity()
                                                        : std::numeric_limits<T>::lowest()) {}
-  void include(std::size_t to, const T* from_lo, const T* from_hi, std::size_t count) {
+  KILN_VECTORS void include(std::size_t to, const T* from_lo, const T* from_hi, std::size_t count) noexcept {
     T *const a = lo.data() + to, *const b = hi.data() + to;
     for (std::size_t i = 0; i < count; ++i) {
       a[i] = from_lo[i] < a[i] ? from_lo[i] : a[i];

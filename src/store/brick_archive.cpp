@@ -190,10 +190,9 @@ void PackedLeaves::append(const void* from, std::size_t bytes) {
 
 void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_bytes, std::size_t count) {
   leaves_.push_back(leaf);
-  for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) {
-    const auto word = leaf.active.getWord<openvdb::util::NodeMask<3>::Word>(i);
-    append(&word, sizeof word);
-  }
+  std::array<Mask::Word, Mask::WORD_COUNT> words;
+  for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) words[i] = leaf.active.getWord<Mask::Word>(i);
+  append(words.data(), sizeof words);
   append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
   // As openvdb::io::bloscToStream has it, which makes a buffer for each leaf: how many bytes there are, below zero
   // where they are as they were.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/vectors.h"
+
 namespace kiln {
 namespace {
 
@@ -56,11 +58,12 @@ ValueRange rangeOfTyped(const T* voxels, const VoxelBox& box, const VoxelBox& re
 }
 
 // A row of whole cells of whole numbers: the extremes of the cells' columns, all at once, then of each cell's eight.
+// `columns` is room for two rows of voxels.
 template <class T>
-void rangesOfCellRow(const T* first, std::int64_t row, std::int64_t slice, int cells, ValueRange* out) {
-  std::vector<T> columns(2 * static_cast<std::size_t>(cells) * kCellSize);
+KILN_VECTORS void rangesOfCellRow(const T* first, std::int64_t row, std::int64_t slice, int cells, T* columns,
+                                  ValueRange* out) noexcept {
   const std::int64_t width = cells * kCellSize;
-  T *const lo = columns.data(), *const hi = lo + width;
+  T *const lo = columns, *const hi = lo + width;
   std::copy_n(first, width, lo);
   std::copy_n(first, width, hi);
   for (std::int64_t z = 0; z < kCellSize; ++z) {
@@ -73,8 +76,12 @@ void rangesOfCellRow(const T* first, std::int64_t row, std::int64_t slice, int c
     }
   }
   for (int cell = 0; cell < cells; ++cell) {
-    out[cell] = {static_cast<double>(*std::min_element(lo + cell * kCellSize, lo + (cell + 1) * kCellSize)),
-                 static_cast<double>(*std::max_element(hi + cell * kCellSize, hi + (cell + 1) * kCellSize))};
+    T least = lo[cell * kCellSize], greatest = hi[cell * kCellSize];
+    for (std::int64_t x = cell * kCellSize; x < (cell + 1) * kCellSize; ++x) {
+      least = std::min(least, lo[x]);
+      greatest = std::max(greatest, hi[x]);
+    }
+    out[cell] = {static_cast<double>(least), static_cast<double>(greatest)};
   }
 }
 
@@ -112,6 +119,7 @@ std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType 
   withVoxelType(type, [&]<class T>(std::type_identity<T>) {
     const T* const data = reinterpret_cast<const T*>(voxels.data());
     ValueRange* row = out.data();
+    std::vector<T> columns(2 * static_cast<std::size_t>(n.x));
     for (int z = 0; z < edge; ++z) {
       for (int y = 0; y < edge; ++y, row += edge) {
         const VoxelCoord lo = {core.lo.x, core.lo.y + y * kCellSize, core.lo.z + z * kCellSize};
@@ -120,7 +128,7 @@ std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType 
           if ((y + 1) * kCellSize <= n.y && (z + 1) * kCellSize <= n.z) {
             x = static_cast<int>(n.x / kCellSize);
             const std::int64_t at = ((lo.z - box.lo.z) * size.y + (lo.y - box.lo.y)) * size.x + (lo.x - box.lo.x);
-            rangesOfCellRow(data + at, size.x, size.x * size.y, x, row);
+            rangesOfCellRow(data + at, size.x, size.x * size.y, x, columns.data(), row);
           }
         }
         for (; x < edge; ++x) {
