@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "support/procedural.h"
+#include "support/random_scene.h"
 
 namespace kiln::test {
 namespace {

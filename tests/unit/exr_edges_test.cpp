@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "output/exr_file.h"
-#include "support/procedural.h"
+#include "support/random_scene.h"
 
 namespace kiln::test {
 namespace {
