@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <istream>
 #include <memory>
 #include <streambuf>
@@ -13,6 +14,7 @@
 
 #include "base/error.h"
 #include "store/brick_file.h"
+#include "store/leaf_turn.h"
 
 namespace kiln {
 namespace {
@@ -24,6 +26,9 @@ class MemoryReader : public std::streambuf {
     char* first = const_cast<char*>(reinterpret_cast<const char*>(data.data()));
     setg(first, first, first + data.size());
   }
+  std::span<const std::byte> rest() const { return std::as_bytes(std::span<const char>(gptr(), egptr())); }
+  /// requires: no more than the rest.
+  void skip(std::size_t bytes) { setg(eback(), gptr() + bytes, egptr()); }
 
  protected:
   pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
@@ -71,28 +76,85 @@ class ArchiveReader : public openvdb::io::Archive {
   }
 };
 
-// Calls f(leaf) for each leaf of a grid, with its values. They are read for one leaf at a time: a tree of all of them
-// would take more memory than the brick.
-template <class Grid, class F>
-void forEachLeaf(Grid& grid, std::istream& in, F&& f) {
-  typename Grid::TreeType::LeafNodeType::Buffer values(openvdb::PartialCreate(), grid.background());
-  for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-    leaf->swap(values);
-    leaf->readBuffers(in, grid.saveFloatAsHalf());
-    f(*leaf);
-    leaf->swap(values);
+// The values of a grid's leaves one after the other: a tree of all of them would take more memory than the brick.
+template <class Grid>
+class LeafValues {
+ public:
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+  using Value = typename Grid::ValueType;
+
+  LeafValues(const Grid& grid, MemoryReader& buffer, std::istream& in)
+      : half_(grid.saveFloatAsHalf()),
+        packed_(!half_ && openvdb::io::getDataCompression(in) ==
+                              (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)),
+        buffer_(buffer),
+        in_(in),
+        spare_(openvdb::PartialCreate(), grid.background()) {}
+
+  /// Calls f(values, stride) with the leaf's voxels in `part`, from its first: strides along x and y, 1 along z. Then
+  /// the next leaf's values are in turn. requires: exactly the voxels in `part` are active.
+  template <class F>
+  void take(Leaf& leaf, const VoxelBox& part, F&& f) {
+    const Extent3 n = part.extent();
+    if (packed_ && takePacked(leaf, static_cast<std::size_t>(n.count()))) {
+      f(values_, std::array{n.y * n.z, n.z});
+      return;
+    }
+    read(leaf, [&](const Leaf& whole) {
+      const openvdb::Coord first = coordOf(part.lo);
+      f(whole.buffer().data() + Leaf::coordToOffset(first), std::array<std::int64_t, 2>{kLeaf * kLeaf, kLeaf});
+    });
   }
-}
+  /// Calls f(leaf) with its values in it.
+  template <class F>
+  void read(Leaf& leaf, F&& f) {
+    leaf.swap(spare_);
+    leaf.readBuffers(in_, half_);
+    f(std::as_const(leaf));
+    leaf.swap(spare_);
+  }
+
+ private:
+  // As bricks' writer has them: the mask once more, no other values than those of active voxels, Blosc's own header.
+  // OpenVDB's reader would have memory given to it three times for each leaf. Whatever is otherwise is left to it.
+  bool takePacked(const Leaf& leaf, std::size_t count) {
+    using Mask = typename Leaf::NodeMaskType;
+    const std::span<const std::byte> rest = buffer_.rest();
+    constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
+    if (rest.size() < kHead) return false;
+    std::int64_t length;
+    std::memcpy(&length, rest.data() + sizeof(Mask) + 1, sizeof length);
+    if (std::memcmp(rest.data(), &leaf.valueMask(), sizeof(Mask)) != 0 ||
+        rest[sizeof(Mask)] != std::byte{openvdb::io::NO_MASK_OR_INACTIVE_VALS} || length <= 0 ||
+        static_cast<std::uint64_t>(length) > rest.size() - kHead)
+      return false;
+    const std::byte* const packed = rest.data() + kHead;
+    const auto bytes = static_cast<std::size_t>(length);
+    std::size_t unpacked = 0;
+    if (blosc_cbuffer_validate(packed, bytes, &unpacked) != 0 || unpacked != count * sizeof(Value)) return false;
+    if (blosc_decompress_ctx(packed, values_, unpacked, 1) != static_cast<int>(unpacked)) return false;
+    buffer_.skip(kHead + bytes);
+    return true;
+  }
+
+  const bool half_, packed_;
+  MemoryReader& buffer_;
+  std::istream& in_;
+  typename Leaf::Buffer spare_;
+  alignas(64) Value values_[Leaf::SIZE];
+};
 
 template <class T>
 class Decoder {
  public:
-  Decoder(const BrickFrame& frame, const std::filesystem::path& path, std::istream& in, BrickBlock& block)
+  Decoder(const BrickFrame& frame, const std::filesystem::path& path, MemoryReader& buffer, std::istream& in,
+          BrickBlock& block)
       : core_(frame.core()),
         stored_(frame.stored()),
         edge_(static_cast<int>(frame.brick_size / kCellSize)),
         cells_(static_cast<std::size_t>(edge_) * edge_ * edge_),
         path_(path),
+        buffer_(buffer),
         in_(in),
         block_(block) {}
 
@@ -133,33 +195,39 @@ class Decoder {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
     const VoxelBox& box = core ? core_ : stored_;
     std::int64_t count = 0;
-    forEachLeaf(grid, in_, [&](const auto& leaf) {
-      const VoxelCoord origin = voxelOf(leaf.origin());
+    LeafValues<Grid> values(grid, buffer_, in_);
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+      const VoxelCoord origin = voxelOf(leaf->origin());
       // No leaf has voxels of both core and apron.
       const VoxelBox part = intersection(leafAt(origin), box);
-      if (part.empty() || (!core && core_.contains(part.lo)) || leaf.valueMask() != maskOf(origin, part))
+      if (part.empty() || (!core && core_.contains(part.lo)) || leaf->valueMask() != maskOf(origin, part))
         fail(grid.getName() + " has a voxel outside of its place, or lacks one");
-      copyLeaf(leaf.buffer().data(), origin, part, voxels);
+      values.take(*leaf, part, [&](const auto* from, const std::array<std::int64_t, 2>& stride) {
+        copyLeaf(from, stride, part, voxels);
+      });
       count += part.count();
-    });
+    }
     const std::int64_t expected = core ? core_.count() : stored_.count() - core_.count();
     if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", grid.getName(), count, expected));
   }
 
   template <class Grid>
   void takeCells(Grid& grid, bool least) {
-    forEachLeaf(grid, in_, [&](const auto& leaf) {
-      for (auto voxel = leaf.cbeginValueOn(); voxel; ++voxel) {
-        const openvdb::Coord c = voxel.getCoord();
-        const std::int64_t x = c.x() - core_.lo.x / kCellSize;
-        const std::int64_t y = c.y() - core_.lo.y / kCellSize;
-        const std::int64_t z = c.z() - core_.lo.z / kCellSize;
-        if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
-          fail(grid.getName() + " has a cell outside of its place");
-        ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
-        (least ? range.lo : range.hi) = static_cast<double>(*voxel);
-      }
-    });
+    LeafValues<Grid> values(grid, buffer_, in_);
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+      values.read(*leaf, [&](const auto& whole) {
+        for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
+          const openvdb::Coord c = voxel.getCoord();
+          const std::int64_t x = c.x() - core_.lo.x / kCellSize;
+          const std::int64_t y = c.y() - core_.lo.y / kCellSize;
+          const std::int64_t z = c.z() - core_.lo.z / kCellSize;
+          if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
+            fail(grid.getName() + " has a cell outside of its place");
+          ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
+          (least ? range.lo : range.hi) = static_cast<double>(*voxel);
+        }
+      });
+    }
   }
 
   // Voxels of the extent that lie outside of the volume repeat the nearest one inside, axis by axis.
@@ -191,14 +259,20 @@ class Decoder {
 
   // From z fastest to x fastest.
   template <class Value>
-  void copyLeaf(const Value* from, const VoxelCoord& origin, const VoxelBox& part, T* voxels) const {
+  void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part, T* voxels) const {
     const Extent3 n = part.extent();
+    T* const to = voxels + block_.offsetOf(part.lo);
+    if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
+      alignas(64) T values[kLeaf * kLeaf * kLeaf];
+      for (std::size_t i = 0; i < std::size(values); ++i) values[i] = static_cast<T>(from[i]);
+      for (std::int64_t y = 0; y < kLeaf; ++y)
+        transposeSquare(values + y * stride[1], stride[0], to + y * block_.strideY(), block_.strideZ());
+      return;
+    }
     for (std::int64_t z = 0; z < n.z; ++z) {
       for (std::int64_t y = 0; y < n.y; ++y) {
-        T* const to = voxels + block_.offsetOf({part.lo.x, part.lo.y + y, part.lo.z + z});
-        const Value* const row =
-            from + ((part.lo.x - origin.x) << 6 | (part.lo.y - origin.y + y) << 3 | (part.lo.z - origin.z + z));
-        for (std::int64_t x = 0; x < n.x; ++x) to[x] = static_cast<T>(row[x << 6]);
+        T* const row = to + z * block_.strideZ() + y * block_.strideY();
+        for (std::int64_t x = 0; x < n.x; ++x) row[x] = static_cast<T>(from[x * stride[0] + y * stride[1] + z]);
       }
     }
   }
@@ -212,6 +286,7 @@ class Decoder {
   std::vector<ValueRange> cells_;
   std::array<bool, 4> taken_{};
   const std::filesystem::path& path_;
+  MemoryReader& buffer_;
   std::istream& in_;
   BrickBlock& block_;
 };
@@ -240,7 +315,7 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
     in.exceptions(std::ios::failbit | std::ios::badbit);
     BrickBlock block = emptyBlock(frame);
     withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
-      Decoder<T> decoder(frame, path, in, block);
+      Decoder<T> decoder(frame, path, buffer, in, block);
       ArchiveReader().read(in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
       decoder.finish();
     });
