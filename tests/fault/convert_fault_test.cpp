@@ -112,6 +112,8 @@ std::uint64_t changesOf(bool overwrite) {
 
 // Known because the parts are the same, wherever they wait.
 TEST(ConvertParts, MayBeInMemoryOrInFiles) {
+  // How many wait at a time would be the threads' to decide.
+  const ThreadLimit one(1);
   const DenseVolume volume = cheese({{70, 40, 40}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
   DenseSource source(volume);
   ConvertOptions asked = options();
