@@ -36,7 +36,7 @@ if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=
 large='LatticeWeights|Extinction|PictureQuality|VolumeMixPicture|UniformMediumHasNoSeams|Panorama|Turn|Zoom'
 large+='|DeepImages.*(OfParts|AreTheFlat)|PartialImages.OfOctants|Checkpoint.(GoesOn|ChangesNo|TakesNo)|SeveralVolumesAreDeep'
 large+='|Samples.AreMeans|TraceCli.SaysWhat|NeedsNoSliceInMemory|ReferenceRenderer|BenchReport|Bench\.'
-large+='|(Scene|Views|Volumes|Sequence|Labels)Cli'
+large+='|(Scene|Views|Volumes|Sequence|Labels|Progress)Cli|CliKilled|Cli.(AnInterrupt|ADryRunForetellsTheRender)'
 
 # In these, one thread does what is looked at, or the others show the same of threads, and faster.
 of_one_thread='Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Samples|Crop|Paging|Pyramid'
