@@ -16,46 +16,6 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// 2^x for -126 <= x <= 0, to 2e-6 of its value.
-HWY_INLINE V exp2Of(D d, V x) {
-  const DI di;
-  const V n = hn::Floor(hn::Add(x, hn::Set(d, 0.5f)));
-  const V f = hn::Sub(x, n);
-  V p = hn::Set(d, 0.00133336f);
-  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.00961813f));
-  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.05550411f));
-  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.24022651f));
-  p = hn::Add(hn::Mul(p, f), hn::Set(d, 0.69314718f));
-  p = hn::Add(hn::Mul(p, f), hn::Set(d, 1.0f));
-  const VI e = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-  return hn::Mul(p, hn::BitCast(d, e));
-}
-
-// log2 of 0 < x <= 1, to 2e-6.
-HWY_INLINE V log2Of(D d, V x) {
-  const DI di;
-  const VI bits = hn::BitCast(di, x);
-  // The mantissa in [sqrt(1/2), sqrt(2)).
-  const VI e = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3f3504f3)));
-  const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(e)));
-  const V s = hn::Div(hn::Sub(m, hn::Set(d, 1.0f)), hn::Add(m, hn::Set(d, 1.0f)));
-  const V s2 = hn::Mul(s, s);
-  V p = hn::Set(d, 0.41219858f);
-  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 0.57707801f));
-  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 0.96179669f));
-  p = hn::Add(hn::Mul(p, s2), hn::Set(d, 2.88539008f));
-  return hn::Add(hn::ConvertTo(d, e), hn::Mul(s, p));
-}
-
-// 1 - exp(-x) for x >= 0; by its series where it is small, so that thin media keep their digits.
-HWY_INLINE V opacityOf(D d, V x) {
-  const V large =
-      hn::Sub(hn::Set(d, 1.0f), exp2Of(d, hn::Max(hn::Mul(x, hn::Set(d, -1.44269504f)), hn::Set(d, -120.0f))));
-  const V third = hn::Sub(hn::Set(d, 0.5f), hn::Mul(x, hn::Set(d, 1.0f / 6.0f)));
-  const V small = hn::Mul(x, hn::Sub(hn::Set(d, 1.0f), hn::Mul(x, third)));
-  return hn::IfThenElse(hn::Lt(x, hn::Set(d, 0.02f)), small, large);
-}
-
 // The part of a depth spread before `t` beyond its middle.
 HWY_INLINE V before(D d, const DepthSpread& s, V t) {
   const V u = hn::Min(hn::Abs(t), hn::Set(d, s.reach));
@@ -73,7 +33,7 @@ template <class Field, bool kDetails>
 class Refiner {
  public:
   Refiner(const UnitLattice& lattice, const UnitInput& unit, const RefinedSamples& out)
-      : l_(lattice), u_(unit), out_(out), derives_(lattice.phong || kDetails), field_(lattice, unit) {}
+      : l_(lattice), u_(unit), out_(out), derives_(lattice.light.phong || kDetails), field_(lattice, unit) {}
 
   RefinedCounts run() {
     const D d;
@@ -257,9 +217,9 @@ class Refiner {
     if (derives_) {
       const Vector slope{hn::Load(d, found_.slope[0] + n), hn::Load(d, found_.slope[1] + n),
                          hn::Load(d, found_.slope[2] + n)};
-      if (l_.phong) {
+      if (l_.light.phong) {
         V matte = one, gloss = hn::Zero(d);
-        shade(slope, s.u, s.v, oblique, matte, gloss);
+        lightOn(d, l_.light, l_.perspective, slope, {s.u, s.v, oblique}, matte, gloss);
         const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       }
@@ -435,32 +395,6 @@ class Refiner {
     }
     hn::Store(tau, d, noted_.tau);
     hn::Store(ray, d, noted_.ray);
-  }
-
-  // What a colour is multiplied by, and what is added to it, where the gradient says how it is lit.
-  void shade(const Vector& slope, V u, V v, V oblique, V& matte, V& gloss) const {
-    const D d;
-    const V gx = slope.x, gy = slope.y, gz = slope.z;
-    const auto squared = [](V a, V c, V e) { return hn::Add(hn::Mul(a, a), hn::Add(hn::Mul(c, c), hn::Mul(e, e))); };
-    // False where it is NaN, too.
-    const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, l_.least_gradient_squared)),
-                          hn::Lt(squared(gx, gy, gz), hn::Set(d, 1e38f)));
-    const glm::mat3& m = l_.view_from_index_gradient;
-    const auto line = [&](int c) {
-      return hn::Add(hn::Mul(hn::Set(d, m[0][c]), gx),
-                     hn::Add(hn::Mul(hn::Set(d, m[1][c]), gy), hn::Mul(hn::Set(d, m[2][c]), gz)));
-    };
-    const V nx = line(0), ny = line(1), nz = line(2);
-    V along = nz;
-    if (l_.perspective) along = hn::Div(hn::Add(nz, hn::Add(hn::Mul(u, nx), hn::Mul(v, ny))), oblique);
-    const V length = hn::Sqrt(squared(nx, ny, nz));
-    const V cosine = hn::Min(hn::Div(hn::Abs(along), length), hn::Set(d, 1.0f));
-    matte = hn::IfThenElse(lit, hn::Add(hn::Set(d, l_.ambient), hn::Mul(hn::Set(d, l_.diffuse), cosine)), matte);
-    if (l_.specular > 0) {
-      const V log = hn::Mul(log2Of(d, hn::Max(cosine, hn::Set(d, 1e-30f))), hn::Set(d, l_.power));
-      const V power = exp2Of(d, hn::Min(hn::Max(log, hn::Set(d, -120.0f)), hn::Zero(d)));
-      gloss = hn::IfThenElseZero(lit, hn::Mul(hn::Set(d, l_.specular), power));
-    }
   }
 
   const UnitLattice& l_;

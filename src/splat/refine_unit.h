@@ -6,10 +6,10 @@
 
 #include <array>
 #include <cstdint>
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "grid/coords.h"
+#include "splat/plain_light.h"
 #include "splat/tile_windows.h"
 #include "splat/unit_axis.h"
 #include "splat/waiting_samples.h"
@@ -49,11 +49,8 @@ struct UnitLattice {
   // where a sample is a point.
   const float* integral = nullptr;
   float least_interval = 1;
-  // Phong with one white headlight, if any. What is more than that, the caller does for each sample with its details,
-  // and then there is none here.
-  bool phong = false;
-  float ambient = 0, diffuse = 0, specular = 0, power = 0, least_gradient_squared = 0;
-  glm::mat3 view_from_index_gradient{1};
+  // What is more than that, the caller does for each sample with its details, and then there is none here.
+  PlainLight light;
 };
 
 /// One unit. `values` are its voxels and those around it, less the table's offset.

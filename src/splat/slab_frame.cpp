@@ -36,16 +36,8 @@ DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
   return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
 }
 
-// The lights that refineUnit knows: one white headlight, or none.
-bool plainlyLit(const Shading& shading) {
-  if (!shading.phong) return true;
-  return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&
-         shading.lights[0].color == glm::dvec3(1);
-}
-
 UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
                         const SampleTable& table, const SampleLook& look, bool detailed) {
-  const Shading& shading = look.shading;
   UnitLattice out;
   out.interpolation = look.interpolation;
   out.labels = table.ofLabels();
@@ -81,14 +73,8 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.gaps = table.hasGaps();
   if (zone.level > 0 && !zone.refined() && !out.labels) out.integral = table.integral();
   out.least_interval = table.leastInterval();
-  out.phong = shading.phong && !detailed;
-  out.ambient = static_cast<float>(shading.ambient);
-  const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
-  out.diffuse = static_cast<float>(intensity * shading.diffuse);
-  out.specular = static_cast<float>(intensity * shading.specular);
-  out.power = static_cast<float>(shading.power);
-  out.least_gradient_squared = look.gradient_noise * look.gradient_noise;
-  out.view_from_index_gradient = projector.viewFromIndexGradient();
+  out.light = plainLight(look.shading, look.gradient_noise, projector);
+  out.light.phong = out.light.phong && !detailed;
   return out;
 }
 
@@ -136,7 +122,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       ends_(ends),
       table_(table),
       look_(look),
-      detailed_(!plainlyLit(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
+      detailed_(!isPlain(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px, sharing.least_taps),
       lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
       ghosts_(sharing.owned ? ghostsOf(zone, projector, footprint_, lattice_.spread) : 0) {

@@ -13,22 +13,12 @@
 #include <cstddef>
 
 #include "splat/refine_unit.h"
+#include "splat/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::Vec<D>;
-using VI = hn::Vec<DI>;
-using M = hn::Mask<D>;
-
-struct Vector {
-  V x, y, z;
-};
 
 // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
 HWY_INLINE V mix(D d, V a, V b, V t) {

@@ -153,7 +153,7 @@ void refine(benchmark::State& state, Interpolation interpolation, Stages stages,
   const Scene& s = scene(interpolation);
   alignas(64) static float values[kUnitFloats];
   UnitLattice lattice = s.frame.lattice();
-  if (stages < kShaded) lattice.phong = false;
+  if (stages < kShaded) lattice.light.phong = false;
   if (stages < kClassified) lattice.visible_after = 2e9f;
   WaitingSamples<SlabSample> waiting;
   waiting.reset(static_cast<std::size_t>(s.frame.zone().slabs) + 2);

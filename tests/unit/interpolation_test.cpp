@@ -196,7 +196,9 @@ TEST(RefineUnit, IsTheSameOnEveryInstructionSetWhereAZoneEnds) {
     lattice.near = 9.3f, lattice.slabs = 5;
     lattice.spread = {1.1f, 0.7f, 0.9f};
     lattice.gaps = gaps;
-    lattice.phong = true, lattice.ambient = 0.2f, lattice.diffuse = 0.8f, lattice.specular = 0.2f, lattice.power = 16;
+    lattice.light.phong = true, lattice.light.ambient = 0.2f, lattice.light.diffuse = 0.8f,
+    lattice.light.specular = 0.2f;
+    lattice.light.power = 16;
     const Refined best = kernel(volume, {8, 8, 8});
     const auto cut = std::count_if(best.samples.begin(), best.samples.end(),
                                    [](const SlabSample& s) { return s.front + s.back < 0.9f; });
