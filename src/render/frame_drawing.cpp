@@ -280,7 +280,12 @@ void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
   SplatFrame out = frame_;
   out.projector = &plan_.levels.projector(level);
-  out.shader = Shader(request_.shading, request_.view, gradientNoiseOf(store_.manifest()), *out.projector);
+  const float noise = gradientNoiseOf(store_.manifest());
+  out.shader = Shader(request_.shading, request_.view, noise, *out.projector);
+  out.light_is_plain = isPlain(request_.shading);
+  PlainLight light = plainLight(request_.shading, noise, *out.projector);
+  light.phong = light.phong && out.light_is_plain;
+  out.view = VoxelView(*out.projector, light);
   out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
   out.clip = &plan_.levels.clipRegion(level);
   out.ends = plan_.levels.endVoxels(level);

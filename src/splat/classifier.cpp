@@ -24,7 +24,10 @@ Classifier::Classifier(const TransferFunction& function, double unit, VoxelType 
   }
   if (sizeOf(type) <= 2 && !range.empty()) {
     first_ = static_cast<int>(range.lo);
-    for (int value = first_; value <= static_cast<int>(range.hi); ++value) table_.push_back(evaluate(value));
+    for (int value = first_; value <= static_cast<int>(range.hi); ++value) {
+      table_.push_back(evaluate(value));
+      shown_.push_back(table_.back().tau > 0 ? 1 : 0);
+    }
   }
 }
 

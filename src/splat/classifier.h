@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "grid/value_range.h"
@@ -31,6 +32,16 @@ class Classifier {
     }
   }
 
+  /// Whether `value` has an opacity above zero. requires: as above.
+  template <class T>
+  bool shows(T value) const {
+    if constexpr (sizeof(T) <= 2) {
+      return shown_[static_cast<std::size_t>(static_cast<int>(value) - first_)] != 0;
+    } else {
+      return function_.interesting(static_cast<double>(value));
+    }
+  }
+
   /// Whether some value of the range may have an opacity above zero. Conservative only at a step of the function.
   /// cost: a binary search over the function's points.
   bool interesting(const ValueRange& range) const;
@@ -47,6 +58,7 @@ class Classifier {
   std::vector<std::size_t> opaque_points_before_;  // prefix sums of points with an opacity above zero
   int first_ = 0;
   std::vector<Material> table_;
+  std::vector<std::uint8_t> shown_;  // of the table's entries: what fits a cache where those do not
 };
 
 }  // namespace kiln

@@ -59,6 +59,8 @@ class Projector {
   /// How far from the centre pixels are, at most. unit: pixels.
   const glm::dvec2& widest() const { return widest_px_; }
   double voxelVolume() const { return voxel_volume_; }
+  /// Of the kernel, in view space. unit: world².
+  const glm::dmat3& covariance() const { return covariance_; }
 
   /// unit: world, along the view.
   double nearDepth() const { return near_depth_; }

@@ -4,16 +4,14 @@
 
 #include <cstdint>
 
-#include "base/deep_samples.h"
-#include "base/edge_layers.h"
 #include "occlusion/visibility.h"
 #include "scene/clip_region.h"
-#include "splat/aov_pixels.h"
 #include "splat/classifier.h"
-#include "splat/coverage.h"
 #include "splat/gradient_opacity.h"
+#include "splat/project_voxels.h"
 #include "splat/projector.h"
 #include "splat/shade.h"
+#include "splat/tile_pixels.h"
 #include "store/brick_block.h"
 
 namespace kiln {
@@ -23,6 +21,7 @@ namespace kiln {
 struct EndVoxels {
   VoxelCoord last{-1, -1, -1};
   glm::dvec3 part{1};
+  bool any() const { return part != glm::dvec3(1); }
   double partOf(const VoxelCoord& v) const {
     return (v.x == last.x ? part.x : 1) * (v.y == last.y ? part.y : 1) * (v.z == last.z ? part.z : 1);
   }
@@ -33,33 +32,14 @@ struct SplatFrame {
   const Projector* projector = nullptr;  // of the brick's level
   EndVoxels ends;                        // the same
   Shader shader;                         // the same
+  bool light_is_plain = true;            // what `view` has; else colours are the shader's
+  VoxelView view;                        // the same
   GradientOpacity gradient_opacity;      // the same
   const ClipRegion* clip = nullptr;      // the same
   const Classifier* classifier = nullptr;
   float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
   bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
-};
-
-/// The pixels of one tile. shape: `rgba` points at pixel (rect.x0, rect.y0), rows `stride` floats apart; so does
-/// `covered`, rows stride / 4 apart.
-struct TilePixels {
-  PixelRect rect;
-  float* rgba = nullptr;
-  std::ptrdiff_t stride = 0;
-  CoveredPixel* covered = nullptr;  // null in the voxel lattice
-  AovPixels aovs;
-  DeepSamples* deep = nullptr;  // of the whole picture's pixels; null where nobody asked
-  EdgeLayers* edges = nullptr;  // the same
-
-  /// Of pixel (x, y), counted from the first one. requires: in `rect`.
-  std::ptrdiff_t placeOf(int x, int y) const { return (y - rect.y0) * (stride / 4) + (x - rect.x0); }
-  /// Those of `part` alone. requires: inside of `rect`.
-  TilePixels of(const PixelRect& part) const {
-    const std::ptrdiff_t first = placeOf(part.x0, part.y0);
-    return {part, rgba + 4 * first, stride, covered == nullptr ? nullptr : covered + first, aovs.from(first), deep,
-            edges};
-  }
 };
 
 struct SplatCounts {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "scene/presets.h"
 #include "splat/unit_load.h"
 #include "support/scalar_kernels.h"
+#include "support/scalar_voxels.h"
 
 namespace kiln {
 namespace {
@@ -225,7 +227,68 @@ void laySlab(benchmark::State& state) {
   report(state, state.iterations() * 64, 2 * (16 + 16 + 4 + 1), 30);
 }
 
-// The whole of the voxel lattice's kernel, which is not written for vectors: a brick into one tile. Items are splats: a
+// A cell's voxels, all of them opaque enough to be seen, at 1.5 pixels a voxel in perspective.
+struct VoxelScene {
+  explicit VoxelScene(const Scene& s)
+      : projector(s.plan.levels.projector(0)), view(projector, plainLight(s.request.shading, 1e-3f, projector)) {
+    const VoxelCoord lo = {60, 60, 60};
+    std::int32_t codes[kVoxelBatch];
+    for (std::int32_t i = 0; i < kVoxelBatch; ++i) codes[i] = voxelCode(i % 4, i / 4, 0);
+    std::copy_n(codes, kVoxelBatch, this->codes);
+    first = lo;
+    projectVoxels(view, first, codes, kVoxelBatch, tile, projected);
+    for (std::size_t i = 0; i < kVoxelBatch; ++i) {
+      const float material[4] = {0.9f, 0.7f, 0.6f, 1e-3f}, slope = static_cast<float>(i + 1);
+      std::copy_n(material, 4, shaded.material + 4 * i);
+      shaded.slope[0][i] = slope, shaded.slope[1][i] = 20 - slope, shaded.slope[2][i] = 3 * slope;
+    }
+  }
+  const Projector& projector;
+  VoxelView view;
+  VoxelCoord first;
+  std::int32_t codes[kVoxelBatch];
+  PixelRect tile = {0, 0, kPicture, kPicture};
+  ProjectedVoxels projected;
+  ShadedVoxels shaded;
+};
+
+// Items are voxels: a code read, 13 numbers written; three products of a matrix, a quotient, and two roots.
+void projectBatch(benchmark::State& state) {
+  const OnTarget on(state);
+  VoxelScene s(scene());
+  for (auto _ : state) {
+    if (on.plain())
+      test::projectVoxelsScalar(s.view, s.first, s.codes, kVoxelBatch, s.tile, s.projected);
+    else
+      projectVoxels(s.view, s.first, s.codes, kVoxelBatch, s.tile, s.projected);
+    benchmark::ClobberMemory();
+  }
+  report(state, state.iterations() * kVoxelBatch, 56, 70);
+}
+
+// Items are splats, of some 25 pixels, each read and written; 60 operations for light and ellipse, and a pixel takes
+// two exponentials and four sums.
+void layBatch(benchmark::State& state) {
+  const OnTarget on(state);
+  VoxelScene s(scene());
+  const std::unique_ptr<Visibility> none = makeNoVisibility();
+  Image image(kPicture, kPicture);
+  TilePixels tile;
+  tile.rect = s.tile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kPicture;
+  double pixels = 0;
+  for (std::size_t i = 0; i < kVoxelBatch; ++i)
+    pixels += s.projected.rect(i).width() * s.projected.rect(i).height() / static_cast<double>(kVoxelBatch);
+  for (auto _ : state) {
+    if (on.plain())
+      test::layVoxelsScalar(s.view, s.projected, s.shaded, s.projected.touching, tile, 2, *none);
+    else
+      layVoxels(s.view, s.projected, s.shaded, s.projected.touching, tile, 2, *none);
+    benchmark::ClobberMemory();
+  }
+  report(state, state.iterations() * kVoxelBatch, 32 * pixels, 60 + 45 * pixels);
+}
+
+// The whole of the voxel lattice: a brick into one tile. Items are splats: a
 // voxel and its neighbours read, a footprint of pixels read and written.
 void splatVoxels(benchmark::State& state) {
   const Scene& s = scene();
@@ -234,6 +297,7 @@ void splatVoxels(benchmark::State& state) {
   frame.classifier = &s.plan.classifier;
   frame.projector = &s.plan.levels.projector(0);
   frame.shader = Shader(s.request.shading, s.request.view, 1e-3f, *frame.projector);
+  frame.view = VoxelView(*frame.projector, plainLight(s.request.shading, 1e-3f, *frame.projector));
   frame.clip = &s.plan.levels.clipRegion(0);
   frame.ends = s.plan.levels.endVoxels(0);
   frame.opaque_at = 0.998f;
@@ -271,6 +335,8 @@ void registerAll() {
   onTargets("refine/cubic,classify,gradient,shade", refining(Interpolation::kCubic, kShaded, 260), false);
   onTargets("footprints", footprints, true);
   onTargets("lay", laySlab, true);
+  onTargets("voxels/project", projectBatch, true);
+  onTargets("voxels/lay", layBatch, true);
   for (const VisibilityMethod method : {VisibilityMethod::kNone, VisibilityMethod::kMask})
     benchmark::RegisterBenchmark("voxel_lattice", splatVoxels)
         ->Arg(static_cast<std::int64_t>(method))

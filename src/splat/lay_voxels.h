@@ -1,0 +1,37 @@
+// Footprints of voxels over the pixels of a tile, one after the other, front to back: light, weights, opacities,
+// blending; the second of the two kernels of `--lattice voxel`. A footprint's weights are divided by their sum over all
+// of its pixels, in the tile or not. Sixteen pixels are a vector when weights and opacities are found, four when they
+// are blended. One implementation in Highway, without fused or approximate operations, sums in an order that no
+// vector's length changes: all instruction sets give the same bits.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "occlusion/visibility.h"
+#include "splat/classifier.h"
+#include "splat/project_voxels.h"
+#include "splat/tile_pixels.h"
+
+namespace kiln {
+
+/// What a voxel tells beside its colour.
+struct VoxelAov {
+  float depth;       // unit: world
+  glm::vec3 normal;  // in view space, of unit length or 0
+};
+
+/// A batch of voxels whose places are known. shape: a number a voxel.
+struct ShadedVoxels {
+  alignas(64) float material[4 * kVoxelBatch];  // r, g, b and extinction of each, less where it exists in part
+  alignas(64) float slope[3][kVoxelBatch];  // value's gradient in index space; 0: the material's colour is the voxel's
+  VoxelAov aov[kVoxelBatch];                // where the tile has AOVs
+};
+
+/// Draws those of the voxels that have their bit in `drawn`. A pixel that reaches the alpha `opaque_at` is divided by
+/// it and closed, so that its alpha of one lets nothing more in, whatever the visibility method. A pixel's result does
+/// not depend on the tile's rectangle.
+void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
+               const TilePixels& tile, float opaque_at, Visibility& visibility) noexcept;
+
+}  // namespace kiln

@@ -1,0 +1,17 @@
+// The kernels of the voxel lattice as anyone would write them: one voxel, one pixel after the other. What every
+// instruction set is held against, and measured beside.
+#pragma once
+
+#include "splat/lay_voxels.h"
+
+namespace kiln::test {
+
+/// projectVoxels.
+void projectVoxelsScalar(const VoxelView& view, const VoxelCoord& lo, const std::int32_t* codes, int count,
+                         const PixelRect& tile, ProjectedVoxels& out);
+
+/// layVoxels.
+void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
+                     std::uint32_t drawn, const TilePixels& tile, float opaque_at, Visibility& visibility);
+
+}  // namespace kiln::test
