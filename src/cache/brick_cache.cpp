@@ -33,8 +33,8 @@ BrickCache::~BrickCache() {
   for (std::thread& reader : readers_) reader.join();
 }
 
-bool BrickCache::announced(const StoredBrick& brick) const {
-  return std::any_of(announced_.begin(), announced_.end(), [&](const NextBrick& next) { return next.brick == brick; });
+BrickCache::Announced::const_iterator BrickCache::announced(const StoredBrick& brick) const {
+  return std::find_if(announced_.begin(), announced_.end(), [&](const NextBrick& next) { return next.brick == brick; });
 }
 
 void BrickCache::erase(Slots::iterator slot) {
@@ -50,7 +50,7 @@ bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
     --oldest;
     const auto slot = slots_.find(*oldest);
     if (slot->second.state == State::kReading || slot->second.awaited || slot->second.block.use_count() > 1) continue;
-    if (spare_announced && announced(slot->first)) continue;
+    if (spare_announced && announced(slot->first) != announced_.end()) continue;
     ++oldest;
     erase(slot);
   }
@@ -141,8 +141,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
 
 // The turn of those before a brick that is asked for has passed: they became hidden.
 void BrickCache::passTurnsUpTo(const StoredBrick& brick) {
-  const auto due =
-      std::find_if(announced_.begin(), announced_.end(), [&](const NextBrick& next) { return next.brick == brick; });
+  const auto due = announced(brick);
   if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
 }
 

@@ -98,9 +98,10 @@ class BrickCache {
     std::list<StoredBrick>::iterator recency;  // not where it has failed: that costs nothing and stays
   };
   using Slots = std::map<StoredBrick, Slot>;
+  using Announced = std::deque<NextBrick>;
   using Lock = std::unique_lock<std::mutex>;
 
-  bool announced(const StoredBrick& brick) const;
+  Announced::const_iterator announced(const StoredBrick& brick) const;
   const StoredBrick* nextToRead();
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
@@ -123,8 +124,8 @@ class BrickCache {
   bool closing_ = false;
   bool starved_ = false;  // `get` is waiting for room
   Slots slots_;
-  std::list<StoredBrick> recency_;   // most recent first
-  std::deque<NextBrick> announced_;  // not asked for yet; the next first
+  std::list<StoredBrick> recency_;  // most recent first
+  Announced announced_;             // not asked for yet; the next first
   CacheCounts counts_;
   std::vector<std::thread> readers_;
 };
