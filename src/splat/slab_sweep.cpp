@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct SweepMemory::Parts {
     WaitingSamples<SlabSample> waiting;  // by their slab
     WaitingSamples<AovSample> waiting_aovs;
     Sheet sheets[2], aov_sheets[2];
+    std::optional<SampleWindow> window;  // of this sweep, where a unit has many rows
     std::size_t bytes() const {
       std::size_t sum = sizeof *this + waiting.bytes() + waiting_aovs.bytes();
       for (int i = 0; i < 2; ++i) sum += sheets[i].bytes() + aov_sheets[i].bytes();
@@ -116,7 +118,7 @@ class Sweep {
     const auto slabs = static_cast<std::size_t>(end - begin_ + 1);
     if (m_.units.size() < slabs) m_.units.resize(slabs);
     if (m_.volumes.size() < frames_.size()) m_.volumes.resize(frames_.size());
-    for (std::size_t v = 0; v < frames_.size(); ++v) reset(m_.volumes[v], slabs);
+    for (std::size_t v = 0; v < frames_.size(); ++v) reset(v, slabs);
     m_.windows.reset(tile_, any_.footprint().taps());
     owned_known_ = 0;
     std::size_t next = 0;
@@ -132,7 +134,11 @@ class Sweep {
   }
 
  private:
-  void reset(OfVolume& volume, std::size_t slabs) {
+  void reset(std::size_t v, std::size_t slabs) {
+    OfVolume& volume = m_.volumes[v];
+    const UnitLattice& l = frames_[v]->lattice();
+    volume.window.reset();
+    if (l.axis[1].samples * l.axis[2].samples >= kManyRows) volume.window.emplace(l, tile_.rect);
     volume.waiting.reset(slabs);
     for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
     if (!aovs_) return;
@@ -227,8 +233,8 @@ class Sweep {
       if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f.ends().part[a]));
     }
     in.tile = tile_.rect;
-    const bool many = l.axis[1].samples * l.axis[2].samples >= kManyRows;
-    if (many && !unit.inside && !SampleWindow(l, tile_.rect).narrow(in)) return;
+    const std::optional<SampleWindow>& window = m_.volumes[unit.volume].window;
+    if (window && !unit.inside && !window->narrow(in)) return;
     if (l.labels && !sampled(unit, in)) return;
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
