@@ -283,9 +283,7 @@ SplatFrame FrameDrawing::frameOfLevel(int level) const {
   const float noise = gradientNoiseOf(store_.manifest());
   out.shader = Shader(request_.shading, request_.view, noise, *out.projector);
   out.light_is_plain = isPlain(request_.shading);
-  PlainLight light = plainLight(request_.shading, noise, *out.projector);
-  light.phong = light.phong && out.light_is_plain;
-  out.view = VoxelView(*out.projector, light);
+  out.view = VoxelView(*out.projector, plainLight(request_.shading, noise, *out.projector));
   out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
   out.clip = &plan_.levels.clipRegion(level);
   out.ends = plan_.levels.endVoxels(level);

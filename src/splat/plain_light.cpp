@@ -11,7 +11,7 @@ bool isPlain(const Shading& shading) {
 PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level) {
   const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
   PlainLight out;
-  out.phong = shading.phong;
+  out.phong = shading.phong && isPlain(shading);
   out.ambient = static_cast<float>(shading.ambient);
   out.diffuse = static_cast<float>(intensity * shading.diffuse);
   out.specular = static_cast<float>(intensity * shading.specular);

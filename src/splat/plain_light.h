@@ -19,7 +19,7 @@ struct PlainLight {
 /// Whether nothing of `shading` is more than a PlainLight.
 bool isPlain(const Shading& shading);
 
-/// Of a level. `gradient_noise` as Shader has it. requires: isPlain(shading), or nobody asks for the light.
+/// Of a level; without phong where that is not all. `gradient_noise` as Shader has it.
 PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level);
 
 }  // namespace kiln

@@ -28,7 +28,10 @@ struct VoxelView {
   Ellipse ellipse;  // orthographic: everywhere
   // Of the kernel, by the squared focal length; in perspective over depth squared: xx, xy, yy, xz, yz, zz.
   float covariance[6]{};
-  float length = 0;  // Projector::lengthAt; in perspective by z² cosθ
+  // The length of material that a voxel puts behind each pixel where its footprint's weights sum to one: the volume of
+  // a voxel over the area of a pixel taken across the ray; in perspective to be divided by z² cosθ (without cosθ the
+  // corner of a wide image is half too thin). unit: world.
+  float length = 0;
   PlainLight light;  // without phong, colours are the caller's
 
   VoxelView() = default;

@@ -95,13 +95,6 @@ Ellipse Projector::ellipseAt(const glm::dvec3& p) const {
                    s * (c[1][1] - 2 * v * c[2][1] + v * v * c[2][2]));
 }
 
-double Projector::lengthAt(const glm::dvec3& p) const {
-  if (!perspective_) return voxel_volume_ * focal_px_ * focal_px_;
-  // DESIGN §6: A_px = z² cosθ / f² for a pixel of pitch 1; without cosθ the corner of a wide image is half too thin.
-  const double cosine = p.z / glm::length(p);
-  return voxel_volume_ * focal_px_ * focal_px_ / (p.z * p.z * cosine);
-}
-
 double Projector::largestPixels(double length, const VoxelBox& box) const {
   if (!perspective_) return length * focal_px_;
   const auto nearest = [](double axis, std::int64_t lo, std::int64_t hi) {

@@ -72,10 +72,6 @@ class Projector {
   }
   Ellipse ellipseAt(const glm::dvec3& view_point) const;
 
-  /// The length of material that a voxel puts behind each pixel where its footprint's weights sum to one: the volume of
-  /// a voxel over the area of a pixel at that place, taken across the ray. unit: world.
-  double lengthAt(const glm::dvec3& view_point) const;
-
   /// The most pixels that a world length across the view takes up anywhere in `box`; infinite where the box reaches the
   /// eye's plane. unit: `length` world, the result pixels.
   double largestPixels(double length, const VoxelBox& box) const;
