@@ -77,6 +77,7 @@ using OfVolume = SweepMemory::Parts::OfVolume;
 
 // From so many rows of samples on, looking at which of them reach the tile is less than refining them all.
 constexpr int kManyRows = 32;
+int rowsOf(const UnitLattice& lattice) { return lattice.axis[1].samples * lattice.axis[2].samples; }
 
 // What is swept, and where to.
 struct SweepInput {
@@ -136,9 +137,9 @@ class Sweep {
  private:
   void reset(std::size_t v, std::size_t slabs) {
     OfVolume& volume = m_.volumes[v];
-    const UnitLattice& l = frames_[v]->lattice();
     volume.window.reset();
-    if (l.axis[1].samples * l.axis[2].samples >= kManyRows) volume.window.emplace(l, tile_.rect);
+    if (frames_[v] != nullptr && rowsOf(frames_[v]->lattice()) >= kManyRows)
+      volume.window.emplace(frames_[v]->lattice(), tile_.rect);
     volume.waiting.reset(slabs);
     for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
     if (!aovs_) return;
@@ -522,7 +523,7 @@ class Sweep {
     addLayer(layer, tile_.aovs, tile_.placeOf(x, y));
   }
 
-  const std::span<const SlabFrame* const> frames_;
+  const std::span<const SlabFrame* const> frames_;  // null where a volume has nothing in the zone
   const SlabZone& zone_;
   const Projector& projector_;
   const SlabFrame& any_;
