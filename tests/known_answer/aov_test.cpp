@@ -152,15 +152,15 @@ TEST_P(AovValues, OfASolidBallAreItsSurface) {
   });
   const auto store = makeStore(volume, "ball", 16);
   request_.transfer_function = kSolidAboveZero;
-  for (const int size : {70, 120}) {
+  for (const int size : {70, 108, 120}) {
     look(volume, {0.4, -0.8, 0.3}, size);
     const BallDeparture off = departureFromBall(draw(store, request_), centre, radius);
     EXPECT_GT(off.first.count, 300);
     // The other lattice's footprints are as large as its voxels, of one or two pixels.
     EXPECT_LT(std::abs(off.first.mean()), pixelLattice() ? 0.1 : 0.7);
     EXPECT_LT(off.first.rms(), pixelLattice() ? 0.25 : 1.6);
-    EXPECT_LT(off.first.worst, pixelLattice() ? 0.6 : 6);
-    EXPECT_LT(std::abs(off.mean.mean()), pixelLattice() ? 0.3 : 0.7);
+    EXPECT_LT(off.first.worst, pixelLattice() ? 0.75 : 6);
+    EXPECT_LT(std::abs(off.mean.mean()), pixelLattice() ? 0.33 : 0.7);
     EXPECT_LT(off.largest_angle, pixelLattice() ? 3 : 10);
   }
 }
@@ -231,9 +231,9 @@ TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
   });
   const auto store = makeStore(volume, "ball", 16);
   request_.transfer_function = kSolidAboveZero;
-  // Of one sample a voxel in an orthographic view, and of several, where the two surfaces are a sixth of a pixel apart
-  // and more.
-  for (const int size : {40, 180}) {
+  // Of about one sample a voxel, and of several, more or less far apart, where the two surfaces are a sixth of a pixel
+  // apart and more.
+  for (const int size : {40, 162, 180, 202}) {
     look(volume, {0.4, -0.8, 0.3}, size);
     for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
       request_.interpolation = interpolation;
@@ -242,8 +242,8 @@ TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
       EXPECT_GT(off.first.count, 30);
       EXPECT_LT(std::abs(off.first.mean()), 0.1);
       EXPECT_LT(off.first.rms(), 0.25);
-      EXPECT_LT(off.first.worst, 0.8);
-      EXPECT_LT(std::abs(off.mean.mean()), 0.3);
+      EXPECT_LT(off.first.worst, 1);
+      EXPECT_LT(std::abs(off.mean.mean()), 0.33);
       EXPECT_LT(off.largest_angle, size == 40 ? 5 : 2);
     }
   }
