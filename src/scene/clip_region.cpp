@@ -99,6 +99,17 @@ bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
   return true;
 }
 
+double ClipRegion::shareOf(const glm::dvec3& index, const glm::dvec3& edges) const noexcept {
+  double share = 1;
+  for (const HalfSpace& h : half_spaces_) {
+    const double extent = glm::dot(glm::abs(h.normal), edges);
+    const double inside = (glm::dot(h.normal, index) + h.offset) / extent + 0.5;
+    // A share that comes from rounding is none.
+    share *= std::clamp(std::round(inside * 4096) / 4096, 0.0, 1.0);
+  }
+  return share;
+}
+
 void ClipRegion::cutLine(const glm::dvec3& base, const glm::dvec3& slope, double& lo, double& hi) const noexcept {
   for (const HalfSpace& h : half_spaces_) {
     const double at_base = glm::dot(h.normal, base) + h.offset - h.least, change = glm::dot(h.normal, slope);

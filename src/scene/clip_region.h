@@ -1,7 +1,8 @@
 // What of the volume a picture shows: a box of voxels and any number of half-spaces of the world. Of both, every level
 // of the pyramid has its own half-spaces in its own index space, so that a voxel is asked by products and sums alone. A
-// sample is shown where its centre is inside. Within a voxel of a face it is lit by the face's normal, so that a cut is
-// plain (DESIGN §6): a voxel, because then there is a layer of voxels to show it, wherever the face runs between them.
+// voxel is shown where its centre is inside, and of a sample between voxels the part that is. Within a voxel of a face
+// it is lit by the face's normal, so that a cut is plain (DESIGN §6): a voxel, because then there is a layer of voxels
+// to show it, wherever the face runs between them.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -49,6 +50,11 @@ class ClipRegion {
   /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
   bool contains(const glm::dvec3& index) const noexcept;
 
+  /// How much of a sample is inside that fills `edges` voxels around `index`, across each face: 1 where all of it is,
+  /// and of regions that share a face 1 together. What a face of voxels leaves is exact, also where samples lie across
+  /// it.
+  double shareOf(const glm::dvec3& index, const glm::dvec3& edges) const noexcept;
+
   /// The planes between the part and the rest of the volume, in the level's index space; infinite where there is no
   /// rest. The part holds its lower planes and not its upper ones.
   struct Part {
@@ -70,7 +76,7 @@ class ClipRegion {
 
   /// What the shader takes for the gradient of a sample less than a voxel's extent (along the normal) inside of a face:
   /// the normal of the nearest such face, in the level's index space, any length above zero; null where there is none.
-  /// requires: contains(index).
+  /// requires: some of what is at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index) const noexcept;
 
  private:

@@ -133,13 +133,13 @@ class LabelUnit {
     columns_ = {wide_[0], 0};
     for (int i = u_.first[0]; i < u_.end[0]; ++i) {
       const LabelTaps& taps = along_x_[static_cast<std::size_t>(i)] =
-          labelTapsOf(l_.axis[0], static_cast<std::size_t>(i), reach_, cubic_);
+          labelTapsOf(*u_.axis[0], static_cast<std::size_t>(i), reach_, cubic_);
       for (std::size_t n = 0; n < static_cast<std::size_t>(taps.count); ++n)
         columns_ = {std::min(columns_.first, taps.at[n]), std::max(columns_.second, taps.at[n] + 1)};
     }
     forEachRow([&](int j, int k, float* places) {
-      setRows(labelTapsOf(l_.axis[1], static_cast<std::size_t>(j), reach_, cubic_),
-              labelTapsOf(l_.axis[2], static_cast<std::size_t>(k), reach_, cubic_));
+      setRows(labelTapsOf(*u_.axis[1], static_cast<std::size_t>(j), reach_, cubic_),
+              labelTapsOf(*u_.axis[2], static_cast<std::size_t>(k), reach_, cubic_));
       setPlaces(places);
     });
   }

@@ -41,7 +41,7 @@ class Refiner {
       field_.toPlane(k);
       for (int j = u_.first[1]; j < u_.end[1]; ++j) {
         field_.toRow(j);
-        for (int i = 0; i < l_.axis[0].samples; i += static_cast<int>(hn::Lanes(d))) find(i, j, k);
+        for (int i = 0; i < u_.end[0]; i += static_cast<int>(hn::Lanes(d))) find(i, j, k);
         if (found_count_ > kMostFound - kUnitSamples) finish();
       }
     }
@@ -111,10 +111,10 @@ class Refiner {
       if (hn::AllFalse(d, alive)) return;
     }
 
-    const float oy = l_.axis[1].offset[uj], oz = l_.axis[2].offset[uk];
+    const float oy = u_.axis[1]->offset[uj], oz = u_.axis[2]->offset[uk];
     const glm::vec3 row = u_.origin + oz * l_.step_z + oy * l_.step_y;
     const Seen s =
-        seen({hn::Set(d, row.x), hn::Set(d, row.y), hn::Set(d, row.z)}, hn::LoadU(d, &l_.axis[0].offset[ui]));
+        seen({hn::Set(d, row.x), hn::Set(d, row.y), hn::Set(d, row.z)}, hn::LoadU(d, &u_.axis[0]->offset[ui]));
     if (l_.perspective) alive = hn::And(alive, hn::Ge(s.view.z, hn::Set(d, l_.near_depth)));
     const Along across = along(s.x, u_.tile.x0), down = along(s.y, u_.tile.y0);
     alive = hn::And(alive, touches(across.window, u_.tile.x0, u_.tile.x1));
@@ -182,7 +182,7 @@ class Refiner {
 
     const auto index = [&](auto shifted) { return hn::And(shifted, hn::Set(di, kUnitSamples - 1)); };
     const VI i = index(code), j = index(hn::ShiftRight<4>(code)), k = index(hn::ShiftRight<8>(code));
-    const V ox = ofAxis(l_.axis[0].offset, i), oy = ofAxis(l_.axis[1].offset, j), oz = ofAxis(l_.axis[2].offset, k);
+    const V ox = ofAxis(u_.axis[0]->offset, i), oy = ofAxis(u_.axis[1]->offset, j), oz = ofAxis(u_.axis[2]->offset, k);
     const auto row = [&](int c) {
       return hn::Add(hn::Add(hn::Set(d, u_.origin[c]), hn::Mul(oz, hn::Set(d, l_.step_z[c]))),
                      hn::Mul(oy, hn::Set(d, l_.step_y[c])));

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <vector>
 
 #include "grid/coords.h"
 #include "splat/plain_light.h"
@@ -28,7 +29,7 @@ struct UnitLattice {
   bool labels = false;      // of a label volume: the unit says what its samples are
   int label_smoothing = 0;  // of it, how far smoothing reaches. unit: voxels
   std::array<int, 3> voxels{1, 1, 1};
-  std::array<UnitAxis, 3> axis;
+  std::array<std::vector<UnitAxis>, 3> axes;  // of units that begin so many units after a multiple of kRefinedVoxels
   // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
   bool perspective = false;
   float focal = 1, centre_x = 0, centre_y = 0, near_depth = 0;
@@ -51,6 +52,17 @@ struct UnitLattice {
   float least_interval = 1;
   // What is more than that, the caller does for each sample with its details, and then there is none here.
   PlainLight light;
+
+  /// Of the unit whose first voxel is `lo`.
+  std::array<const UnitAxis*, 3> axesAt(const VoxelCoord& lo) const {
+    std::array<const UnitAxis*, 3> out{};
+    for (int a = 0; a < 3; ++a) {
+      const auto ua = static_cast<std::size_t>(a);
+      const auto first = static_cast<std::size_t>(lo[a] & (kRefinedVoxels - 1));
+      out[ua] = &axes[ua][first / static_cast<std::size_t>(voxels[ua])];
+    }
+    return out;
+  }
 };
 
 /// One unit. `values` are its voxels and those around it, less the table's offset.
@@ -58,6 +70,7 @@ struct UnitInput {
   const float* values = nullptr;  // shape: voxels + 2 margins along each axis, rows kUnitSamples apart
   // Of a label volume, the places of samples in the table, in rows and planes of kUnitSamples; `values` are opacities.
   const float* label_places = nullptr;
+  std::array<const UnitAxis*, 3> axis{};        // the lattice's, where the unit is
   float least = 0, most = 0;                    // of what its samples interpolate; linear ones are kept within
   glm::vec3 origin;                             // of its first voxel's centre, in view space
   std::array<int, 3> first{}, end{};            // its samples that exist, along each axis

@@ -49,8 +49,8 @@ bool SampleWindow::narrow(UnitInput& unit, const Half& half) const {
   for (std::size_t a = 0; a < 3; ++a) {
     if (unit.first[a] >= unit.end[a]) return false;
     const double voxel = glm::dot(half.along, glm::dvec3(steps[a]));
-    slope[a] = voxel / l_.axis[a].refinement;
-    sum += voxel * (0.5 / l_.axis[a].refinement - 0.5);
+    slope[a] = voxel * unit.axis[a]->step;
+    sum += voxel * static_cast<double>(unit.axis[a]->offset[0]);
     most[a] = slope[a] * (slope[a] > 0 ? unit.end[a] - 1 : unit.first[a]);
     sum += most[a];
   }

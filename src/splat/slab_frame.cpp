@@ -1,7 +1,6 @@
 #include "splat/slab_frame.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -21,16 +20,19 @@ constexpr double kDeep = 0.25;
 // slabs (ARCHITECTURE.md has the figures).
 constexpr int kUnitRows = 4;
 
-int unitVoxels(int refinement, std::size_t axis) {
-  const int whole = std::max(1, (axis == 0 ? kUnitSamples : kUnitRows) / refinement);
-  return std::min(kUnitVoxels, static_cast<int>(std::bit_floor(static_cast<unsigned>(whole))));
+int unitVoxels(const Refinement& refinement, std::size_t axis) {
+  int voxels = kUnitVoxels;
+  while (voxels > 1 &&
+         (!unitHasRoom(refinement, voxels) || (axis > 0 && refinement.samples * voxels > kUnitRows * kRefinedVoxels)))
+    voxels /= 2;
+  return voxels;
 }
 
 DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
   std::array<float, 3> edges{};
   for (int a = 0; a < 3; ++a) {
     const auto ua = static_cast<std::size_t>(a);
-    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / zone.refinement[ua] / zone.thickness);
+    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / zone.refinement[ua].ofVoxel() / zone.thickness);
   }
   std::sort(edges.begin(), edges.end());
   return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
@@ -45,7 +47,8 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   const Interpolation of_axes = out.labels ? Interpolation::kCubic : look.interpolation;
   for (std::size_t a = 0; a < 3; ++a) {
     out.voxels[a] = unitVoxels(zone.refinement[a], a);
-    out.axis[a] = UnitAxis(zone.refinement[a], out.voxels[a], of_axes);
+    for (int first = 0; first < kRefinedVoxels; first += out.voxels[a])
+      out.axes[a].emplace_back(zone.refinement[a], first, out.voxels[a], of_axes);
   }
   out.perspective = projector.perspective();
   out.focal = static_cast<float>(projector.focal());
@@ -61,7 +64,8 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.slabs = zone.slabs;
   out.spread = depthSpread(zone, projector);
   out.taps = footprint.taps();
-  const double samples = zone.refinement[0] * zone.refinement[1] * zone.refinement[2];
+  double samples = 1;
+  for (const Refinement& refinement : zone.refinement) samples *= refinement.ofVoxel();
   out.weight =
       static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
   out.table = table.entries();
@@ -92,8 +96,7 @@ std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const Fo
   for (int a = 0; a < 3; ++a) {
     const glm::dvec3 row = glm::abs(glm::dvec3(projector.indexRow(a)));
     const double voxels = (row.x + row.y) * across + (row.x * slope.x + row.y * slope.y + row.z) * along;
-    // The first sample of a voxel is half a sample beyond its face.
-    const double first = 0.5 / zone.refinement[static_cast<std::size_t>(a)];
+    const double first = zone.refinement[static_cast<std::size_t>(a)].leastFromFace();
     most = std::max(most, static_cast<std::int64_t>(std::ceil(std::min(voxels - first, 1e6))));
   }
   // Between voxels, one more is for interpolation.
@@ -133,8 +136,11 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   const ViewBox at(projector_, box);
+  // At the volume's end a sample may be half of its length beyond it; slabs are no thinner.
+  const bool ends = box.hi.x == dims_.x || box.hi.y == dims_.y || box.hi.z == dims_.z;
+  const double beyond = ends && zone_.refined() ? 0.5 * zone_.thickness : 0;
   // A sample has a depth of its own.
-  const double reach = lattice_.spread.reach * zone_.thickness;
+  const double reach = lattice_.spread.reach * zone_.thickness + beyond;
   Bounds out;
   if (at.farthest + reach < zone_.near || at.nearest - reach >= zone_.far) return out;
   // Beside the eye, what is nearer than the zone would be all over the picture.
@@ -143,7 +149,8 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
       deep ? at.extentBetween(std::max(zone_.near - reach, 0.5 * projector_.nearDepth()), zone_.far + reach)
            : at.extent();
   // Half a pixel to the nearest centre and rounding beside the footprint.
-  const double r = footprint_.radius() + 0.51;
+  const double nearest = projector_.perspective() ? std::max(zone_.near - reach, projector_.nearDepth()) : 1;
+  const double r = footprint_.radius() + 0.51 + beyond * projector_.focal() / nearest;
   out.rect = {floorOf(seen.x0 - r), floorOf(seen.y0 - r), floorOf(seen.x1 + r) + 1, floorOf(seen.y1 + r) + 1};
   const auto slab = [&](double z) {
     return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));

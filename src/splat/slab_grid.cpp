@@ -10,9 +10,11 @@
 namespace kiln {
 namespace {
 
-// The largest spacing of samples: what a picture at a pixel a voxel needs to be no worse than a ray caster's
-// (ARCHITECTURE.md has the figures). unit: pixels.
-constexpr double kSpacing = 0.75;
+// The least and the largest spacing of samples. unit: pixels.
+constexpr double kLeastSpacing = 0.5, kMostSpacing = 0.75;
+// How far samples are apart of voxels that are so large: half a voxel, as what lies between voxels has detail of that
+// size (ARCHITECTURE.md has the figures). unit: pixels.
+double spacingFor(double edge_px) { return std::clamp(edge_px / 2, kLeastSpacing, kMostSpacing); }
 // From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
 // interval that the sweep classifies), which a refined sample does not. unit: pixels.
 constexpr double kCoarseSpacing = 1;
@@ -48,6 +50,18 @@ std::array<double, 2> depthsOf(const VolumeGeometry& geometry, const View& view)
   return out;
 }
 
+// As many as it takes; but whole parts of a voxel where these are nearly as large, as between them nothing beats
+// against the voxels.
+Refinement refinementFor(double edge_px, double spacing_px) {
+  constexpr double kMost = kRefinedVoxels * kLargestRefinement;
+  const double samples = std::ceil(kRefinedVoxels * edge_px / spacing_px - 1e-9);
+  Refinement out{static_cast<int>(std::clamp(samples, double{kRefinedVoxels}, kMost))};
+  if (out.samples == kRefinedVoxels + 1) --out.samples;
+  if (out.samples == 2 * kRefinedVoxels - 1) ++out.samples;
+  while (!unitHasRoom(out, 1)) ++out.samples;
+  return out;
+}
+
 // Level, refinement and footprint where a world length of 1 is at most `scale` pixels.
 SlabZone latticeAt(double scale, const Manifest& volume, std::optional<int> level) {
   SlabZone out;
@@ -59,18 +73,18 @@ SlabZone latticeAt(double scale, const Manifest& volume, std::optional<int> leve
       ++out.level;
   }
   const glm::dvec3 spacing = volume.levels[static_cast<std::size_t>(out.level)].geometry.spacing();
-  double widest = 0;
+  const double wanted = spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale);
+  double widest = 0, least_refined = kLargestRefinement;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = spacing[axis] * scale;
-    const bool whole = out.level > 0 && edge < kCoarseSpacing - 1e-9;
-    int n = whole ? 1 : static_cast<int>(std::ceil(edge / kSpacing - 1e-9));
-    n = std::min(n, kLargestRefinement);
-    out.refinement[static_cast<std::size_t>(axis)] = n;
-    widest = std::max(widest, edge / n);
+    Refinement& refinement = out.refinement[static_cast<std::size_t>(axis)];
+    if (out.level == 0 || edge >= kCoarseSpacing - 1e-9) refinement = refinementFor(edge, wanted);
+    widest = std::max(widest, edge / refinement.ofVoxel());
+    least_refined = std::min(least_refined, refinement.ofVoxel());
   }
   out.sigma_px = std::max(kSigma * widest, kLeastSigma);
-  const int beside = *std::min_element(out.refinement.begin(), out.refinement.end()) - 1;
-  out.erosion = std::min(kErosion * static_cast<float>(beside * beside), kMostErosion);
+  const double beside = least_refined - 1;
+  out.erosion = std::min(kErosion * static_cast<float>(beside * beside * beside), kMostErosion);
   out.thickness = std::max(kThinnest, widest) / scale;
   return out;
 }

@@ -10,24 +10,21 @@
 #include <vector>
 
 #include "scene/camera.h"
+#include "splat/unit_axis.h"
 #include "store/manifest.h"
 
 namespace kiln {
-
-/// The most samples a voxel's edge is refined into. Nearer to the eye, samples are more than a pixel apart and
-/// footprints, slabs with them, as much larger.
-inline constexpr int kLargestRefinement = 16;
 
 struct SlabZone {
   double near = 0, far = 0;  // depths [near, far). unit: world, along the view
   double thickness = 1;      // of a slab: slab s of the zone is near + [s, s + 1) * thickness
   int slabs = 0;
   int level = 0;  // of the pyramid
-  std::array<int, 3> refinement{1, 1, 1};
+  std::array<Refinement, 3> refinement;
   double sigma_px = 0.3;  // of a footprint
   float erosion = 0;      // of pixels at edges, at most: splat/coverage.h
   /// Whether there are samples between voxels.
-  bool refined() const { return refinement != std::array<int, 3>{1, 1, 1}; }
+  bool refined() const { return refinement != std::array<Refinement, 3>{}; }
 
   /// The first slab of the zone with its centre at `depth` or beyond; 0 and `slabs` where there is none.
   int slabFrom(double depth) const {

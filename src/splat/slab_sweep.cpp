@@ -77,7 +77,7 @@ using OfVolume = SweepMemory::Parts::OfVolume;
 
 // From so many rows of samples on, looking at which of them reach the tile is less than refining them all.
 constexpr int kManyRows = 32;
-int rowsOf(const UnitLattice& lattice) { return lattice.axis[1].samples * lattice.axis[2].samples; }
+int rowsOf(const UnitLattice& lattice) { return lattice.axes[1].front().samples * lattice.axes[2].front().samples; }
 
 // What is swept, and where to.
 struct SweepInput {
@@ -212,27 +212,19 @@ class Sweep {
     in.least = static_cast<float>(range.lo - offset);
     in.most = static_cast<float>(range.hi - offset);
     in.origin = glm::vec3(f.projector().viewOf(unit.lo));
-    std::array<float, kUnitSamples>* const parts[3] = {&in.part_x, &in.part_y, &in.part_z};
-    const auto endsIn = [&](std::int64_t voxel, int a) {
-      return f.ends().part[a] != 1 && voxel >= 0 && voxel < l.voxels[static_cast<std::size_t>(a)];
-    };
-    VoxelCoord last;
+    in.axis = l.axesAt(unit.lo);
+    bool ends = false;
     for (int a = 0; a < 3; ++a) {
       const auto ua = static_cast<std::size_t>(a);
-      const int n = l.axis[ua].refinement;
       const auto sample = [&](std::int64_t voxel) {
-        return static_cast<int>(std::clamp<std::int64_t>(voxel - unit.lo[a], 0, l.voxels[ua])) * n;
+        const auto within = std::clamp<std::int64_t>(voxel - unit.lo[a], 0, l.voxels[ua]);
+        return in.axis[ua]->before[static_cast<std::size_t>(within)];
       };
       in.first[ua] = sample(reach.lo[a]), in.end[ua] = sample(reach.hi[a]);
       in.core_first[ua] = sample(block.core.lo[a]), in.core_end[ua] = sample(block.core.hi[a]);
-      last[a] = f.ends().last[a] - unit.lo[a];
-      in.parts = in.parts || endsIn(last[a], a);
+      ends = ends || f.ends().last[a] < unit.lo[a] + l.voxels[ua];
     }
-    for (int a = 0; a < 3 && in.parts; ++a) {
-      parts[a]->fill(1.0f);
-      const int n = l.axis[static_cast<std::size_t>(a)].refinement;
-      if (endsIn(last[a], a)) std::fill_n(parts[a]->begin() + last[a] * n, n, static_cast<float>(f.ends().part[a]));
-    }
+    if (ends) setParts(f.ends(), unit.lo, l.voxels, in);
     in.tile = tile_.rect;
     const std::optional<SampleWindow>& window = m_.volumes[unit.volume].window;
     if (window && !unit.inside && !window->narrow(in)) return;
@@ -244,6 +236,28 @@ class Sweep {
     else
       counts.visited +=
           static_cast<std::uint64_t>(refineUnit(l, in, {&m_.volumes[unit.volume].waiting, begin_}).closed);
+  }
+
+  // Where the volume ends in a unit, or where the unit does: of a sample that lies across its end there is a part, be
+  // it in its last voxel or in the next one.
+  [[gnu::noinline]] static void setParts(const EndVoxels& ends, const VoxelCoord& lo, const std::array<int, 3>& voxels,
+                                         UnitInput& in) {
+    std::array<float, kUnitSamples>* const parts[3] = {&in.part_x, &in.part_y, &in.part_z};
+    for (int a = 0; a < 3; ++a) {
+      const auto ua = static_cast<std::size_t>(a);
+      parts[a]->fill(1.0f);
+      const std::int64_t last = ends.last[a] - lo[a];
+      if (last < 0 || last >= voxels[ua]) continue;
+      const int end = in.axis[ua]->before[static_cast<std::size_t>(last) + 1];
+      if (in.end[ua] < end) continue;
+      *parts[a] = in.axis[ua]->partsBefore(static_cast<double>(last) + ends.part[a]);
+      if (end < kUnitSamples && (*parts[a])[static_cast<std::size_t>(end)] > 0) {
+        if (in.core_end[ua] == end) ++in.core_end[ua];
+        ++in.end[ua];
+      }
+      in.parts = in.parts ||
+                 std::any_of(parts[a]->begin(), parts[a]->begin() + in.end[ua], [](float part) { return part != 1; });
+    }
   }
 
   // Whether one of its labels is shown; then it says what its samples are.
@@ -299,7 +313,11 @@ class Sweep {
   static bool finish(const SlabFrame& f, SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) {
     const SampleLook& look = f.look();
     const glm::dvec3 index = indexOf(details, lo);
-    if (!look.clip->contains(index)) return false;
+    const UnitLattice& l = f.lattice();
+    const glm::dvec3 edges(l.axes[0].front().step, l.axes[1].front().step, l.axes[2].front().step);
+    const auto share = static_cast<float>(look.clip->shareOf(index, edges));
+    if (!(share > 0)) return false;
+    s.front *= share, s.back *= share;
     const Material material{s.r, s.g, s.b, details.tau};
     const glm::vec3* const face = look.clip->cutGradient(index);
     const glm::dvec3 view(details.view);

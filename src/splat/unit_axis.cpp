@@ -1,6 +1,7 @@
 #include "splat/unit_axis.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kiln {
 namespace {
@@ -36,13 +37,39 @@ void setTaps(CubicTaps& taps, std::size_t sample, int base, const TapWeights& we
 
 }  // namespace
 
-UnitAxis::UnitAxis(int n, int voxels, Interpolation interpolation) : refinement(n), samples(n * voxels) {
+double Refinement::leastFromFace() const {
+  int least = samples;
+  for (int i = 0; i < samples; ++i) {
+    const int beyond = kRefinedVoxels * (2 * i + 1) % (2 * samples);
+    least = std::min({least, beyond, 2 * samples - beyond});
+  }
+  return 0.5 * least / samples;
+}
+
+bool unitHasRoom(const Refinement& refinement, int voxels) {
+  const int samples = refinement.samples * voxels;
+  return samples / kRefinedVoxels + (samples % kRefinedVoxels != 0 ? 2 : 0) <= kUnitSamples;
+}
+
+// In whole numbers, so that a sample in the middle of a voxel is that: sample i is at (2i + 1) kRefinedVoxels / 2n
+// voxels.
+UnitAxis::UnitAxis(const Refinement& refinement, int first, int voxels, Interpolation interpolation)
+    : step(1 / refinement.ofVoxel()) {
+  const int n = refinement.samples;
+  // The first sample in this voxel's cube, or after it.
+  const auto sampleFrom = [&](int voxel) { return (2 * n * voxel + kRefinedVoxels - 1) / (2 * kRefinedVoxels); };
+  const int first_sample = sampleFrom(first);
+  for (int v = 0; v <= kUnitVoxels; ++v)
+    before[static_cast<std::size_t>(v)] = sampleFrom(first + std::min(v, voxels)) - first_sample;
+  samples = before[static_cast<std::size_t>(voxels)];
   for (int i = 0; i < kUnitSamples; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const int voxel = std::min(i / n, voxels - 1), k = i % n;
-    const float within = -0.5f + static_cast<float>(2 * k + 1) / static_cast<float>(2 * n);
+    const int halves = kRefinedVoxels * (2 * (first_sample + std::min(i, samples)) + 1);
+    const int voxel = halves / (2 * n) - first;
+    const int beyond = halves % (2 * n);
+    const float within = static_cast<float>(beyond) / static_cast<float>(2 * n) - 0.5f;
     offset[at] = static_cast<float>(voxel) + within;
-    const bool centre = 2 * k + 1 == n;
+    const bool centre = beyond == n;
     const int down = within < 0 && !centre ? -1 : 0;
     base[at] = kUnitMargin + voxel + down;
     fraction[at] = centre ? 0.0f : within - static_cast<float>(down);
@@ -52,6 +79,17 @@ UnitAxis::UnitAxis(int n, int voxels, Interpolation interpolation) : refinement(
     setTaps(slope, at, base[at], bSplineSlope(t));
     setTaps(value, at, base[at], interpolation == Interpolation::kCubic ? bSpline(t) : catmullRom(t));
   }
+}
+
+std::array<float, kUnitSamples> UnitAxis::partsBefore(double end) const {
+  std::array<float, kUnitSamples> out{};
+  for (int i = 0; i < kUnitSamples; ++i) {
+    const double from = static_cast<double>(offset[0]) + 0.5 + (i - 0.5) * step;
+    // A part that comes from rounding is none.
+    const double part = std::round((end - from) / step * 4096) / 4096;
+    out[static_cast<std::size_t>(i)] = static_cast<float>(std::clamp(part, 0.0, 1.0));
+  }
+  return out;
 }
 
 }  // namespace kiln

@@ -98,7 +98,7 @@ class LinearField : public UnitVoxels {
   // The plane of sample k along z: its values.
   void toPlane(int k) {
     const D d;
-    const UnitAxis& axis = l_.axis[2];
+    const UnitAxis& axis = *u_.axis[2];
     k_ = static_cast<std::size_t>(k);
     rows_along_z_ = 0;
     const int z = axis.base[k_];
@@ -114,7 +114,7 @@ class LinearField : public UnitVoxels {
     const D d;
     j_ = static_cast<std::size_t>(j);
     derived_ = false;
-    const UnitAxis& axis = l_.axis[1];
+    const UnitAxis& axis = *u_.axis[1];
     const int y = axis.base[j_];
     const float t = axis.fraction[j_];
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d))
@@ -125,7 +125,7 @@ class LinearField : public UnitVoxels {
   V values(std::size_t i, M& known) const {
     const D d;
     const DI di;
-    const UnitAxis& axis = l_.axis[0];
+    const UnitAxis& axis = *u_.axis[0];
     const VI base = hn::LoadU(di, &axis.base[i]);
     const VI next = hn::Add(base, hn::Set(di, 1));
     const V raw = mix(d, pick(d, row_, base), pick(d, row_, next), hn::LoadU(d, &axis.fraction[i]));
@@ -138,7 +138,7 @@ class LinearField : public UnitVoxels {
     if (!derived_) derive();
     const D d;
     const DI di;
-    const UnitAxis& axis = l_.axis[0];
+    const UnitAxis& axis = *u_.axis[0];
     const VI base = hn::LoadU(di, &axis.base[i]);
     const V t = hn::LoadU(d, &axis.fraction[i]);
     const VI next = hn::Add(base, hn::Set(di, 1));
@@ -155,7 +155,7 @@ class LinearField : public UnitVoxels {
   void derive() {
     const D d;
     derived_ = true;
-    const UnitAxis& axis = l_.axis[1];
+    const UnitAxis& axis = *u_.axis[1];
     const int y = axis.base[j_];
     const float t = axis.fraction[j_];
     deriveAlongZ(y);
@@ -174,7 +174,7 @@ class LinearField : public UnitVoxels {
     if ((rows_along_z_ >> y & 1) != 0) return;
     rows_along_z_ |= 1u << y;
     const D d;
-    const UnitAxis& axis = l_.axis[2];
+    const UnitAxis& axis = *u_.axis[2];
     const int z = axis.base[k_];
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
       const auto at = [&](int plane) { return hn::Load(d, row(y, plane) + x); };
@@ -202,7 +202,7 @@ class CubicField : public UnitVoxels {
   void toPlane(int k) {
     const D d;
     const auto at = static_cast<std::size_t>(k);
-    const UnitAxis& axis = l_.axis[2];
+    const UnitAxis& axis = *u_.axis[2];
     for (int y = 0; y < height_; ++y) {
       for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
         const auto voxels = [&](int z) { return hn::Load(d, row(y, z) + x); };
@@ -219,7 +219,7 @@ class CubicField : public UnitVoxels {
     const D d;
     j_ = static_cast<std::size_t>(j);
     derived_ = false;
-    const CubicTaps& taps = l_.axis[1].value;
+    const CubicTaps& taps = u_.axis[1]->value;
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
       hn::Store(sum(taps, j_, ColumnsOf{value_, x}), d, &row_[x]);
       hn::Store(least(taps, j_, ColumnsOf{least_, x}), d, &row_least_[x]);
@@ -228,7 +228,7 @@ class CubicField : public UnitVoxels {
   }
 
   V values(std::size_t i, M& known) const {
-    const CubicTaps& taps = l_.axis[0].value;
+    const CubicTaps& taps = u_.axis[0]->value;
     const VI at[4] = {tap(taps, 0, i), tap(taps, 1, i), tap(taps, 2, i), tap(taps, 3, i)};
     const D d;
     const V raw = along(row_, taps, i);
@@ -242,7 +242,7 @@ class CubicField : public UnitVoxels {
 
   Vector gradients(std::size_t i) {
     if (!derived_) derive();
-    const UnitAxis& axis = l_.axis[0];
+    const UnitAxis& axis = *u_.axis[0];
     return {along(own_gradient_ ? row_smooth_ : row_, axis.slope, i), along(row_y_, axis.smooth, i),
             along(row_z_, axis.smooth, i)};
   }
@@ -258,7 +258,7 @@ class CubicField : public UnitVoxels {
   void derive() {
     const D d;
     derived_ = true;
-    const UnitAxis& axis = l_.axis[1];
+    const UnitAxis& axis = *u_.axis[1];
     const Row* const plane = own_gradient_ ? smooth_ : value_;
     for (std::size_t x = 0; x < width_; x += hn::Lanes(d)) {
       hn::Store(sum(axis.slope, j_, ColumnsOf{plane, x}), d, &row_y_[x]);

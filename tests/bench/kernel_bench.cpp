@@ -70,8 +70,8 @@ struct Scene {
     }
   }
   std::int64_t samplesOfUnit() const {
-    const auto& axis = frame.lattice().axis;
-    return std::int64_t{axis[0].samples} * axis[1].samples * axis[2].samples;
+    const auto& axes = frame.lattice().axes;
+    return std::int64_t{axes[0][0].samples} * axes[1][0].samples * axes[2][0].samples;
   }
   std::int64_t voxelsRead() const {
     const auto& n = frame.lattice().voxels;
@@ -84,7 +84,8 @@ struct Scene {
     in.values = values;
     in.least = static_cast<float>(range.lo - offset), in.most = static_cast<float>(range.hi - offset);
     in.origin = glm::vec3(frame.projector().viewOf(lo));
-    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = frame.lattice().axis[a].samples;
+    in.axis = frame.lattice().axesAt(lo);
+    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
     in.tile = {0, 0, kPicture, kPicture};
     return in;
   }

@@ -89,7 +89,7 @@ TEST_P(Skipping, ChangesNoBit) {
   std::vector<std::filesystem::path> stores;
   for (const std::int64_t brick : kBricks)
     stores.push_back(makeStore(volume, "specks_of_" + std::to_string(brick), brick));
-  for (const double px_per_voxel : {0.6, 1.6, 3.1}) {
+  for (const double px_per_voxel : {0.45, 1.6, 3.1}) {
     FrameRequest request;
     request.interpolation = interpolation;
     request.level = 0;

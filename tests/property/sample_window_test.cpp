@@ -27,7 +27,8 @@ struct Unit {
     in.values = values.data();
     in.least = 0, in.most = 255;
     in.origin = glm::vec3(frame.projector().viewOf(lo));
-    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = frame.lattice().axis[a].samples;
+    in.axis = frame.lattice().axesAt(lo);
+    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
     in.tile = tile;
   }
   std::uint64_t samples() const {

@@ -48,6 +48,26 @@ TEST(ClipRegion, RegionsThatShareAFaceShareNoVoxelOfAnyLevel) {
   }
 }
 
+// Samples of which 13 fill 8 voxels lie across most faces: what two regions have of each is all of it, and what one has
+// of all of them is its width.
+TEST(ClipRegion, SharesOfSamplesAddUp) {
+  constexpr double kEdge = 8.0 / 13;
+  for (std::int64_t face = 1; face < 16; ++face) {
+    const ClipRegion below({VoxelBox{{0, 0, 0}, {face, 4, 4}}, {}}, volumeOf({16, 4, 4}));
+    const ClipRegion above({VoxelBox{{face, 0, 0}, {16, 4, 4}}, {}}, volumeOf({16, 4, 4}));
+    double width = 0;
+    for (int i = 0; i < 26; ++i) {
+      const glm::dvec3 index((i + 0.5) * kEdge - 0.5, 1, 1);
+      const double share = below.shareOf(index, glm::dvec3(kEdge));
+      EXPECT_NEAR(share + above.shareOf(index, glm::dvec3(kEdge)), 1, 1e-3);
+      width += share * kEdge;
+    }
+    EXPECT_NEAR(width, static_cast<double>(face), 1e-3);
+    for (std::int64_t x = 0; x < 16; ++x)
+      EXPECT_EQ(below.shareOf({x, 1, 1}, glm::dvec3(1)), x < face ? 1 : 0) << "whole voxels";
+  }
+}
+
 TEST(ClipRegion, APlaneDividesTheWorldWhateverTheAffineAndTheLevel) {
   VolumeGeometry volume = volumeOf({32, 32, 32});
   volume.world_from_index = obliqueAffine();

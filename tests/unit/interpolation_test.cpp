@@ -54,15 +54,18 @@ struct Refined {
 // A lattice whose every sample with a value has extinction `value`, far from all ends.
 class Kernel {
  public:
-  Kernel(Interpolation interpolation, const std::array<int, 3>& refinement) {
+  // Samples of eight voxels along each axis.
+  Kernel(Interpolation interpolation, const std::array<int, 3>& samples) {
     for (std::size_t i = 0; i < kMostValue + 2; ++i) {
       extinctions_.push_back(std::min<float>(i, kMostValue));
       table_.push_back({1, 1, 1, extinctions_.back()});
     }
     lattice_.interpolation = interpolation;
     for (std::size_t a = 0; a < 3; ++a) {
-      lattice_.voxels[a] = std::min(kUnitVoxels, std::max(1, kUnitSamples / refinement[a]));
-      lattice_.axis[a] = UnitAxis(refinement[a], lattice_.voxels[a], interpolation);
+      const auto most = static_cast<unsigned>(kRefinedVoxels * kUnitSamples / samples[a]);
+      lattice_.voxels[a] = std::min(kUnitVoxels, static_cast<int>(std::bit_floor(most)));
+      for (int first = 0; first < kRefinedVoxels; first += lattice_.voxels[a])
+        lattice_.axes[a].emplace_back(Refinement{samples[a]}, first, lattice_.voxels[a], interpolation);
     }
     lattice_.step_x = {1, 0, 0}, lattice_.step_y = {0, 1, 0}, lattice_.step_z = {0, 0, 1};
     lattice_.near = -100, lattice_.slabs = 1000;
@@ -88,7 +91,8 @@ class Kernel {
     in.values = values;
     in.least = kLeastValue, in.most = kMostValue;
     in.origin = {lo.x, lo.y, lo.z};
-    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = lattice_.axis[a].samples;
+    in.axis = lattice_.axesAt(lo);
+    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
     in.part_x.fill(1), in.part_y.fill(1), in.part_z.fill(1);
     in.tile = {-1000, -1000, 1000, 1000};
     Refined out{std::vector<SlabSample>(16 * 16 * 16), std::vector<std::int32_t>(16 * 16 * 16),
@@ -115,21 +119,29 @@ DenseVolume noiseWithGaps() {
   });
 }
 
+// Where the samples of voxels [lo, lo + voxels) lie, of so many in each eight.
+std::vector<double> placesIn(std::int64_t lo, int voxels, int samples) {
+  std::vector<double> out;
+  for (int i = 0; i < 8 * samples; ++i) {
+    const double place = (i + 0.5) * 8 / samples;  // from the first voxel's face
+    if (place >= static_cast<double>(lo) && place < static_cast<double>(lo + voxels)) out.push_back(place - 0.5);
+  }
+  return out;
+}
+
 // Each sample of the unit, in the kernel's order, against the field.
-void expectField(const Refined& refined, const UnitLattice& lattice, const ReferenceField& field,
-                 const VoxelCoord& lo) {
+void expectField(const Refined& refined, const UnitLattice& lattice, const std::array<int, 3>& samples,
+                 const ReferenceField& field, const VoxelCoord& lo) {
   std::size_t next = 0;
   double worst = 0, worst_slope = 0;
   int missing = 0;
-  for (int k = 0; k < lattice.axis[2].samples; ++k) {
-    for (int j = 0; j < lattice.axis[1].samples; ++j) {
-      for (int i = 0; i < lattice.axis[0].samples; ++i) {
-        glm::dvec3 index;
-        const int at[3] = {i, j, k};
-        for (int a = 0; a < 3; ++a) {
-          const int n = lattice.axis[static_cast<std::size_t>(a)].refinement;
-          index[a] = static_cast<double>(lo[a]) - 0.5 + (2.0 * at[a] + 1) / (2.0 * n);
-        }
+  std::vector<double> along[3];
+  for (int a = 0; a < 3; ++a)
+    along[a] = placesIn(lo[a], lattice.voxels[static_cast<std::size_t>(a)], samples[static_cast<std::size_t>(a)]);
+  for (const double z : along[2]) {
+    for (const double y : along[1]) {
+      for (const double x : along[0]) {
+        const glm::dvec3 index(x, y, z);
         const double value = field.at(index);
         if (std::isnan(value)) {
           ++missing;
@@ -170,16 +182,18 @@ void expectSameOnEveryInstructionSet(const Kernel& kernel, const DenseVolume& vo
 
 TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
   const DenseVolume volume = noiseWithGaps();
-  const std::array<int, 3> refinements[] = {{1, 1, 1}, {2, 2, 2}, {3, 4, 5}, {1, 3, 2}, {16, 7, 1}};
+  const std::array<int, 3> refinements[] = {{8, 8, 8},   {16, 16, 16}, {24, 32, 40},
+                                            {8, 24, 16}, {128, 56, 8}, {13, 9, 21}};
   for (const Interpolation interpolation : kInterpolations) {
     const ReferenceField field(volume, interpolation);
     for (const auto& refinement : refinements) {
       const Kernel kernel(interpolation, refinement);
-      for (const VoxelCoord lo : {VoxelCoord{0, 0, 0}, VoxelCoord{8, 8, 8}}) {
-        SCOPED_TRACE(testing::Message() << static_cast<int>(interpolation) << " refined " << refinement[0] << ", "
-                                        << refinement[1] << ", " << refinement[2] << " from " << lo.x);
+      const std::array<int, 3>& n = kernel.lattice().voxels;
+      for (const VoxelCoord lo : {VoxelCoord{0, 0, 0}, VoxelCoord{8, 8, 8}, VoxelCoord{8 - n[0], 8 - n[1], n[2] % 8}}) {
+        SCOPED_TRACE(testing::Message() << static_cast<int>(interpolation) << " samples of 8 voxels: " << refinement[0]
+                                        << ", " << refinement[1] << ", " << refinement[2] << " from " << lo.x);
         const Refined best = kernel(volume, lo);
-        expectField(best, kernel.lattice(), field, lo);
+        expectField(best, kernel.lattice(), refinement, field, lo);
         expectSameOnEveryInstructionSet(kernel, volume, lo, best);
       }
     }
@@ -190,7 +204,7 @@ TEST(RefineUnit, IsTheReferencesInterpolationOnEveryInstructionSet) {
 TEST(RefineUnit, IsTheSameOnEveryInstructionSetWhereAZoneEnds) {
   const DenseVolume volume = noiseWithGaps();
   for (const bool gaps : {false, true}) {
-    Kernel kernel(Interpolation::kLinear, {2, 2, 2});
+    Kernel kernel(Interpolation::kLinear, {16, 16, 16});
     UnitLattice& lattice = kernel.lattice();
     lattice.step_x = {0.8f, 0, 0.6f}, lattice.step_z = {-0.6f, 0, 0.8f};
     lattice.near = 9.3f, lattice.slabs = 5;
