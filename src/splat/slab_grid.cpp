@@ -11,10 +11,15 @@ namespace kiln {
 namespace {
 
 // The least and the largest spacing of samples. unit: pixels.
-constexpr double kLeastSpacing = 0.5, kMostSpacing = 0.75;
+constexpr double kLeastSpacing = 0.5, kMostSpacing = 0.75, kMagnifiedSpacing = 1;
+// From which edge of a voxel on they may be farther apart: there is no detail left that they could miss. unit: pixels.
+constexpr double kMagnified = 4;
 // How far samples are apart of voxels that are so large: half a voxel, as what lies between voxels has detail of that
 // size (ARCHITECTURE.md has the figures). unit: pixels.
-double spacingFor(double edge_px) { return std::clamp(edge_px / 2, kLeastSpacing, kMostSpacing); }
+double spacingFor(double edge_px) {
+  const double most = kMostSpacing * std::max(edge_px / kMagnified, 1.0);
+  return std::clamp(edge_px / 2, kLeastSpacing, std::min(most, kMagnifiedSpacing));
+}
 // From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
 // interval that the sweep classifies), which a refined sample does not. unit: pixels.
 constexpr double kCoarseSpacing = 1;
