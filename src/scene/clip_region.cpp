@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "grid/part_inside.h"
 
 namespace kiln {
 namespace {
@@ -103,9 +104,7 @@ double ClipRegion::shareOf(const glm::dvec3& index, const glm::dvec3& edges) con
   double share = 1;
   for (const HalfSpace& h : half_spaces_) {
     const double extent = glm::dot(glm::abs(h.normal), edges);
-    const double inside = (glm::dot(h.normal, index) + h.offset) / extent + 0.5;
-    // A share that comes from rounding is none.
-    share *= std::clamp(std::round(inside * 4096) / 4096, 0.0, 1.0);
+    share *= partInside((glm::dot(h.normal, index) + h.offset) / extent + 0.5);
   }
   return share;
 }

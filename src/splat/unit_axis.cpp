@@ -1,7 +1,8 @@
 #include "splat/unit_axis.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "grid/part_inside.h"
 
 namespace kiln {
 namespace {
@@ -85,9 +86,7 @@ std::array<float, kUnitSamples> UnitAxis::partsBefore(double end) const {
   std::array<float, kUnitSamples> out{};
   for (int i = 0; i < kUnitSamples; ++i) {
     const double from = static_cast<double>(offset[0]) + 0.5 + (i - 0.5) * step;
-    // A part that comes from rounding is none.
-    const double part = std::round((end - from) / step * 4096) / 4096;
-    out[static_cast<std::size_t>(i)] = static_cast<float>(std::clamp(part, 0.0, 1.0));
+    out[static_cast<std::size_t>(i)] = static_cast<float>(partInside((end - from) / step));
   }
   return out;
 }
