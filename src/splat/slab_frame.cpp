@@ -20,6 +20,9 @@ constexpr double kDeep = 0.25;
 // slabs (ARCHITECTURE.md has the figures).
 constexpr int kUnitRows = 4;
 
+// Samples do not lie across the faces between cells, and units are not cut where their samples begin anew.
+static_assert(kCellSize % kRefinedVoxels == 0 && kRefinedVoxels % kUnitVoxels == 0);
+
 int unitVoxels(const Refinement& refinement, std::size_t axis) {
   int voxels = kUnitVoxels;
   while (voxels > 1 &&
@@ -149,8 +152,10 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
       deep ? at.extentBetween(std::max(zone_.near - reach, 0.5 * projector_.nearDepth()), zone_.far + reach)
            : at.extent();
   // Half a pixel to the nearest centre and rounding beside the footprint.
-  const double nearest = projector_.perspective() ? std::max(zone_.near - reach, projector_.nearDepth()) : 1;
-  const double r = footprint_.radius() + 0.51 + beyond * projector_.focal() / nearest;
+  double r = footprint_.radius() + 0.51;
+  if (beyond > 0)
+    r += beyond * projector_.focal() /
+         (projector_.perspective() ? std::max(zone_.near - reach, projector_.nearDepth()) : 1);
   out.rect = {floorOf(seen.x0 - r), floorOf(seen.y0 - r), floorOf(seen.x1 + r) + 1, floorOf(seen.y1 + r) + 1};
   const auto slab = [&](double z) {
     return static_cast<int>(std::clamp(std::floor((z - zone_.near) / zone_.thickness), 0.0, zone_.slabs - 1.0));

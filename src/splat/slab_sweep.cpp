@@ -279,9 +279,10 @@ class Sweep {
     const RefinedCounts counts =
         refineUnit(f.lattice(), in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
     counts_[unit.volume].visited += static_cast<std::uint64_t>(counts.closed);
+    const glm::dvec3 edges(in.axis[0]->step, in.axis[1]->step, in.axis[2]->step);
     for (std::size_t i = 0; i < static_cast<std::size_t>(counts.samples); ++i) {
       SlabSample& s = m_.refined[i];
-      if (f.detailed() && !finish(f, s, m_.details[i], unit.lo)) continue;
+      if (f.detailed() && !finish(f, s, m_.details[i], unit.lo, edges)) continue;
       const int slab = std::max(m_.slabs[i], begin_);
       volume.waiting.add(static_cast<std::size_t>(slab - begin_)) = s;
       if (aovs_) addToWaitingAovs(unit, s, slab, m_.details[i]);
@@ -309,12 +310,11 @@ class Sweep {
     return glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset);
   }
 
-  // Shades, modulates and clips a sample by itself; false where it is clipped.
-  static bool finish(const SlabFrame& f, SlabSample& s, const SampleDetails& details, const VoxelCoord& lo) {
+  // Shades, modulates and clips a sample by itself, which is so many voxels long; false where it is clipped.
+  static bool finish(const SlabFrame& f, SlabSample& s, const SampleDetails& details, const VoxelCoord& lo,
+                     const glm::dvec3& edges) {
     const SampleLook& look = f.look();
     const glm::dvec3 index = indexOf(details, lo);
-    const UnitLattice& l = f.lattice();
-    const glm::dvec3 edges(l.axes[0].front().step, l.axes[1].front().step, l.axes[2].front().step);
     const auto share = static_cast<float>(look.clip->shareOf(index, edges));
     if (!(share > 0)) return false;
     s.front *= share, s.back *= share;
