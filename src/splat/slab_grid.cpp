@@ -20,6 +20,11 @@ double spacingFor(double edge_px) {
   const double most = kMostSpacing * std::max(edge_px / kMagnified, 1.0);
   return std::clamp(edge_px / 2, kLeastSpacing, std::min(most, kMagnifiedSpacing));
 }
+// A coarser level than the volume's is drawn if its voxels are no larger. Zones of depth are an eighth of an octave: in
+// perspective, a view whose middle has half a pixel a voxel is of one level then, and not its far half of a coarser
+// one. Were it less again, footprints of the voxels that it halves would reach farther than a brick's apron. unit:
+// pixels.
+constexpr double kMostCoarseVoxel = 7.0 / 8;
 // From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
 // interval that the sweep classifies), which a refined sample does not. unit: pixels.
 constexpr double kCoarseSpacing = 1;
@@ -74,7 +79,7 @@ SlabZone latticeAt(double scale, const Manifest& volume, std::optional<int> leve
   if (!level) {
     const int last = static_cast<int>(volume.levels.size()) - 1;
     while (out.level < last &&
-           shortest(volume.levels[static_cast<std::size_t>(out.level) + 1].geometry) * scale <= 1 - 1e-9)
+           shortest(volume.levels[static_cast<std::size_t>(out.level) + 1].geometry) * scale <= kMostCoarseVoxel + 1e-9)
       ++out.level;
   }
   const glm::dvec3 spacing = volume.levels[static_cast<std::size_t>(out.level)].geometry.spacing();
