@@ -18,7 +18,7 @@ constexpr double kDeep = 0.25;
 
 // A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
 // slabs (ARCHITECTURE.md has the figures).
-constexpr int kUnitRows = 4;
+constexpr int kUnitRows = 8;
 
 // Samples do not lie across the faces between cells, and units are not cut where their samples begin anew.
 static_assert(kCellSize % kRefinedVoxels == 0 && kRefinedVoxels % kUnitVoxels == 0);
