@@ -96,16 +96,21 @@ class BlockLayer {
   }
 
   // What of a pixel's area a slab covers whose samples fill `filled` of it with `opacity`: a steep step, for a
-  // footprint is wider than a pixel.
+  // footprint is wider than a pixel. In a medium that is thin it is flat where all is filled: samples fill a pixel a
+  // little more or less than that everywhere, and nothing in front or behind makes up for what is less.
   V partOf(V filled, V opacity) const {
     const D d;
     const V one = hn::Set(d, 1.0f);
     const V clear = hn::Sub(one, opacity);
     const V two_slabs = hn::Mul(clear, clear);
-    const V erosion = hn::Mul(hn::Set(d, b_.erosion), hn::Sub(one, hn::Mul(two_slabs, two_slabs)));  // erosionOf
+    const V solid = hn::Sub(one, hn::Mul(two_slabs, two_slabs));  // solidOf
+    const V erosion = hn::Mul(hn::Set(d, b_.erosion), solid);
     const V empty = hn::Sub(one, hn::Min(filled, one));
     const V f = hn::Max(hn::Sub(one, hn::Mul(empty, hn::Add(one, erosion))), hn::Zero(d));
-    return hn::Mul(hn::Mul(f, f), hn::Sub(hn::Set(d, 3.0f), hn::Add(f, f)));
+    const V steep = hn::Sub(hn::Set(d, 3.0f), hn::Add(f, f));
+    const V six = hn::Sub(hn::Mul(hn::Set(d, 6.0f), f), hn::Set(d, 15.0f));
+    const V flat = hn::Mul(f, hn::Add(hn::Mul(f, six), hn::Set(d, 10.0f)));
+    return hn::Mul(hn::Mul(f, f), hn::Add(flat, hn::Mul(solid, hn::Sub(steep, flat))));
   }
 
   // Of a pixel's area, what sees a slab that covers `part` of it. What slabs in front cover has the pixel's `alpha`;

@@ -72,9 +72,10 @@ void addSamplesScalar(std::span<const SlabSample* const> samples, const Footprin
 bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, CoveredPixel& covered) {
   if (sum[3] == 0) return false;
   const auto full = static_cast<float>(filled);
-  const float less = erosionOf(static_cast<float>(sum[3]) / full, erosion);
+  const float opacity = static_cast<float>(sum[3]) / full, less = erosionOf(opacity, erosion);
   const float f = std::max(1 - (1 - std::min(full / Sheet::kOne, 1.0f)) * (1 + less), 0.0f);
-  const float part = f * f * (3 - (f + f));
+  const float steep = 3 - (f + f), flat = f * (f * (6 * f - 15) + 10);
+  const float part = f * f * (flat + solidOf(opacity) * (steep - flat));
   const float in_front = static_cast<float>(covered) * (1.0f / 255);
   const float density = std::min(pixel[3] / std::max(in_front, 1.0f / 255), 1.0f);
   const float share = (part - std::min(part, in_front) * density) / full;

@@ -37,10 +37,10 @@ class Pixel {
 };
 
 // The part that a slab covers which is filled so far.
-float partOf(float filled) {
+float partOf(float filled, float opacity = 1) {
   Pixel pixel;
-  pixel.add(filled, 1);
-  return pixel.alpha();
+  pixel.add(filled, opacity);
+  return pixel.alpha() / opacity;
 }
 
 TEST(Coverage, AnEdgeCoversWhatItDoesHoweverDeepTheBody) {
@@ -49,7 +49,7 @@ TEST(Coverage, AnEdgeCoversWhatItDoesHoweverDeepTheBody) {
   EXPECT_NEAR(opaque.alpha(), partOf(0.4f), kRounding);
   // Of the covered part, as much as of a whole pixel.
   for (int slab = 0; slab < 50; ++slab) milk.add(0.4f, 0.02f);
-  EXPECT_NEAR(milk.alpha(), partOf(0.4f) * (1 - std::pow(0.98f, 50.0f)), kRounding);
+  EXPECT_NEAR(milk.alpha(), partOf(0.4f, 0.02f) * (1 - std::pow(0.98f, 50.0f)), kRounding);
 }
 
 TEST(Coverage, ABodyThatLeansClosesThePixel) {
@@ -75,11 +75,19 @@ TEST(Coverage, WhatCoversThePixelIsLaidOver) {
 }
 
 TEST(Coverage, IsTheSumOfWhatIsSplitOverTwoSlabs) {
-  for (const float filled : {0.1f, 0.25f, 0.5f, 0.8f}) EXPECT_NEAR(partOf(filled) + partOf(1 - filled), 1, 1e-5);
+  for (const float opacity : {0.01f, 0.3f, 1.0f}) {
+    for (const float filled : {0.1f, 0.25f, 0.5f, 0.8f})
+      EXPECT_NEAR(partOf(filled, opacity) + partOf(1 - filled, opacity), 1, 1e-4) << opacity;
+  }
   const float erosion = erosionOf(1, 0.25f);
   EXPECT_FLOAT_EQ(erosion, 0.25f);
   EXPECT_NEAR(erosionOf(0.001f, 0.25f), 0, 0.002f);
   EXPECT_FLOAT_EQ(fillingOfHalf(erosion), 0.6f);
+}
+
+// A lattice fills pixels by some per cent more or less, which a medium must not show.
+TEST(Coverage, AMediumDoesNotShowHowItIsFilled) {
+  for (const float filled : {0.96f, 0.98f, 1.02f, 1.04f}) EXPECT_NEAR(partOf(filled, 0.01f), 1, 0.001) << filled;
 }
 
 }  // namespace
