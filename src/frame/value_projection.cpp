@@ -14,7 +14,7 @@ namespace {
 
 // The zones of the pixel lattice, their slabs cut so that samples are at most half a voxel apart, too.
 std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth) {
-  std::vector<SlabZone> out = slabZones(volume, view, level, near_depth);
+  std::vector<SlabZone> out = slabZones({&volume, near_depth}, view, level);
   for (SlabZone& zone : out) {
     const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
     const double most = 0.5 * std::min({edges.x, edges.y, edges.z});

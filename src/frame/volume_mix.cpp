@@ -33,7 +33,10 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
     const FrameLevels& levels = volumes_.back()->levels;
-    zoned.push_back({&volumes_.back()->mixed.store->manifest(), levels.projector(levels.finest()).nearDepth()});
+    const Manifest& manifest = volumes_.back()->mixed.store->manifest();
+    zoned.push_back(
+        {&manifest, levels.projector(levels.finest()).nearDepth(),
+         steepnessOf(volumes_.back()->mixed.transfer_function, manifest.geometry().meanSpacing(), manifest.range)});
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.level))
     zones_.push_back({std::move(slabs), {}, {}});

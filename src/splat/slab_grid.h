@@ -6,6 +6,8 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,15 +37,16 @@ struct SlabZone {
   }
 };
 
-/// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of
-/// the volume's.
-std::vector<SlabZone> slabZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth);
-
-/// A volume of several in one picture.
 struct ZonedVolume {
   const Manifest* manifest = nullptr;
-  double near_depth = 0;  // what is nearer is not drawn
+  double near_depth = 0;                                       // what is nearer is not drawn
+  double steepness = std::numeric_limits<double>::infinity();  // of its transfer function: steepnessOf
 };
+
+/// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of
+/// the volume's.
+std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std::optional<int> level);
+
 /// The same slabs for several volumes. shape: a list for each zone, with one for each volume; where the volume does not
 /// reach, it has no slabs. All others of a zone have the same slabs, as thick as the samples are apart of that whose
 /// are the farthest, and kMostSharedSlabs at most.

@@ -63,7 +63,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   SweepMemory memory;
   SplatCounts counts;
   const Projector& projector = levels.projector(0);
-  for (const SlabZone& zone : slabZones(volume, request.view, 0, projector.nearDepth())) {
+  for (const SlabZone& zone : slabZones({&volume, projector.nearDepth()}, request.view, 0)) {
     const SampleLook look{request.shading,
                           Shader(request.shading, request.view, noise, projector),
                           GradientOpacity(request.transfer_function, unit, projector),

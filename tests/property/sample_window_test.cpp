@@ -69,7 +69,7 @@ void check(const Manifest& volume, const FrameRequest& request, const VoxelCoord
                         &levels.clipRegion(0),
                         0.0f,
                         Interpolation::kLinear};
-  for (const SlabZone& zone : slabZones(volume, request.view, 0, projector.nearDepth())) {
+  for (const SlabZone& zone : slabZones({&volume, projector.nearDepth()}, request.view, 0)) {
     const SlabFrame frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
     const UnitLattice& l = frame.lattice();
     const VoxelCoord lo = {at.x & ~(l.voxels[0] - 1), at.y & ~(l.voxels[1] - 1), at.z & ~(l.voxels[2] - 1)};

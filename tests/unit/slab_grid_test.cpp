@@ -51,7 +51,7 @@ TEST(SlabGrid, SamplesAreBetweenHalfAPixelAndAPixelApart) {
       for (double px = 0.05; px < 8; px *= 1.05) {
         SCOPED_TRACE(testing::Message() << px << " pixels a voxel of " << voxel.z);
         const View view = viewAt(volume, projection, px);
-        const std::vector<SlabZone> zones = slabZones(volume, view, {}, 1e-3);
+        const std::vector<SlabZone> zones = slabZones({&volume, 1e-3}, view, {});
         ASSERT_FALSE(zones.empty());
         int level = 0;
         double near = zones.front().near;
@@ -69,13 +69,29 @@ TEST(SlabGrid, SamplesAreBetweenHalfAPixelAndAPixelApart) {
   }
 }
 
+// Between samples of what is not steep is nearly their mean: fewer do, down to one and three eighths a voxel.
+TEST(SlabGrid, SamplesOfSoftFunctionsAreFewer) {
+  const Manifest volume = pyramid(glm::dvec3(1));
+  for (const double px : {0.5, 1.0, 1.27, 2.0, 6.0}) {
+    const View view = viewAt(volume, Projection::kOrthographic, px);
+    const auto apart = [&](double steepness) {
+      return spacing(slabZones({&volume, 1e-3, steepness}, view, {}).front(), volume, view);
+    };
+    EXPECT_DOUBLE_EQ(apart(1.001), apart(INFINITY));
+    EXPECT_GE(apart(1), apart(INFINITY));
+    if (px > 0.7) {
+      EXPECT_NEAR(apart(1), std::min(1.0, px * 8 / 11), 0.05) << px;
+    }
+  }
+}
+
 // Half a pixel a voxel in the middle, and less behind it: one level all the same.
 TEST(SlabGrid, HalfAPixelAVoxelIsOfOneLevel) {
   const Manifest volume = pyramid(glm::dvec3(1));
   const View view = viewAt(volume, Projection::kPerspective, 0.5);
   const double middle = 3.0 * 1024;
   bool behind_the_middle = false;
-  for (const SlabZone& zone : slabZones(volume, view, {}, 1e-3)) {
+  for (const SlabZone& zone : slabZones({&volume, 1e-3}, view, {})) {
     const double voxel_px = view.focal_px / zone.near;
     EXPECT_EQ(zone.level, voxel_px < 0.4375 ? 1 : 0) << voxel_px;
     behind_the_middle = behind_the_middle || (voxel_px > 0.4375 && zone.near > middle);
