@@ -1,7 +1,7 @@
 // The levels of the pyramid that a frame may draw: where the lattice of each falls on the image, and which is right for
-// a region. That is the coarsest whose voxels are no larger than a pixel where they are nearest, so that they are no
-// smaller than half a pixel there; level 0 where all are larger. Only axes that a level has halved are asked: along the
-// others it is as fine as level 0.
+// a region of `--lattice voxel` (of the pixel lattice it is said in splat/slab_grid.cpp). That is the coarsest whose
+// voxels are no larger than a pixel where they are nearest, so that they are no smaller than half a pixel there; level
+// 0 where all are larger. Only axes that a level has halved are asked: along the others it is as fine as level 0.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,6 @@
 // `--lattice pixel`: what of which level is splatted where, so that samples are no more than a pixel apart everywhere
-// and no less than half of one. All is decided by depth, in zones of slabs (splat/slab_grid.h).
+// and no less than 7/16 of one, where the volume has a level for it. All is decided by depth, in zones of slabs
+// (splat/slab_grid.h).
 #pragma once
 
 #include <memory>

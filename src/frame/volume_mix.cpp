@@ -32,11 +32,8 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   std::vector<ZonedVolume> zoned;
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
-    const FrameLevels& levels = volumes_.back()->levels;
-    const Manifest& manifest = volumes_.back()->mixed.store->manifest();
-    zoned.push_back(
-        {&manifest, levels.projector(levels.finest()).nearDepth(),
-         steepnessOf(volumes_.back()->mixed.transfer_function, manifest.geometry().meanSpacing(), manifest.range)});
+    const Volume& volume = *volumes_.back();
+    zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function));
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.level))
     zones_.push_back({std::move(slabs), {}, {}});

@@ -14,6 +14,11 @@ VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& rea
 
 }  // namespace
 
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function) {
+  return {&volume, levels.projector(levels.finest()).nearDepth(),
+          steepnessOf(transfer_function, volume.geometry().meanSpacing(), volume.range)};
+}
+
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
                                      const VolumeLook& look, const SlabSharing& sharing) {
   const Projector& projector = levels.projector(zone.level);

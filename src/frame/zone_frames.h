@@ -22,6 +22,9 @@ struct VolumeLook {
   Interpolation interpolation = Interpolation::kLinear;
 };
 
+/// The volume as its lattice is decided. requires: the manifest outlives the result.
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function);
+
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
                                      const VolumeLook& look, const SlabSharing& sharing = {});

@@ -48,7 +48,7 @@ enum class Lattice { kPixel, kVoxel };
 /// - kMip, kMinip, kAverage: the greatest, the least or the mean value along the ray through the pixel's centre, in the
 ///   volume and the clipping, in the colour that the transfer function has for it. The pixel is opaque where there is
 ///   such a value, NaN being none; opacities, light and the opacity threshold say nothing. Values are interpolated
-///   linearly, at most 0.75 pixel and half a voxel apart in depth, of the level that the pixel lattice has there.
+///   linearly, at most a pixel and half a voxel apart in depth, of the level that the pixel lattice has there.
 enum class Mode { kComposite, kMip, kMinip, kAverage };
 
 /// What is behind the volume: linear light, premultiplied, from the middle of the top row of pixels to that of the

@@ -88,8 +88,11 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
            shortest(volume.levels[static_cast<std::size_t>(out.level) + 1].geometry) * scale <= kMostCoarseVoxel + 1e-9)
       ++out.level;
   }
-  const glm::dvec3 spacing = volume.levels[static_cast<std::size_t>(out.level)].geometry.spacing();
-  const double wanted = spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale, zoned.steepness);
+  const VolumeGeometry& drawn = volume.levels[static_cast<std::size_t>(out.level)].geometry;
+  const glm::dvec3 spacing = drawn.spacing();
+  // A voxel of a coarser level is as much thicker.
+  const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
+  const double wanted = spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale, steepness);
   double widest = 0, least_refined = kLargestRefinement;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = spacing[axis] * scale;
@@ -198,6 +201,11 @@ void addShared(const SharedLattice& lattice, double near, double thickness, int 
 std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volumes, const View& view,
                                                std::optional<int> level) {
   const std::vector<Depths> depths = drawnDepths(volumes, view);
+  // Slabs are as thick as the thickest: a soft volume must not widen those of a steep one.
+  std::vector<ZonedVolume> alike(volumes.begin(), volumes.end());
+  double steepest = 0;
+  for (const ZonedVolume& volume : alike) steepest = std::max(steepest, volume.steepness);
+  for (ZonedVolume& volume : alike) volume.steepness = steepest;
   Depths all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const Depths& d : depths) {
     if (d.near <= d.far) all = {std::min(all.near, d.near), std::max(all.far, d.far)};
@@ -205,7 +213,7 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
   std::vector<std::vector<SlabZone>> out;
   if (!(all.near <= all.far)) return out;
   if (view.projection == Projection::kOrthographic) {
-    const SharedLattice lattice = sharedLattice(view.focal_px, all.near, all.far, volumes, depths, level);
+    const SharedLattice lattice = sharedLattice(view.focal_px, all.near, all.far, alike, depths, level);
     const double t = lattice.thickness, near = (std::floor(all.near / t) - 2) * t;
     addShared(lattice, near, t, static_cast<int>(std::ceil((all.far - near) / t)) + 2, out);
     return out;
@@ -216,7 +224,7 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
     const double width = std::ldexp(1.0, exponent) / kZonesOfOctave;
     for (int eighth = 0; eighth < kZonesOfOctave; ++eighth) {
       const double near = std::ldexp(1.0, exponent) + eighth * width;
-      const SharedLattice lattice = sharedLattice(view.focal_px / near, near, near + width, volumes, depths, level);
+      const SharedLattice lattice = sharedLattice(view.focal_px / near, near, near + width, alike, depths, level);
       if (lattice.thickness == 0) continue;
       // As in slabZones.
       const double wanted = lattice.thickness * (near + 0.5 * width) / near;

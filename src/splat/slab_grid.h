@@ -37,10 +37,11 @@ struct SlabZone {
   }
 };
 
+/// A volume, and what of its look decides its lattice. Of several in one picture the steepest decides for all.
 struct ZonedVolume {
   const Manifest* manifest = nullptr;
   double near_depth = 0;                                       // what is nearer is not drawn
-  double steepness = std::numeric_limits<double>::infinity();  // of its transfer function: steepnessOf
+  double steepness = std::numeric_limits<double>::infinity();  // steepnessOf, of level 0
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

@@ -35,7 +35,7 @@ struct SweepMemory::Parts {
     WaitingSamples<SlabSample> waiting;  // by their slab
     WaitingSamples<AovSample> waiting_aovs;
     Sheet sheets[2], aov_sheets[2];
-    std::optional<SampleWindow> window;  // of this sweep, where a unit has many rows
+    std::optional<SampleWindow> window;  // of this sweep
     std::size_t bytes() const {
       std::size_t sum = sizeof *this + waiting.bytes() + waiting_aovs.bytes();
       for (int i = 0; i < 2; ++i) sum += sheets[i].bytes() + aov_sheets[i].bytes();
@@ -74,10 +74,6 @@ namespace {
 using OwnedBlock = SweepMemory::Parts::OwnedBlock;
 using Unit = SweepMemory::Parts::Unit;
 using OfVolume = SweepMemory::Parts::OfVolume;
-
-// From so many rows of samples on, looking at which of them reach the tile is less than refining them all.
-constexpr int kManyRows = 32;
-int rowsOf(const UnitLattice& lattice) { return lattice.axes[1].front().samples * lattice.axes[2].front().samples; }
 
 // What is swept, and where to.
 struct SweepInput {
@@ -138,8 +134,7 @@ class Sweep {
   void reset(std::size_t v, std::size_t slabs) {
     OfVolume& volume = m_.volumes[v];
     volume.window.reset();
-    if (frames_[v] != nullptr && rowsOf(frames_[v]->lattice()) >= kManyRows)
-      volume.window.emplace(frames_[v]->lattice(), tile_.rect);
+    if (frames_[v] != nullptr) volume.window.emplace(frames_[v]->lattice(), tile_.rect);
     volume.waiting.reset(slabs);
     for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
     if (!aovs_) return;
@@ -226,8 +221,7 @@ class Sweep {
     }
     if (ends) setParts(f.ends(), unit.lo, l.voxels, in);
     in.tile = tile_.rect;
-    const std::optional<SampleWindow>& window = m_.volumes[unit.volume].window;
-    if (window && !unit.inside && !window->narrow(in)) return;
+    if (!unit.inside && !m_.volumes[unit.volume].window->narrow(in)) return;
     if (l.labels && !sampled(unit, in)) return;
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;

@@ -1,6 +1,5 @@
-// The lattice that a zone of depth has: samples between half a pixel and a pixel apart wherever the pyramid has a level
-// for it (in perspective, half a pixel less an eighth), zones that follow each other without a gap, and levels that do
-// not fall on the way.
+// The lattice that a zone of depth has: samples between 7/16 of a pixel and a pixel apart wherever the pyramid has a
+// level for it, zones that follow each other without a gap, and levels that do not fall on the way.
 #include "splat/slab_grid.h"
 
 #include <gtest/gtest.h>
@@ -35,16 +34,23 @@ View viewAt(const Manifest& volume, Projection projection, double px_per_voxel) 
   return out;
 }
 
-// Of a zone's samples, along the axis where they are nearest to each other. unit: pixels, where they are seen largest.
-double spacing(const SlabZone& zone, const Manifest& volume, const View& view) {
-  const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
-  double least = INFINITY;
-  for (int a = 0; a < 3; ++a)
-    least = std::min(least, edges[a] / zone.refinement[static_cast<std::size_t>(a)].ofVoxel());
-  return least * view.focal_px / (view.projection == Projection::kPerspective ? zone.near : 1);
-}
+// Of a zone's samples, along the axes where they are nearest to each other and farthest apart. unit: pixels, where they
+// are seen largest.
+struct Apart {
+  double least = INFINITY, most = 0;
+  double finest = 1;  // what `most` may be: from 16 pixels an edge on, a voxel is refined no further
+  Apart(const SlabZone& zone, const Manifest& volume, const View& view) {
+    const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
+    const double scale = view.focal_px / (view.projection == Projection::kPerspective ? zone.near : 1);
+    for (int a = 0; a < 3; ++a) {
+      const double px = scale * edges[a] / zone.refinement[static_cast<std::size_t>(a)].ofVoxel();
+      least = std::min(least, px), most = std::max(most, px);
+      finest = std::max(finest, scale * edges[a] / kLargestRefinement);
+    }
+  }
+};
 
-TEST(SlabGrid, SamplesAreBetweenHalfAPixelAndAPixelApart) {
+TEST(SlabGrid, SamplesAreBetweenSevenSixteenthsOfAPixelAndAPixelApart) {
   for (const glm::dvec3& voxel : {glm::dvec3(1), glm::dvec3(0.7, 0.7, 0.9), glm::dvec3(0.5, 0.5, 2)}) {
     const Manifest volume = pyramid(voxel);
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
@@ -56,9 +62,9 @@ TEST(SlabGrid, SamplesAreBetweenHalfAPixelAndAPixelApart) {
         int level = 0;
         double near = zones.front().near;
         for (const SlabZone& zone : zones) {
-          const double apart = spacing(zone, volume, view);
-          EXPECT_GE(apart, 0.4375 - 1e-9);
-          EXPECT_LE(apart, 1 + 1e-9);
+          const Apart apart(zone, volume, view);
+          EXPECT_GE(apart.least, 0.4375 - 1e-9);
+          EXPECT_LE(apart.most, apart.finest + 1e-9);
           EXPECT_GE(zone.level, level);
           EXPECT_DOUBLE_EQ(zone.near, near);
           EXPECT_NEAR(zone.far, zone.near + zone.slabs * zone.thickness, 1e-9 * zone.far);
@@ -75,7 +81,7 @@ TEST(SlabGrid, SamplesOfSoftFunctionsAreFewer) {
   for (const double px : {0.5, 1.0, 1.27, 2.0, 6.0}) {
     const View view = viewAt(volume, Projection::kOrthographic, px);
     const auto apart = [&](double steepness) {
-      return spacing(slabZones({&volume, 1e-3, steepness}, view, {}).front(), volume, view);
+      return Apart(slabZones({&volume, 1e-3, steepness}, view, {}).front(), volume, view).most;
     };
     EXPECT_DOUBLE_EQ(apart(1.001), apart(INFINITY));
     EXPECT_GE(apart(1), apart(INFINITY));
@@ -90,13 +96,38 @@ TEST(SlabGrid, HalfAPixelAVoxelIsOfOneLevel) {
   const Manifest volume = pyramid(glm::dvec3(1));
   const View view = viewAt(volume, Projection::kPerspective, 0.5);
   const double middle = 3.0 * 1024;
-  bool behind_the_middle = false;
+  int behind_the_middle = 0;
   for (const SlabZone& zone : slabZones({&volume, 1e-3}, view, {})) {
-    const double voxel_px = view.focal_px / zone.near;
-    EXPECT_EQ(zone.level, voxel_px < 0.4375 ? 1 : 0) << voxel_px;
-    behind_the_middle = behind_the_middle || (voxel_px > 0.4375 && zone.near > middle);
+    if (zone.near < middle + 0.4 * 1024) {
+      EXPECT_EQ(zone.level, 0) << zone.near;
+    }
+    behind_the_middle += zone.near > middle && zone.level == 0 ? 1 : 0;
   }
-  EXPECT_TRUE(behind_the_middle);
+  EXPECT_GE(behind_the_middle, 1);
+}
+
+// Slabs that they share are as thick as the widest spacing, which is that of solids where one of them is steep.
+TEST(SlabGrid, ASoftVolumeDoesNotWidenTheSlabsOfASteepOne) {
+  const Manifest volume = pyramid(glm::dvec3(1));
+  const View view = viewAt(volume, Projection::kOrthographic, 1);
+  const auto thickness = [&](double one, double other) {
+    const ZonedVolume both[] = {{&volume, 1e-3, one}, {&volume, 1e-3, other}};
+    return sharedZones(both, view, {}).front().front().thickness;
+  };
+  EXPECT_DOUBLE_EQ(thickness(0.1, 30), thickness(30, 30));
+  EXPECT_GT(thickness(0.1, 0.1), thickness(30, 30));
+}
+
+// A voxel of a coarser level hides as much more.
+TEST(SlabGrid, ACoarserLevelIsSteeper) {
+  const Manifest volume = pyramid(glm::dvec3(1));
+  const auto apart = [&](int level, double steepness) {
+    const View view = viewAt(volume, Projection::kOrthographic, 2 / std::exp2(level));
+    return Apart(slabZones({&volume, 1e-3, steepness}, view, level).front(), volume, view).most;
+  };
+  EXPECT_GT(apart(0, 0.5), apart(0, 2));
+  EXPECT_DOUBLE_EQ(apart(1, 0.5), apart(0, 0.5));
+  EXPECT_DOUBLE_EQ(apart(2, 0.5), apart(0, 2));
 }
 
 }  // namespace
