@@ -152,6 +152,8 @@ def main():
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--quick", action="store_true", help="the smaller scan only")
     arguments = parser.parse_args()
+    # A job names its files from its own folder.
+    arguments.out = arguments.out.resolve()
     work = arguments.out / "work"
     work.mkdir(parents=True, exist_ok=True)
     print(f"{arguments.threads} threads; {scene.FRAMES} frames {scene.TURN_DEG} degrees apart after a first, medians")
