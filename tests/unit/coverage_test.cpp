@@ -77,7 +77,7 @@ TEST(Coverage, WhatCoversThePixelIsLaidOver) {
 TEST(Coverage, IsTheSumOfWhatIsSplitOverTwoSlabs) {
   for (const float opacity : {0.01f, 0.3f, 1.0f}) {
     for (const float filled : {0.1f, 0.25f, 0.5f, 0.8f})
-      EXPECT_NEAR(partOf(filled, opacity) + partOf(1 - filled, opacity), 1, 1e-4) << opacity;
+      EXPECT_NEAR(partOf(filled, opacity) + partOf(1 - filled, opacity), 1, 1e-5) << opacity;
   }
   const float erosion = erosionOf(1, 0.25f);
   EXPECT_FLOAT_EQ(erosion, 0.25f);
