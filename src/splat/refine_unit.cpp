@@ -281,12 +281,13 @@ class Refiner {
   };
   HWY_INLINE Along along(V at, int tile_first) const {
     const D d;
-    const V edge = hn::Add(at, hn::Set(d, 0.5f));
+    // Of an odd number of taps the middle one holds the sample, of an even one the nearest border is in the middle.
+    const V edge = hn::Add(at, hn::Set(d, l_.taps % 2 == 0 ? 0.5f : 0.0f));
     const V base = hn::Floor(edge);
     constexpr float kPhases = FootprintPlace::kPhases;
     // What rounds to a whole pixel is in the last phase before it.
     const V phase = hn::Min(hn::Mul(hn::Sub(edge, base), hn::Set(d, kPhases)), hn::Set(d, kPhases - 1));
-    return {hn::Sub(base, hn::Set(d, static_cast<float>(tile_first + 1 - l_.taps / 2))), phase};
+    return {hn::Sub(base, hn::Set(d, static_cast<float>(tile_first + 1 - (l_.taps + 1) / 2))), phase};
   }
   HWY_INLINE M touches(V window, int tile_first, int tile_end) const {
     const D d;

@@ -7,14 +7,15 @@
 namespace kiln {
 namespace {
 
-// For rounding: of a sample's place in a unit, and of its depth.
-constexpr double kDepthSlack_slabs = 0.1, kRoundingSlack = 1e-3;
+// For rounding: of a sample's place in the picture, of its depth, and of its place in a unit.
+constexpr double kPlaceSlack_px = 0.05, kDepthSlack_slabs = 0.1, kRoundingSlack = 1e-3;
 
 }  // namespace
 
-// A sample reaches the pixels whose windows it touches (refineUnit): half of its taps away, and half a pixel.
+// A sample reaches the tile where its window touches it (refineUnit): its middle is then no farther than half of the
+// other taps.
 SampleWindow::SampleWindow(const UnitLattice& lattice, const PixelRect& tile) : l_(lattice) {
-  const double reach = 0.5 * l_.taps + 0.5, focal = static_cast<double>(l_.focal);
+  const double reach = 0.5 * (l_.taps - 1) + kPlaceSlack_px, focal = static_cast<double>(l_.focal);
   const auto side = [&](int axis, double sign, double edge_px, double centre_px) {
     glm::dvec3 along(0);
     along[axis] = sign * focal;

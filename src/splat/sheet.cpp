@@ -63,15 +63,15 @@ struct Footprint {
   HWY_INLINE void addFilled(float fill, std::int32_t* to, std::ptrdiff_t stride) const {
     const D4 d;
     const hn::RebindToSigned<D4> di;
-    if constexpr (kTaps == 4) {
-      // All 16 at once.
+    if constexpr (kTaps == 3 || kTaps == 4) {
+      // Four rows at once; of three the last is zeros.
       const D wide_d;
       alignas(64) std::int32_t parts[16];
       for (std::size_t i = 0; i < 16; i += hn::Lanes(wide_d)) {
         const V c = hn::Mul(fourOf(row, i), hn::Set(wide_d, fill));
         hn::Store(nearest(hn::Mul(c, hn::LoadU(wide_d, wide_down + i))), hn::RebindToSigned<D>(), parts + i);
       }
-      for (int j = 0; j < 4; ++j, to += stride) {
+      for (int j = 0; j < kTaps; ++j, to += stride) {
         for (std::size_t i = 0; i < 4; i += hn::Lanes(d))
           hn::StoreU(hn::Add(hn::LoadU(di, to + i), hn::Load(di, parts + 4 * j + i)), di, to + i);
       }
@@ -134,12 +134,25 @@ void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& 
 
 void addSamplesOn(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here,
                   Sheet& next) {
-  footprint.taps() == 4 ? addSamplesOf<4>(samples, footprint, here, next)
-                        : addSamplesOf<0>(samples, footprint, here, next);
+  switch (footprint.taps()) {
+    case 3:
+      return addSamplesOf<3>(samples, footprint, here, next);
+    case 4:
+      return addSamplesOf<4>(samples, footprint, here, next);
+    default:
+      return addSamplesOf<0>(samples, footprint, here, next);
+  }
 }
 
 void addAovsOn(std::span<const AovSample* const> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
-  footprint.taps() == 4 ? addAovsOf<4>(samples, footprint, here, next) : addAovsOf<0>(samples, footprint, here, next);
+  switch (footprint.taps()) {
+    case 3:
+      return addAovsOf<3>(samples, footprint, here, next);
+    case 4:
+      return addAovsOf<4>(samples, footprint, here, next);
+    default:
+      return addAovsOf<0>(samples, footprint, here, next);
+  }
 }
 
 }  // namespace
@@ -151,6 +164,8 @@ HWY_AFTER_NAMESPACE();
 namespace kiln {
 namespace {
 
+constexpr double kTail = 0.2;  // unit: pixels, both tails
+
 double normalBelow(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
 }  // namespace
@@ -159,21 +174,20 @@ HWY_EXPORT(addSamplesOn);
 HWY_EXPORT(addAovsOn);
 
 FootprintTable::FootprintTable(double sigma_px, int least_taps) {
-  double reach = 3 * sigma_px + 0.5;
-  // Four pixels are one vector: a tail of a thousandth is not worth another.
-  if (reach < 2.1) reach = std::min(reach, 2.0);
-  taps_ = 2 * std::max(2, static_cast<int>(std::ceil(reach)));
+  const double reach = 3 * sigma_px + 0.5;
+  // Pixels beyond half of the taps are out of reach. A tail of a thousandth is not worth another.
+  taps_ = std::max(3, static_cast<int>(std::ceil(2 * reach - kTail)));
   radius_ = std::min(reach, 0.5 * taps_);
   taps_ = std::max(taps_, least_taps);
   for (int phase = 0; phase < kPhases; ++phase) {
     // The sample is this far from the centre of the first pixel.
-    const double from_first = taps_ / 2 - 1 + (phase + 0.5) / kPhases;
+    const double from_first = (taps_ - 1) / 2 - 0.5 * (taps_ % 2) + (phase + 0.5) / kPhases;
     std::vector<double> w(static_cast<std::size_t>(taps_));
     double sum = 0, below = normalBelow((-from_first - 0.5) / sigma_px);
     for (int i = 0; i < taps_; ++i) {
       const double d = i - from_first, up_to = normalBelow((d + 0.5) / sigma_px);
       const double inside = up_to - std::exchange(below, up_to);
-      if (std::abs(d) > reach) continue;
+      if (std::abs(d) > radius_) continue;
       w[static_cast<std::size_t>(i)] = inside;
       sum += inside;
     }

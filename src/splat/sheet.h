@@ -21,9 +21,10 @@ class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
 
-  /// Of at least `least_taps`, an even number: tables of equal taps have equal windows. unit: pixels.
+  /// Of at least `least_taps`: tables of equal taps have equal windows. unit: pixels.
   explicit FootprintTable(double sigma_px, int least_taps = 0);
-  /// Pixels along an axis; an even number, at least 4.
+  /// Pixels along an axis, at least 3: of an odd number the middle one holds the sample, of an even one the border
+  /// between the middle ones is the nearest to it.
   int taps() const { return taps_; }
   /// A weight a pixel, and zeros after. shape: padded().
   const float* row(int phase) const { return &rows_[static_cast<std::size_t>(phase * padded())]; }
@@ -35,8 +36,8 @@ class FootprintTable {
   double radius() const { return radius_; }
 
  private:
-  int taps_ = 4;
-  double radius_ = 2;
+  int taps_ = 3;
+  double radius_ = 1.5;
   std::vector<float> rows_, wide_;
 };
 

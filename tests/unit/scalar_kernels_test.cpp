@@ -62,7 +62,7 @@ TEST(ScalarKernels, UnitsAreLoadedAlike) {
 
 TEST(ScalarKernels, SamplesAreAddedAlike) {
   const PixelRect rect = {8, 16, 40, 48};
-  for (const double sigma : {0.42, 0.9, 2.5}) {
+  for (const double sigma : {0.27, 0.42, 0.6, 0.9, 2.5}) {
     const FootprintTable footprint(sigma);
     std::vector<SlabSample> samples(300);
     std::vector<const SlabSample*> pointers;
