@@ -11,8 +11,8 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
                            int sweep_px)
     : brick_size_(volume.brick_size),
       sweep_px_(sweep_px),
-      zones_(levels, slabZones(zonedVolume(volume, levels, transfer_function), view, level)),
-      table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range) {
+      table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range),
+      zones_(levels, slabZones(zonedVolume(volume, levels, transfer_function, table_), view, level)) {
   const VolumeLook look{
       transfer_function, shading,      view, transfer_function.unitIn(volume.geometry().meanSpacing()),
       gradient_noise,    interpolation};

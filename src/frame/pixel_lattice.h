@@ -46,8 +46,8 @@ class PixelLattice {
  private:
   const std::int64_t brick_size_;
   const int sweep_px_;
-  DepthZones zones_;
   SampleTable table_;
+  DepthZones zones_;
   std::vector<std::unique_ptr<SlabFrame>> frames_;  // one a zone
   SweepPool pool_;
 };

@@ -33,14 +33,17 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
     const Volume& volume = *volumes_.back();
-    zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function));
+    zoned.push_back(
+        zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function, volume.table));
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.level))
     zones_.push_back({std::move(slabs), {}, {}});
   for (Zone& zone : zones_) {
     SlabSharing sharing{false, 0};
     for (const SlabZone& slabs : zone.slabs) {
-      if (slabs.slabs > 0) sharing.least_taps = std::max(sharing.least_taps, FootprintTable(slabs.sigma_px).taps());
+      if (slabs.slabs == 0) continue;
+      const FootprintTable own(slabs.sigma_px, slabs.soft_sigma_px);
+      sharing.least_taps = std::max(sharing.least_taps, own.taps());
     }
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];

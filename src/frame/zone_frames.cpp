@@ -14,9 +14,14 @@ VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& rea
 
 }  // namespace
 
-ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function) {
-  return {&volume, levels.projector(levels.finest()).nearDepth(),
-          steepnessOf(transfer_function, volume.geometry().meanSpacing(), volume.range)};
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function,
+                        const SampleTable& table) {
+  const double spacing = volume.geometry().meanSpacing();
+  SoftSamples soft = table.thinAnywhere(spacing) ? SoftSamples::kAnyway : SoftSamples::kWhereFree;
+  // Labels have edges, and gradients may take all of an opacity away.
+  if (table.ofLabels() || !transfer_function.gradient_opacity.empty()) soft = SoftSamples::kNever;
+  return {&volume, levels.projector(levels.finest()).nearDepth(), steepnessOf(transfer_function, spacing, volume.range),
+          soft};
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

@@ -23,7 +23,8 @@ struct VolumeLook {
 };
 
 /// The volume as its lattice is decided. requires: the manifest outlives the result.
-ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function);
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function,
+                        const SampleTable& table);
 
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

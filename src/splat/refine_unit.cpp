@@ -213,6 +213,15 @@ class Refiner {
       back = hn::IfThenElse(crossing, hn::Max(hn::Sub(back, beyond), hn::Zero(d)), back);
       back = hn::IfThenZeroElse(hn::Ge(first, hn::Sub(end, one)), back);
     }
+    V third = hn::Zero(d);
+    if (l_.three_slabs) {
+      const V from = hn::Add(first, hn::Set(d, 2.0f));
+      const V there = before(d, l_.spread, hn::Sub(s.depth, from));
+      const V beyond = hn::IfThenElseZero(hn::Ge(s1, end), before(d, l_.spread, hn::Sub(s.depth, end)));
+      const M reaches = hn::And(hn::Ge(s1, from), hn::Lt(from, end));
+      third = hn::IfThenElseZero(reaches, hn::Max(hn::Sub(there, beyond), hn::Zero(d)));
+      back = hn::IfThenElse(reaches, hn::Max(hn::Sub(back, third), hn::Zero(d)), back);
+    }
     alive = hn::And(alive, hn::Gt(hn::Add(front, back), hn::Zero(d)));
     if (derives_) {
       const Vector slope{hn::Load(d, found_.slope[0] + n), hn::Load(d, found_.slope[1] + n),
@@ -233,14 +242,26 @@ class Refiner {
     const V opacity = opacityOf(d, hn::Mul(tau, ray));
     const Along across = along(s.x, u_.tile.x0), down = along(s.y, u_.tile.y0);
     const VI window = hn::Add(hn::ConvertTo(di, across.window), hn::ShiftLeft<16>(hn::ConvertTo(di, down.window)));
-    const VI phases = hn::Add(hn::Add(hn::ConvertTo(di, across.phase), hn::ShiftLeft<8>(hn::ConvertTo(di, down.phase))),
-                              hn::And(code, hn::Set(di, FootprintPlace::kCounted)));
+    const VI phases = hn::Add(
+        hn::Add(hn::ConvertTo(di, across.phase), hn::ShiftLeft<8>(hn::ConvertTo(di, down.phase))),
+        hn::Or(hn::And(code, hn::Set(di, FootprintPlace::kCounted)), hn::Set(di, l_.first_phase * (1 + (1 << 8)))));
     hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(alive, first)), di, kept_.slab);
     hn::StoreInterleaved4(red, green, blue, opacity, d, kept_.light);
     hn::StoreInterleaved4(hn::Mul(weight, front), hn::Mul(weight, back), hn::BitCast(d, window), hn::BitCast(d, phases),
                           d, kept_.parts);
+    keepAll(alive);
+    const M also = hn::And(alive, hn::Gt(third, hn::Zero(d)));
+    if (hn::AllFalse(d, also)) return;
+    // What reaches a third slab waits for it as a sample of its own, which is counted already.
+    hn::Store(hn::Add(hn::ConvertTo(di, hn::IfThenElseZero(alive, first)), hn::Set(di, 2)), di, kept_.slab);
+    hn::StoreInterleaved4(hn::Mul(weight, third), hn::Zero(d), hn::BitCast(d, window),
+                          hn::BitCast(d, hn::AndNot(hn::Set(di, FootprintPlace::kCounted), phases)), d, kept_.parts);
+    keepAll(also);
+  }
+
+  HWY_INLINE void keepAll(M alive) {
     std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, alive, bits);
+    hn::StoreMaskBits(D(), alive, bits);
     for (unsigned rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1)
       keep(static_cast<std::size_t>(std::countr_zero(rest)));
   }

@@ -29,6 +29,7 @@ struct UnitLattice {
   bool labels = false;      // of a label volume: the unit says what its samples are
   int label_smoothing = 0;  // of it, how far smoothing reaches. unit: voxels
   std::array<int, 3> voxels{1, 1, 1};
+  int halves = 1;                             // of a unit along x, 1 or 2, which are judged apart
   std::array<std::vector<UnitAxis>, 3> axes;  // of units that begin so many units after a multiple of kRefinedVoxels
   // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
   bool perspective = false;
@@ -38,8 +39,10 @@ struct UnitLattice {
   float near = 0, slabs_per_depth = 1, thickness = 1;
   int slabs = 0;
   DepthSpread spread;
-  int taps = 4;      // of a footprint, along an axis. unit: pixels
-  float weight = 1;  // V_sample / (A_px D); in perspective times depth squared
+  bool three_slabs = false;  // whether a sample's material is in all of them that it reaches, or in its first two only
+  int taps = 4;              // of a footprint, along an axis. unit: pixels
+  int first_phase = 0;       // of its rows in the table
+  float weight = 1;          // V_sample / (A_px D); in perspective times depth squared
   // Classification, see SampleTable.
   const float* table = nullptr;        // shape: entries of r, g, b, tau
   const float* extinctions = nullptr;  // shape: entries
@@ -99,8 +102,12 @@ struct SampleDetails {
   float ray;           // through the slab. unit: world
 };
 
+/// Samples of a unit, and what some of them have in a third slab.
+inline constexpr std::size_t kMostRefined = 2 * kUnitSamples * kUnitSamples * kUnitSamples;
+
 /// Where samples go: to their slabs, counted from `first_slab`, which also takes those before it; or, if `details` is
-/// not null, with their slabs and details to arrays, for a caller who finishes them. shape: arrays have room for 16³.
+/// not null, with their slabs and details to arrays, for a caller who finishes them. shape: arrays have room for
+/// kMostRefined.
 struct RefinedSamples {
   WaitingSamples<SlabSample>* waiting = nullptr;
   int first_slab = 0;

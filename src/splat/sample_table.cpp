@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
 #include <limits>
 
 namespace kiln {
@@ -9,6 +11,20 @@ namespace {
 
 // Entries of a table where values are not whole numbers of at most 16 bits.
 constexpr double kTableSteps = 1 << 15;
+
+// What the optical depth of a soft voxel, or its light, changes by over its values, at the most (ARCHITECTURE.md has
+// the figures).
+constexpr double kSoftChange = 1;
+// What is thin: an optical depth of a voxel, over this part of all values and no less.
+constexpr double kThin = 0.25;
+constexpr std::size_t kNeighbours = 64;
+
+// By how much the extinction of two materials, or the light that they give off, differs at the most.
+double changeBetween(const Material& a, const Material& b) {
+  const auto light = [](const Material& m) { return glm::dvec3(m.r, m.g, m.b) * static_cast<double>(m.tau); };
+  const glm::dvec3 change = glm::abs(light(b) - light(a));
+  return std::max({change.r, change.g, change.b, std::abs(static_cast<double>(b.tau) - static_cast<double>(a.tau))});
+}
 
 }  // namespace
 
@@ -49,6 +65,9 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
   before_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
+  changes_.assign(1, 0.0);
+  for (std::size_t i = 1; i < count; ++i)
+    changes_.push_back(changes_.back() + changeBetween(entries_[i - 1], entries_[i]));
 }
 
 void SampleTable::addLabels(const std::vector<LabelLook>& looks, double unit) {
@@ -78,14 +97,34 @@ bool SampleTable::interesting(const ValueRange& range) const {
     const auto first = std::lower_bound(labels_.begin(), labels_.end(), static_cast<float>(range.lo - lo_));
     return first != labels_.end() && static_cast<double>(*first) <= range.hi - lo_;
   }
-  const auto place = [&](double value) {
-    return std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
-  };
-  const auto from = static_cast<std::size_t>(place(range.lo));
-  const float last = place(range.hi);
-  const auto whole = static_cast<std::size_t>(last);
-  const std::size_t to = static_cast<float>(whole) < last ? whole + 1 : whole;
-  return before_[to + 1] > before_[from];
+  return before_[entryAbove(range.hi) + 1] > before_[entryBelow(range.lo)];
+}
+
+bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothing) const {
+  const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
+  const double most = kSoftChange / length - (changes_[to] - changes_[from]);
+  return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
+}
+
+bool SampleTable::thinAnywhere(double length) const {
+  if (of_labels_) return false;
+  const auto last = static_cast<std::size_t>(last_), width = last / kNeighbours;
+  for (std::size_t i = 0; i + width <= last; ++i) {
+    const double change = (changes_[i + width] - changes_[i]) * length;
+    const double depth = static_cast<double>(extinctions_[i]) * length;
+    if (depth > 0 && depth + change <= kThin) return true;
+  }
+  return false;
+}
+
+std::size_t SampleTable::entryBelow(double value) const {
+  return static_cast<std::size_t>(std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_));
+}
+
+std::size_t SampleTable::entryAbove(double value) const {
+  const float place = std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
+  const auto whole = static_cast<std::size_t>(place);
+  return static_cast<float>(whole) < place ? whole + 1 : whole;
 }
 
 }  // namespace kiln

@@ -56,8 +56,16 @@ class SampleTable {
   float leastInterval() const { return least_interval_; }
   /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
   bool interesting(const ValueRange& range) const;
+  /// Whether voxels of this length that hold values of `range` are soft: they look nearly the same all over, so that
+  /// fewer samples show as much. `beside_nothing`: they may be cut off, and what they show may end within them.
+  /// requires: not labels. cost: O(1).
+  bool soft(const ValueRange& range, double length, bool beside_nothing) const;
+  /// Whether some values are thin, and look nearly the same as those about them: light goes through many such voxels.
+  bool thinAnywhere(double length) const;
 
  private:
+  std::size_t entryBelow(double value) const;
+  std::size_t entryAbove(double value) const;
   void addLabels(const std::vector<LabelLook>& looks, double unit);
 
   double lo_ = 0;
@@ -68,6 +76,7 @@ class SampleTable {
   std::vector<Material> entries_;
   std::vector<float> extinctions_, integral_;
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
+  std::vector<double> changes_;  // of extinction and of light, from the first entry up to each: sums of the larger
   bool of_labels_ = false;
   std::vector<float> labels_, label_opacities_;  // of those shown, by label, less the offset
 };

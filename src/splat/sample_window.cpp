@@ -14,7 +14,7 @@ constexpr double kPlaceSlack_px = 0.05, kDepthSlack_slabs = 0.1, kRoundingSlack 
 
 // A sample reaches the tile where its window touches it (refineUnit): its middle is then no farther than half of the
 // other taps.
-SampleWindow::SampleWindow(const UnitLattice& lattice, const PixelRect& tile) : l_(lattice) {
+SampleWindow::SampleWindow(const UnitLattice& lattice, double sample_reach, const PixelRect& tile) : l_(lattice) {
   const double reach = 0.5 * (l_.taps - 1) + kPlaceSlack_px, focal = static_cast<double>(l_.focal);
   const auto side = [&](int axis, double sign, double edge_px, double centre_px) {
     glm::dvec3 along(0);
@@ -26,7 +26,7 @@ SampleWindow::SampleWindow(const UnitLattice& lattice, const PixelRect& tile) : 
   };
   const double cx = static_cast<double>(l_.centre_x), cy = static_cast<double>(l_.centre_y);
   const double thickness = static_cast<double>(l_.thickness), near = static_cast<double>(l_.near);
-  const double depth = (static_cast<double>(l_.spread.reach) + kDepthSlack_slabs) * thickness;
+  const double depth = (sample_reach + kDepthSlack_slabs) * thickness;
   double from = near - depth;
   if (l_.perspective) from = std::max(from, (1 - kRoundingSlack) * static_cast<double>(l_.near_depth));
   halves_ = {side(0, 1, tile.x0, cx),  side(0, -1, tile.x1, cx), side(1, 1, tile.y0, cy),

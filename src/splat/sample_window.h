@@ -12,8 +12,9 @@ namespace kiln {
 
 class SampleWindow {
  public:
-  /// requires: `lattice` outlives this.
-  SampleWindow(const UnitLattice& lattice, const PixelRect& tile);
+  /// For all lattices of a zone, of which `lattice` is one. `sample_reach`: SlabFrame's. requires: `lattice` outlives
+  /// this.
+  SampleWindow(const UnitLattice& lattice, double sample_reach, const PixelRect& tile);
   /// Leaves of the samples [first, end) of `unit` no fewer than those that reach the tile; false where none does.
   bool narrow(UnitInput& unit) const;
 

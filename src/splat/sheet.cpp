@@ -173,12 +173,18 @@ double normalBelow(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 HWY_EXPORT(addSamplesOn);
 HWY_EXPORT(addAovsOn);
 
-FootprintTable::FootprintTable(double sigma_px, int least_taps) {
-  const double reach = 3 * sigma_px + 0.5;
+FootprintTable::FootprintTable(double sigma_px, double soft_sigma_px, int least_taps) {
+  const auto reachOf = [](double sigma) { return 3 * sigma + 0.5; };
+  const double reach = reachOf(std::max(sigma_px, soft_sigma_px));
   // Pixels beyond half of the taps are out of reach. A tail of a thousandth is not worth another.
   taps_ = std::max(3, static_cast<int>(std::ceil(2 * reach - kTail)));
   radius_ = std::min(reach, 0.5 * taps_);
+  const double most = radius_;
   taps_ = std::max(taps_, least_taps);
+  for (const double sigma : {sigma_px, soft_sigma_px}) addRows(sigma, std::min(reachOf(sigma), most));
+}
+
+void FootprintTable::addRows(double sigma_px, double radius) {
   for (int phase = 0; phase < kPhases; ++phase) {
     // The sample is this far from the centre of the first pixel.
     const double from_first = (taps_ - 1) / 2 - 0.5 * (taps_ % 2) + (phase + 0.5) / kPhases;
@@ -187,7 +193,7 @@ FootprintTable::FootprintTable(double sigma_px, int least_taps) {
     for (int i = 0; i < taps_; ++i) {
       const double d = i - from_first, up_to = normalBelow((d + 0.5) / sigma_px);
       const double inside = up_to - std::exchange(below, up_to);
-      if (std::abs(d) > radius_) continue;
+      if (std::abs(d) > radius) continue;
       w[static_cast<std::size_t>(i)] = inside;
       sum += inside;
     }
@@ -195,8 +201,8 @@ FootprintTable::FootprintTable(double sigma_px, int least_taps) {
       rows_.push_back(static_cast<float>(v / sum));
       wide_.insert(wide_.end(), 4, rows_.back());
     }
-    rows_.resize(static_cast<std::size_t>((phase + 1) * padded()), 0.0f);
-    wide_.resize(static_cast<std::size_t>((phase + 1) * 4 * padded()), 0.0f);
+    rows_.resize(rows_.size() + static_cast<std::size_t>(padded() - taps_), 0.0f);
+    wide_.resize(4 * rows_.size(), 0.0f);
   }
 }
 

@@ -20,9 +20,13 @@ namespace kiln {
 class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
+  /// Where rows of the second table begin.
+  static constexpr int kSoft = kPhases;
 
-  /// Of at least `least_taps`: tables of equal taps have equal windows. unit: pixels.
-  explicit FootprintTable(double sigma_px, int least_taps = 0);
+  /// Of at least `least_taps`: tables of equal taps have equal windows. A second table follows the first, of the
+  /// samples of soft voxels, whose Gaussian is no narrower. unit: pixels.
+  FootprintTable(double sigma_px, double soft_sigma_px, int least_taps = 0);
+  explicit FootprintTable(double sigma_px) : FootprintTable(sigma_px, sigma_px) {}
   /// Pixels along an axis, at least 3: of an odd number the middle one holds the sample, of an even one the border
   /// between the middle ones is the nearest to it.
   int taps() const { return taps_; }
@@ -36,6 +40,8 @@ class FootprintTable {
   double radius() const { return radius_; }
 
  private:
+  void addRows(double sigma_px, double radius);
+
   int taps_ = 3;
   double radius_ = 1.5;
   std::vector<float> rows_, wide_;

@@ -20,10 +20,14 @@ constexpr double kDeep = 0.25;
 // slabs (ARCHITECTURE.md has the figures).
 constexpr int kUnitRows = 8;
 
+// See softBlock.
+static_assert(kMostGhosts - 1 <= kMostSoftBlock && kMostSoftBlock + kUnitMargin <= kApron);
+
 // Samples do not lie across the faces between cells, and units are not cut where their samples begin anew.
 static_assert(kCellSize % kRefinedVoxels == 0 && kRefinedVoxels % kUnitVoxels == 0);
 
-int unitVoxels(const Refinement& refinement, std::size_t axis) {
+int unitVoxels(const Refinement& refinement, std::size_t axis, bool of_blocks) {
+  if (of_blocks) return axis == 0 && unitHasRoom(refinement, kUnitVoxels) ? kUnitVoxels : softBlock(refinement);
   int voxels = kUnitVoxels;
   while (voxels > 1 &&
          (!unitHasRoom(refinement, voxels) || (axis > 0 && refinement.samples * voxels > kUnitRows * kRefinedVoxels)))
@@ -31,28 +35,41 @@ int unitVoxels(const Refinement& refinement, std::size_t axis) {
   return voxels;
 }
 
-DepthSpread depthSpread(const SlabZone& zone, const Projector& projector) {
+DepthSpread depthSpread(const SlabZone& zone, const std::array<Refinement, 3>& refinement, const Projector& projector) {
   std::array<float, 3> edges{};
   for (int a = 0; a < 3; ++a) {
     const auto ua = static_cast<std::size_t>(a);
-    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / zone.refinement[ua].ofVoxel() / zone.thickness);
+    edges[ua] = static_cast<float>(std::abs(projector.axis(a).z) / refinement[ua].ofVoxel() / zone.thickness);
   }
   std::sort(edges.begin(), edges.end());
   return {edges[2], edges[1], 0.5f * (edges[2] + edges[1])};
 }
 
-UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
-                        const SampleTable& table, const SampleLook& look, bool detailed) {
+// unit: world.
+double longestSample(const SlabZone& zone, const Projector& projector) {
+  double out = 0;
+  for (int a = 0; a < 3; ++a) {
+    const auto ua = static_cast<std::size_t>(a);
+    const double samples = std::min(zone.refinement[ua].ofVoxel(), zone.soft_refinement[ua].ofVoxel());
+    out = std::max(out, glm::length(projector.axis(a)) / samples);
+  }
+  return out;
+}
+
+UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& refinement_of,
+                        const Projector& projector, const FootprintTable& footprint, const SampleTable& table,
+                        const SampleLook& look, bool detailed) {
   UnitLattice out;
   out.interpolation = look.interpolation;
   out.labels = table.ofLabels();
   // Gradients of labels are the B-spline's, whatever interpolates between voxels.
   const Interpolation of_axes = out.labels ? Interpolation::kCubic : look.interpolation;
   for (std::size_t a = 0; a < 3; ++a) {
-    out.voxels[a] = unitVoxels(zone.refinement[a], a);
+    out.voxels[a] = unitVoxels(zone.refinement[a], a, zone.judgesBlocks());
     for (int first = 0; first < kRefinedVoxels; first += out.voxels[a])
-      out.axes[a].emplace_back(zone.refinement[a], first, out.voxels[a], of_axes);
+      out.axes[a].emplace_back(refinement_of[a], first, out.voxels[a], of_axes);
   }
+  if (zone.judgesBlocks()) out.halves = out.voxels[0] / softBlock(zone.refinement[0]);
   out.perspective = projector.perspective();
   out.focal = static_cast<float>(projector.focal());
   out.centre_x = static_cast<float>(projector.centre().x);
@@ -65,10 +82,10 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
   out.slabs_per_depth = static_cast<float>(1 / zone.thickness);
   out.thickness = static_cast<float>(zone.thickness);
   out.slabs = zone.slabs;
-  out.spread = depthSpread(zone, projector);
+  out.spread = depthSpread(zone, refinement_of, projector);
   out.taps = footprint.taps();
   double samples = 1;
-  for (const Refinement& refinement : zone.refinement) samples *= refinement.ofVoxel();
+  for (const Refinement& refinement : refinement_of) samples *= refinement.ofVoxel();
   out.weight =
       static_cast<float>(projector.voxelVolume() / samples * projector.focal() * projector.focal() / zone.thickness);
   out.table = table.entries();
@@ -88,9 +105,9 @@ UnitLattice unitLattice(const SlabZone& zone, const Projector& projector, const 
 // How far beyond its core a brick's samples reach the pixels of slabs that it owns: along the axis where it is the
 // most, a footprint across and half a slab and a sample's own depth along the view.
 std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
-                      const DepthSpread& spread) {
+                      double sample_reach) {
   constexpr double kSlack = 0.02;  // a footprint's phases, and rounding
-  const double along = (spread.reach + 0.5 + kSlack) * zone.thickness;
+  const double along = (sample_reach + 0.5 + kSlack) * zone.thickness;
   const double farthest = projector.perspective() ? zone.far + along : 1;
   const double across = (footprint.radius() + kSlack) * farthest / projector.focal();
   // Along a ray of the picture's corner, depth is also a way across.
@@ -99,7 +116,8 @@ std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const Fo
   for (int a = 0; a < 3; ++a) {
     const glm::dvec3 row = glm::abs(glm::dvec3(projector.indexRow(a)));
     const double voxels = (row.x + row.y) * across + (row.x * slope.x + row.y * slope.y + row.z) * along;
-    const double first = zone.refinement[static_cast<std::size_t>(a)].leastFromFace();
+    const auto ua = static_cast<std::size_t>(a);
+    const double first = std::min(zone.refinement[ua].leastFromFace(), zone.soft_refinement[ua].leastFromFace());
     most = std::max(most, static_cast<std::int64_t>(std::ceil(std::min(voxels - first, 1e6))));
   }
   // Between voxels, one more is for interpolation.
@@ -129,21 +147,39 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       table_(table),
       look_(look),
       detailed_(!isPlain(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
-      footprint_(zone.sigma_px, sharing.least_taps),
-      lattice_(unitLattice(zone, projector, footprint_, table, look, detailed_)),
-      ghosts_(sharing.owned ? ghostsOf(zone, projector, footprint_, lattice_.spread) : 0) {
+      footprint_(zone.sigma_px, zone.soft_sigma_px, sharing.least_taps),
+      lattice_(unitLattice(zone, zone.refinement, projector, footprint_, table, look, detailed_)),
+      voxel_length_(std::cbrt(projector.voxelVolume())),
+      longest_sample_(longestSample(zone, projector)) {
+  if (zone.judgesBlocks()) {
+    soft_lattice_ = unitLattice(zone, zone.soft_refinement, projector, footprint_, table, look, detailed_);
+    soft_lattice_->first_phase = FootprintTable::kSoft;
+    soft_lattice_->three_slabs = soft_lattice_->spread.reach > 0.5f;
+  }
+  ghosts_ = sharing.owned ? ghostsOf(zone, projector, footprint_, sampleReach()) : 0;
   // What the apron holds beyond the voxels of samples and of their gradients.
   const std::int64_t left = kApron - ghosts_ - (zone.refined() ? 2 : 1);
   lattice_.label_smoothing = static_cast<int>(std::clamp<std::int64_t>(left, 0, kMostLabelSmoothing));
 }
 
+double SlabFrame::sampleReach() const {
+  const auto reach = static_cast<double>(lattice_.spread.reach);
+  return soft_lattice_ ? std::max(reach, static_cast<double>(soft_lattice_->spread.reach)) : reach;
+}
+
+bool SlabFrame::soft(const VoxelBox& box, const ValueRange& range) const {
+  bool cut = !look_.clip->showsAll();
+  for (int a = 0; a < 3; ++a) cut = cut || box.lo[a] <= 0 || box.hi[a] >= dims_[a];
+  return table_.soft(range, voxel_length_, cut);
+}
+
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   const ViewBox at(projector_, box);
-  // At the volume's end a sample may be half of its length beyond it; slabs are no thinner.
+  // At the volume's end a sample may be half of its length beyond it.
   const bool ends = box.hi.x == dims_.x || box.hi.y == dims_.y || box.hi.z == dims_.z;
-  const double beyond = ends && zone_.refined() ? 0.5 * zone_.thickness : 0;
+  const double beyond = ends && zone_.refined() ? 0.5 * std::max(zone_.thickness, longest_sample_) : 0;
   // A sample has a depth of its own.
-  const double reach = lattice_.spread.reach * zone_.thickness + beyond;
+  const double reach = sampleReach() * zone_.thickness + beyond;
   Bounds out;
   if (at.farthest + reach < zone_.near || at.nearest - reach >= zone_.far) return out;
   // Beside the eye, what is nearer than the zone would be all over the picture.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "scene/clip_region.h"
@@ -52,11 +53,18 @@ class SlabFrame {
   const SampleTable& table() const { return table_; }
   /// Whether samples that interpolate values of `range`, or stand for some of them, may show anything.
   bool interesting(const ValueRange& range) const { return table_.interesting(range); }
+  /// Whether the voxels of a block (softBlock) that lies in `box` and interpolates `range` have the samples of
+  /// `softLattice`. requires: a soft lattice.
+  bool soft(const VoxelBox& box, const ValueRange& range) const;
   const SampleLook& look() const { return look_; }
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }
   const FootprintTable& footprint() const { return footprint_; }
   const UnitLattice& lattice() const { return lattice_; }
+  /// Null where all voxels have the same. Both have the same units.
+  const UnitLattice* softLattice() const { return soft_lattice_ ? &*soft_lattice_ : nullptr; }
+  /// From a sample's depth to the farthest of what it fills. unit: slabs.
+  double sampleReach() const;
   /// How far beyond its core a brick's samples are drawn. unit: voxels.
   std::int64_t ghosts() const { return ghosts_; }
 
@@ -79,6 +87,9 @@ class SlabFrame {
   bool detailed_;
   FootprintTable footprint_;
   UnitLattice lattice_;
+  std::optional<UnitLattice> soft_lattice_;
+  double voxel_length_;    // the mean of its edges. unit: world
+  double longest_sample_;  // along any axis. unit: world
   std::int64_t ghosts_;
 };
 

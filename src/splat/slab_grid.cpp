@@ -36,6 +36,10 @@ constexpr double kCoarseSpacing = 1;
 // A footprint is a pixel's square folded with a Gaussian of this deviation, in spacings. Narrower is sharper by some
 // tenths of a decibel, and flickers where voxels are smaller than pixels.
 constexpr double kSigma = 0.42;
+// That of soft voxels, at most: it needs no more pixels than others. unit: pixels.
+constexpr double kSoftSigma = 0.36;
+// Soft voxels have samples of their own where these are at most this part of what they would have.
+constexpr double kWorthIt = 0.6;
 // Slabs are as thick as samples are apart: what is behind in a slab shows through what is in front. unit: pixels.
 constexpr double kThinnest = 0.5;
 // A lattice finer than half a pixel, where there is no coarser level, is smoothed no less than this. unit: pixels.
@@ -77,6 +81,36 @@ Refinement refinementFor(double edge_px, double spacing_px) {
   return out;
 }
 
+// The next number of samples of which a block (softBlock) has a whole number.
+Refinement wholeInBlocks(Refinement refinement, int block) {
+  const int of_block = kRefinedVoxels / block;
+  refinement.samples = (refinement.samples + of_block - 1) / of_block * of_block;
+  return refinement;
+}
+
+// Samples of soft voxels, where they are fewer by enough.
+void setSoft(SoftSamples when, const glm::dvec3& edges_px, SlabZone& zone) {
+  zone.soft_refinement = zone.refinement;
+  zone.soft_sigma_px = zone.sigma_px;
+  if (when == SoftSamples::kNever || !zone.refined()) return;
+  const double wanted = spacingFor(std::min({edges_px.x, edges_px.y, edges_px.z}), 0);
+  std::array<Refinement, 3> own, soft;
+  double widest = 0, part = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const int block = softBlock(zone.refinement[a]);
+    own[a] = wholeInBlocks(zone.refinement[a], block);
+    soft[a] = wholeInBlocks(refinementFor(edges_px[axis], wanted), block);
+    if (soft[a].samples > own[a].samples) return;
+    widest = std::max(widest, edges_px[axis] / soft[a].ofVoxel());
+    part *= soft[a].ofVoxel() / zone.refinement[a].ofVoxel();
+  }
+  if (part > kWorthIt || (when == SoftSamples::kWhereFree && own != zone.refinement)) return;
+  zone.refinement = own;
+  zone.soft_refinement = soft;
+  zone.soft_sigma_px = std::max(zone.sigma_px, std::min(kSigma * widest, kSoftSigma));
+}
+
 // Level, refinement and footprint where a world length of 1 is at most `scale` pixels.
 SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> level) {
   const Manifest& volume = *zoned.manifest;
@@ -102,6 +136,7 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
     least_refined = std::min(least_refined, refinement.ofVoxel());
   }
   out.sigma_px = std::max(kSigma * widest, kLeastSigma);
+  setSoft(zoned.soft, spacing * scale, out);
   const double beside = least_refined - 1;
   out.erosion = std::min(kErosion * static_cast<float>(beside * beside * beside), kMostErosion);
   out.thickness = std::max(kThinnest, widest) / scale;
@@ -109,6 +144,12 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
 }
 
 }  // namespace
+
+int softBlock(const Refinement& refinement) {
+  int voxels = kMostSoftBlock;
+  while (!unitHasRoom(refinement, voxels)) voxels /= 2;
+  return voxels;
+}
 
 std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std::optional<int> level) {
   const std::array<double, 2> depths = depthsOf(volume.manifest->geometry(), view);

@@ -23,10 +23,14 @@ struct SlabZone {
   int slabs = 0;
   int level = 0;  // of the pyramid
   std::array<Refinement, 3> refinement;
-  double sigma_px = 0.3;  // of a footprint
-  float erosion = 0;      // of pixels at edges, at most: splat/coverage.h
+  /// Of blocks of voxels that are soft (SampleTable::soft), which have a whole number of samples of either; the same
+  /// where nothing would be saved.
+  std::array<Refinement, 3> soft_refinement;
+  double sigma_px = 0.3, soft_sigma_px = 0.3;  // of a footprint
+  float erosion = 0;                           // of pixels at edges, at most: splat/coverage.h
   /// Whether there are samples between voxels.
   bool refined() const { return refinement != std::array<Refinement, 3>{}; }
+  bool judgesBlocks() const { return soft_refinement != refinement; }
 
   /// The first slab of the zone with its centre at `depth` or beyond; 0 and `slabs` where there is none.
   int slabFrom(double depth) const {
@@ -37,11 +41,22 @@ struct SlabZone {
   }
 };
 
+/// Whether soft voxels have samples of their own: never; where the others need not be more for it, so that a block has
+/// a whole number of them; or anyway.
+enum class SoftSamples { kNever, kWhereFree, kAnyway };
+
+/// What is judged soft or not, as a whole: so many voxels along an axis with that many samples, from a multiple of them
+/// on, 4 or less. A brick has all of the blocks that its own samples and those beside it (ghosts) are in, with what
+/// they interpolate, so that whoever draws a sample finds the same.
+int softBlock(const Refinement& refinement);
+inline constexpr int kMostSoftBlock = 4;
+
 /// A volume, and what of its look decides its lattice. Of several in one picture the steepest decides for all.
 struct ZonedVolume {
   const Manifest* manifest = nullptr;
   double near_depth = 0;                                       // what is nearer is not drawn
   double steepness = std::numeric_limits<double>::infinity();  // steepnessOf, of level 0
+  SoftSamples soft = SoftSamples::kNever;
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

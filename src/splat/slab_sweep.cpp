@@ -134,7 +134,7 @@ class Sweep {
   void reset(std::size_t v, std::size_t slabs) {
     OfVolume& volume = m_.volumes[v];
     volume.window.reset();
-    if (frames_[v] != nullptr) volume.window.emplace(frames_[v]->lattice(), tile_.rect);
+    if (frames_[v] != nullptr) volume.window.emplace(frames_[v]->lattice(), frames_[v]->sampleReach(), tile_.rect);
     volume.waiting.reset(slabs);
     for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
     if (!aovs_) return;
@@ -193,16 +193,36 @@ class Sweep {
   }
 
   void refine(const Unit& unit) {
+    if (hidden(unit.rect, counts_[unit.volume])) return;
+    const SlabFrame& f = *frames_[unit.volume];
+    const UnitLattice& l = f.lattice();
+    const UnitRanges ranges = loadUnit(*unit.block, l, f.table().offset(), unit.lo, m_.values);
+    if (!f.interesting(ranges.whole)) return;
+    const int edge = l.voxels[0];
+    if (f.softLattice() == nullptr) return refine(unit, l, ranges.whole, 0, edge);
+    const auto latticeOf = [&](int first_x, int end_x, const ValueRange& range) {
+      const VoxelCoord& lo = unit.lo;
+      const VoxelBox block{{lo.x + first_x, lo.y, lo.z}, {lo.x + end_x, lo.y + l.voxels[1], lo.z + l.voxels[2]}};
+      return f.soft(block, range) ? f.softLattice() : &l;
+    };
+    if (l.halves == 1) return refine(unit, *latticeOf(0, edge, ranges.whole), ranges.whole, 0, edge);
+    const int half = edge / 2;
+    const ValueRange &first = ranges.halves[0], &second = ranges.halves[1];
+    const UnitLattice &of_first = *latticeOf(0, half, first), &of_second = *latticeOf(half, edge, second);
+    if (&of_first == &of_second) return refine(unit, of_first, ranges.whole, 0, edge);
+    if (f.interesting(first)) refine(unit, of_first, first, 0, half);
+    if (f.interesting(second)) refine(unit, of_second, second, half, edge);
+  }
+
+  // The voxels of a unit from the first to the end along x, with the samples of this lattice, which interpolate values
+  // of `range`.
+  void refine(const Unit& unit, const UnitLattice& l, const ValueRange& range, int first_x, int end_x) {
     SplatCounts& counts = counts_[unit.volume];
-    if (hidden(unit.rect, counts)) return;
     const SlabFrame& f = *frames_[unit.volume];
     const BrickBlock& block = *unit.block;
-    const UnitLattice& l = f.lattice();
     const double offset = f.table().offset();
     const VoxelBox reach = intersection(dilated(block.core, f.ghosts()), boxOf(f.dims()));
     UnitInput in;
-    const ValueRange range = loadUnit(block, l, offset, unit.lo, m_.values);
-    if (!f.interesting(range)) return;
     in.values = m_.values;
     in.least = static_cast<float>(range.lo - offset);
     in.most = static_cast<float>(range.hi - offset);
@@ -211,13 +231,14 @@ class Sweep {
     bool ends = false;
     for (int a = 0; a < 3; ++a) {
       const auto ua = static_cast<std::size_t>(a);
+      const int from = a == 0 ? first_x : 0, to = a == 0 ? end_x : l.voxels[ua];
       const auto sample = [&](std::int64_t voxel) {
-        const auto within = std::clamp<std::int64_t>(voxel - unit.lo[a], 0, l.voxels[ua]);
+        const auto within = std::clamp<std::int64_t>(voxel - unit.lo[a], from, to);
         return in.axis[ua]->before[static_cast<std::size_t>(within)];
       };
       in.first[ua] = sample(reach.lo[a]), in.end[ua] = sample(reach.hi[a]);
       in.core_first[ua] = sample(block.core.lo[a]), in.core_end[ua] = sample(block.core.hi[a]);
-      ends = ends || f.ends().last[a] < unit.lo[a] + l.voxels[ua];
+      ends = ends || f.ends().last[a] < unit.lo[a] + to;
     }
     if (ends) setParts(f.ends(), unit.lo, l.voxels, in);
     in.tile = tile_.rect;
@@ -226,7 +247,7 @@ class Sweep {
     // A sample that is clipped does not count: this is known later.
     if (test_samples_ && !f.detailed() && !allOpen(unit.rect)) in.windows = &m_.windows;
     if (f.detailed() || aovs_)
-      refineWithDetails(in, unit);
+      refineWithDetails(in, unit, l);
     else
       counts.visited +=
           static_cast<std::uint64_t>(refineUnit(l, in, {&m_.volumes[unit.volume].waiting, begin_}).closed);
@@ -264,14 +285,13 @@ class Sweep {
     return true;
   }
 
-  void refineWithDetails(const UnitInput& in, const Unit& unit) {
+  void refineWithDetails(const UnitInput& in, const Unit& unit, const UnitLattice& l) {
     const SlabFrame& f = *frames_[unit.volume];
     OfVolume& volume = m_.volumes[unit.volume];
-    m_.refined.resize(kUnitSamples * kUnitSamples * kUnitSamples);
+    m_.refined.resize(kMostRefined);
     m_.slabs.resize(m_.refined.size());
     m_.details.resize(m_.refined.size());
-    const RefinedCounts counts =
-        refineUnit(f.lattice(), in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
+    const RefinedCounts counts = refineUnit(l, in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
     counts_[unit.volume].visited += static_cast<std::uint64_t>(counts.closed);
     const glm::dvec3 edges(in.axis[0]->step, in.axis[1]->step, in.axis[2]->step);
     for (std::size_t i = 0; i < static_cast<std::size_t>(counts.samples); ++i) {
@@ -279,15 +299,14 @@ class Sweep {
       if (f.detailed() && !finish(f, s, m_.details[i], unit.lo, edges)) continue;
       const int slab = std::max(m_.slabs[i], begin_);
       volume.waiting.add(static_cast<std::size_t>(slab - begin_)) = s;
-      if (aovs_) addToWaitingAovs(unit, s, slab, m_.details[i]);
+      if (aovs_) addToWaitingAovs(unit, l, s, slab, m_.details[i]);
     }
   }
 
   // What is for pictures with AOVs only is apart, so that the loops of the others stay small.
-  [[gnu::noinline]] void addToWaitingAovs(const Unit& unit, const SlabSample& s, int slab,
+  [[gnu::noinline]] void addToWaitingAovs(const Unit& unit, const UnitLattice& l, const SlabSample& s, int slab,
                                           const SampleDetails& details) {
     const SlabFrame& f = *frames_[unit.volume];
-    const UnitLattice& l = f.lattice();
     const float depth = (details.view.z - l.near) * l.slabs_per_depth;
     m_.volumes[unit.volume].waiting_aovs.add(static_cast<std::size_t>(slab - begin_)) =
         aovSample(s, slab, depth, l.spread, normalOf(f, details, unit.lo));

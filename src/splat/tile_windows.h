@@ -23,7 +23,7 @@ struct FootprintPlace {
   static constexpr int kPhases = 64;
   static constexpr std::int32_t kCounted = 1 << 16;
   std::int32_t window;  // x + 2^16 y
-  std::int32_t phases;  // x + 2^8 y, and kCounted where the sample counts
+  std::int32_t phases;  // x + 2^8 y, both kPhases more of a soft sample's, and kCounted where the sample counts
 
   int x() const { return window & 0xffff; }
   int y() const { return window >> 16; }

@@ -21,7 +21,25 @@ struct UnitRows {
   std::array<std::int64_t, kEdge> y, z;
   int width, height, depth;
   int rim;  // of voxels for gradients only
+  bool halved;
   bool inner(int j, int k) const { return j >= rim && j < height - rim && k >= rim && k < depth - rim; }
+
+  // Of the least and the most in each column.
+  template <class T>
+  UnitRanges rangesOf(const T* least, const T* most, double offset) const {
+    const auto between = [&](int first, int end) {
+      const T lo = *std::min_element(least + first, least + end), hi = *std::max_element(most + first, most + end);
+      ValueRange out;
+      if (lo <= hi) out.include({static_cast<double>(lo) + offset, static_cast<double>(hi) + offset});
+      return out;
+    };
+    UnitRanges out{between(rim, width - rim), {}};
+    if (!halved) return out;
+    const int half = (width - 2 * kUnitMargin) / 2;
+    for (int i = 0; i < 2; ++i)
+      out.halves[static_cast<std::size_t>(i)] = between(i * half + rim, (i + 1) * half + 2 * kUnitMargin - rim);
+    return out;
+  }
 };
 
 }  // namespace
@@ -38,7 +56,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Whole vectors of a row, of voxels that an int holds: it knows their range, column by column. requires: kUnitSamples
 // voxels from a row's first one on may be read.
 template <class T>
-ValueRange loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
+UnitRanges loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
   const hn::CappedTag<std::int32_t, kUnitSamples> di;
   const hn::RebindToFloat<decltype(di)> d;
   const hn::Rebind<T, decltype(di)> dt;
@@ -61,23 +79,19 @@ ValueRange loadVectors(const UnitRows& rows, const T* data, int offset, float* v
     hn::Store(lo, di, least + x);
     hn::Store(hi, di, most + x);
   }
-  ValueRange out;
-  const int end = rows.width - rows.rim;
-  out.include({static_cast<double>(*std::min_element(least + rows.rim, least + end)),
-               static_cast<double>(*std::max_element(most + rows.rim, most + end))});
-  return out;
+  return rows.rangesOf(least, most, 0);
 }
 
-ValueRange loadU8(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+UnitRanges loadU8(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
   return loadVectors(rows, data, offset, values);
 }
-ValueRange loadI8(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+UnitRanges loadI8(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
   return loadVectors(rows, data, offset, values);
 }
-ValueRange loadU16(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+UnitRanges loadU16(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
   return loadVectors(rows, data, offset, values);
 }
-ValueRange loadI16(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+UnitRanges loadI16(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
   return loadVectors(rows, data, offset, values);
 }
 
@@ -96,16 +110,16 @@ HWY_EXPORT(loadI16);
 
 namespace {
 
-ValueRange loadWhole(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+UnitRanges loadWhole(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
   return HWY_DYNAMIC_DISPATCH(loadU8)(rows, data, offset, values);
 }
-ValueRange loadWhole(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+UnitRanges loadWhole(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
   return HWY_DYNAMIC_DISPATCH(loadI8)(rows, data, offset, values);
 }
-ValueRange loadWhole(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+UnitRanges loadWhole(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
   return HWY_DYNAMIC_DISPATCH(loadU16)(rows, data, offset, values);
 }
-ValueRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+UnitRanges loadWhole(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
   return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
 }
 
@@ -120,27 +134,28 @@ void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t
 
 // Voxel by voxel: any type, and at the brick's ends.
 template <class T>
-ValueRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
-  float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
+UnitRanges loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
+  std::array<float, kUnitSamples> least, most;
+  least.fill(std::numeric_limits<float>::max()), most.fill(std::numeric_limits<float>::lowest());
   for (int k = 0; k < rows.depth; ++k) {
     for (int j = 0; j < rows.height; ++j, values += kUnitSamples) {
       const T* const from = data + rows.z[static_cast<std::size_t>(k)] + rows.y[static_cast<std::size_t>(j)];
       for (int i = 0; i < rows.width; ++i)
         values[i] = static_cast<float>(static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset);
       if (!rows.inner(j, k)) continue;
-      for (int i = rows.rim; i < rows.width - rows.rim; ++i) {
-        least = values[i] < least ? values[i] : least;
-        most = values[i] > most ? values[i] : most;
+      for (int i = 0; i < rows.width; ++i) {
+        const auto column = static_cast<std::size_t>(i);
+        least[column] = values[i] < least[column] ? values[i] : least[column];
+        most[column] = values[i] > most[column] ? values[i] : most[column];
       }
     }
   }
-  if (least > most) return {};
-  return {static_cast<double>(least) + offset, static_cast<double>(most) + offset};
+  return rows.rangesOf(least.data(), most.data(), offset);
 }
 
 }  // namespace
 
-ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+UnitRanges loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
                     float* values) {
   const VoxelBox& has = block.extent;
   UnitRows rows;
@@ -148,6 +163,7 @@ ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double 
   rows.height = lattice.voxels[1] + 2 * kUnitMargin;
   rows.depth = lattice.voxels[2] + 2 * kUnitMargin;
   // The outermost voxels are for linear interpolation's gradients only.
+  rows.halved = lattice.halves > 1;
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
   const Extent3 size = has.extent();
   const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };

@@ -1,15 +1,23 @@
 // The voxels of a unit on their way from the brick to where it is refined.
 #pragma once
 
+#include <array>
+
 #include "splat/refine_unit.h"
 #include "store/brick_block.h"
 
 namespace kiln {
 
-/// Writes the unit's voxels and those around it to `values`, less `offset`; returns the range of what its samples
+/// What the samples of a unit interpolate, and those of its two halves along x, where they are judged apart.
+struct UnitRanges {
+  ValueRange whole;
+  std::array<ValueRange, 2> halves;
+};
+
+/// Writes the unit's voxels and those around it to `values`, less `offset`; returns the ranges of what its samples
 /// interpolate. `lo` is the unit's first voxel. Voxels that the brick has not, which no sample of its needs, repeat the
 /// nearest. shape: `values` as UnitInput's, 64-byte aligned. requires: for types of up to 16 bits, `offset` is whole.
-ValueRange loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+UnitRanges loadUnit(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
                     float* values);
 
 }  // namespace kiln

@@ -79,7 +79,7 @@ struct Scene {
   }
   UnitInput input(const VoxelCoord& lo, float* values) const {
     const double offset = frame.table().offset();
-    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values);
+    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values).whole;
     UnitInput in;
     in.values = values;
     in.least = static_cast<float>(range.lo - offset), in.most = static_cast<float>(range.hi - offset);
@@ -137,9 +137,9 @@ void loadUnits(benchmark::State& state) {
   std::size_t next = 0;
   for (auto _ : state) {
     const VoxelCoord& lo = s.units[next++ % s.units.size()];
-    const ValueRange range = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
-                                        : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
-    benchmark::DoNotOptimize(range);
+    const UnitRanges ranges = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
+                                         : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
+    benchmark::DoNotOptimize(ranges);
     benchmark::ClobberMemory();
   }
   report(state, state.iterations() * s.voxelsRead(), 6, 3);

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "frame/frame_levels.h"
+#include "frame/zone_frames.h"
 #include "splat/slab_sweep.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
@@ -63,7 +64,8 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   SweepMemory memory;
   SplatCounts counts;
   const Projector& projector = levels.projector(0);
-  for (const SlabZone& zone : slabZones({&volume, projector.nearDepth()}, request.view, 0)) {
+  const ZonedVolume zoned = zonedVolume(volume, levels, request.transfer_function, table);
+  for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
     const SampleLook look{request.shading,
                           Shader(request.shading, request.view, noise, projector),
                           GradientOpacity(request.transfer_function, unit, projector),

@@ -22,12 +22,12 @@ struct Unit {
       64) std::array<float, (kUnitVoxels + 2 * kUnitMargin) * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples> values;
   UnitInput in;
 
-  Unit(const SlabFrame& frame, const VoxelCoord& lo, const PixelRect& tile) {
+  Unit(const SlabFrame& frame, const UnitLattice& lattice, const VoxelCoord& lo, const PixelRect& tile) {
     values.fill(200);
     in.values = values.data();
     in.least = 0, in.most = 255;
     in.origin = glm::vec3(frame.projector().viewOf(lo));
-    in.axis = frame.lattice().axesAt(lo);
+    in.axis = lattice.axesAt(lo);
     for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
     in.tile = tile;
   }
@@ -39,7 +39,7 @@ struct Unit {
 };
 
 struct Refined {
-  std::vector<SlabSample> samples = std::vector<SlabSample>(kUnitSamples * kUnitSamples * kUnitSamples);
+  std::vector<SlabSample> samples = std::vector<SlabSample>(kMostRefined);
   std::vector<std::int32_t> slabs = std::vector<std::int32_t>(samples.size());
   std::vector<SampleDetails> details = std::vector<SampleDetails>(samples.size());
   std::size_t count = 0;
@@ -56,6 +56,7 @@ struct Refined {
 
 struct Seen {
   std::uint64_t samples = 0, left = 0, reach = 0;
+  int soft = 0;  // zones
 };
 
 // A unit about `lo` in each zone where it is seen, and a tile of those that it may touch.
@@ -69,9 +70,12 @@ void check(const Manifest& volume, const FrameRequest& request, const VoxelCoord
                         &levels.clipRegion(0),
                         0.0f,
                         Interpolation::kLinear};
-  for (const SlabZone& zone : slabZones({&volume, projector.nearDepth()}, request.view, 0)) {
+  const ZonedVolume zoned{&volume, projector.nearDepth(), INFINITY, SoftSamples::kAnyway};
+  for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
     const SlabFrame frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
-    const UnitLattice& l = frame.lattice();
+    const bool soft = frame.softLattice() != nullptr && random.chance(0.5);
+    seen.soft += soft ? 1 : 0;
+    const UnitLattice& l = soft ? *frame.softLattice() : frame.lattice();
     const VoxelCoord lo = {at.x & ~(l.voxels[0] - 1), at.y & ~(l.voxels[1] - 1), at.z & ~(l.voxels[2] - 1)};
     const SlabFrame::Bounds bounds = frame.boundsOf({lo, {lo.x + l.voxels[0], lo.y + l.voxels[1], lo.z + l.voxels[2]}});
     const ImageSize& size = request.view.size;
@@ -79,10 +83,10 @@ void check(const Manifest& volume, const FrameRequest& request, const VoxelCoord
     const PixelRect& from = touched_by.empty() ? all : touched_by;
     const int x = random.between(from.x0, from.x1 - 1) & ~63, y = random.between(from.y0, from.y1 - 1) & ~63;
     const PixelRect tile = intersection({x, y, x + 64, y + 64}, all);
-    Unit unit(frame, lo, tile);
+    Unit unit(frame, l, lo, tile);
     const Refined whole(l, unit.in);
     seen.samples += unit.samples();
-    if (!SampleWindow(l, tile).narrow(unit.in)) unit.in.end = unit.in.first;
+    if (!SampleWindow(l, frame.sampleReach(), tile).narrow(unit.in)) unit.in.end = unit.in.first;
     seen.left += unit.samples();
     seen.reach += whole.count;
     ASSERT_EQ(whole, Refined(l, unit.in));
@@ -125,6 +129,7 @@ TEST(SampleWindow, LeavesAllThatReachTheTile) {
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(seen.reach, 50000u);
+  EXPECT_GT(seen.soft, 50);
   EXPECT_LT(seen.left, seen.samples / 10);
 }
 

@@ -22,13 +22,13 @@ void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-ValueRange loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+UnitRanges loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
                           float* values) {
-  ValueRange out;
+  UnitRanges out;
   const auto& n = lattice.voxels;
   const int rim = lattice.interpolation == Interpolation::kLinear ? kUnitMargin - 1 : 0;
-  const auto inner = [&](int i, int axis) {
-    return i >= rim - kUnitMargin && i < n[static_cast<std::size_t>(axis)] + kUnitMargin - rim;
+  const auto inner = [&](int i, int first, int end) {
+    return i >= first + rim - kUnitMargin && i < end + kUnitMargin - rim;
   };
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const voxels = reinterpret_cast<const T*>(block.voxels.data());
@@ -39,7 +39,12 @@ ValueRange loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, d
           for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], block.extent.lo[a], block.extent.hi[a] - 1);
           const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
           values[x + kUnitMargin] = static_cast<float>(value - offset);
-          if (inner(x, 0) && inner(y, 1) && inner(z, 2)) out.include(value);
+          if (!inner(y, 0, n[1]) || !inner(z, 0, n[2])) continue;
+          if (inner(x, 0, n[0])) out.whole.include(value);
+          for (int half = 0; half < lattice.halves && lattice.halves > 1; ++half) {
+            const int first = half * n[0] / 2;
+            if (inner(x, first, first + n[0] / 2)) out.halves[static_cast<std::size_t>(half)].include(value);
+          }
         }
       }
     }

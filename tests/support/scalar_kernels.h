@@ -15,7 +15,7 @@ namespace kiln::test {
 void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f);
 
 /// loadUnit.
-ValueRange loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
+UnitRanges loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, double offset, const VoxelCoord& lo,
                           float* values);
 
 /// addSamples.

@@ -37,17 +37,24 @@ TEST(ScalarKernels, UnitsAreLoadedAlike) {
         UnitLattice lattice;
         lattice.interpolation = interpolation;
         lattice.voxels = {voxels, 4, 3};
+        lattice.halves = voxels == 8 ? 2 : 1;
         // In the middle, and where its margin is beyond what the brick has.
         for (const VoxelCoord& lo : {VoxelCoord{4, 5, 6}, VoxelCoord{-6, -6, -6}, VoxelCoord{16, 17, 18}}) {
           constexpr std::size_t kCount =
               std::size_t{kUnitVoxels + 2 * kUnitMargin} * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples;
           alignas(64) float truth[kCount], found[kCount];
-          const ValueRange range = loadUnitScalar(block, lattice, 7, lo, truth);
+          const UnitRanges ranges = loadUnitScalar(block, lattice, 7, lo, truth);
           onEveryInstructionSet([&](std::int64_t target) {
             std::fill_n(found, kCount, -1.0f);
-            const ValueRange other = loadUnit(block, lattice, 7, lo, found);
-            EXPECT_NEAR(other.lo, range.lo, rounding) << target;
-            EXPECT_NEAR(other.hi, range.hi, rounding) << target;
+            const UnitRanges others = loadUnit(block, lattice, 7, lo, found);
+            const auto expectAlike = [&](const ValueRange& other, const ValueRange& range) {
+              ASSERT_EQ(other.empty(), range.empty()) << target;
+              if (range.empty()) return;
+              EXPECT_NEAR(other.lo, range.lo, rounding) << target;
+              EXPECT_NEAR(other.hi, range.hi, rounding) << target;
+            };
+            expectAlike(others.whole, ranges.whole);
+            for (std::size_t half = 0; half < 2; ++half) expectAlike(others.halves[half], ranges.halves[half]);
             for (int row = 0; row < (4 + 2 * kUnitMargin) * (3 + 2 * kUnitMargin); ++row) {
               EXPECT_TRUE(std::equal(truth + row * kUnitSamples, truth + row * kUnitSamples + voxels + 2 * kUnitMargin,
                                      found + row * kUnitSamples))

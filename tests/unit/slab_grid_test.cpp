@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "grid/pyramid.h"
+#include "splat/sheet.h"
 
 namespace kiln::test {
 namespace {
@@ -73,6 +74,44 @@ TEST(SlabGrid, SamplesAreBetweenSevenSixteenthsOfAPixelAndAPixelApart) {
       }
     }
   }
+}
+
+// Soft blocks' samples tile the others': a block has a whole number of either.
+TEST(SlabGrid, SoftBlocksHaveFewerSamples) {
+  int judged = 0, free = 0;
+  for (const glm::dvec3& voxel : {glm::dvec3(1), glm::dvec3(0.7, 0.7, 0.9), glm::dvec3(0.5, 0.5, 2)}) {
+    const Manifest volume = pyramid(voxel);
+    for (double px = 0.3; px < 8; px *= 1.03) {
+      SCOPED_TRACE(testing::Message() << px << " pixels a voxel of " << voxel.z);
+      const View view = viewAt(volume, Projection::kOrthographic, px);
+      const auto zone = [&](SoftSamples soft) { return slabZones({&volume, 1e-3, INFINITY, soft}, view, {}).front(); };
+      const SlabZone never = zone(SoftSamples::kNever), anyway = zone(SoftSamples::kAnyway);
+      EXPECT_FALSE(never.judgesBlocks());
+      const SlabZone where_free = zone(SoftSamples::kWhereFree);
+      EXPECT_EQ(where_free.refinement, never.refinement);
+      free += where_free.judgesBlocks() ? 1 : 0;
+      if (!anyway.judgesBlocks()) continue;
+      ++judged;
+      double part = 1;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const Refinement &own = anyway.refinement[a], &soft = anyway.soft_refinement[a];
+        const int block = softBlock(own);
+        EXPECT_EQ(own.samples * block % kRefinedVoxels, 0);
+        EXPECT_EQ(soft.samples * block % kRefinedVoxels, 0);
+        EXPECT_LE(block, kMostSoftBlock);
+        EXPECT_TRUE(unitHasRoom(own, block));
+        EXPECT_GE(own.samples, never.refinement[a].samples);
+        EXPECT_LE(own.samples, 1.25 * never.refinement[a].samples);
+        EXPECT_LE(view.focal_px * voxel[static_cast<int>(a)] / soft.ofVoxel(), 1 + 1e-9);
+        part *= soft.ofVoxel() / never.refinement[a].ofVoxel();
+      }
+      EXPECT_LE(part, 0.6);
+      EXPECT_EQ(FootprintTable(anyway.sigma_px, anyway.soft_sigma_px).taps(), FootprintTable(anyway.sigma_px).taps());
+    }
+  }
+  EXPECT_GT(judged, 100);
+  EXPECT_GT(free, 30);
+  EXPECT_LT(free, judged);
 }
 
 // Between samples of what is not steep is nearly their mean: fewer do, down to one and three eighths a voxel.
