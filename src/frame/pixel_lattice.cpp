@@ -6,16 +6,16 @@
 
 namespace kiln {
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
-                           std::optional<int> level, Interpolation interpolation,
-                           const TransferFunction& transfer_function, const Shading& shading, float gradient_noise,
-                           int sweep_px)
+                           const Sampling& sampling, const TransferFunction& transfer_function, const Shading& shading,
+                           float gradient_noise, int sweep_px)
     : brick_size_(volume.brick_size),
       sweep_px_(sweep_px),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range),
-      zones_(levels, slabZones(zonedVolume(volume, levels, transfer_function, table_), view, level)) {
+      zones_(levels,
+             slabZones(zonedVolume(volume, levels, transfer_function, table_, sampling), view, sampling.level)) {
   const VolumeLook look{
-      transfer_function, shading,      view, transfer_function.unitIn(volume.geometry().meanSpacing()),
-      gradient_noise,    interpolation};
+      transfer_function,     shading, view, transfer_function.unitIn(volume.geometry().meanSpacing()), gradient_noise,
+      sampling.interpolation};
   for (const SlabZone& zone : zones_.zones()) frames_.push_back(zoneFrame(zone, levels, table_, look));
 }
 

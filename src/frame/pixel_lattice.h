@@ -14,9 +14,8 @@ namespace kiln {
 class PixelLattice {
  public:
   /// Sweeps squares of `sweep_px` pixels. requires: `levels` and `transfer_function` outlive this.
-  PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view, std::optional<int> level,
-               Interpolation interpolation, const TransferFunction& transfer_function, const Shading& shading,
-               float gradient_noise, int sweep_px);
+  PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view, const Sampling& sampling,
+               const TransferFunction& transfer_function, const Shading& shading, float gradient_noise, int sweep_px);
   PixelLattice(const PixelLattice&) = delete;
   PixelLattice& operator=(const PixelLattice&) = delete;
 

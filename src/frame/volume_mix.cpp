@@ -25,7 +25,7 @@ PixelRect aroundBoth(const PixelRect& a, const PixelRect& b) {
 VolumeMix::Volume::Volume(MixedVolume the_mixed, const MixView& view)
     : mixed(std::move(the_mixed)),
       unit(unitOf(mixed)),
-      levels(mixed.store->manifest(), view.level, view.view, view.area, mixed.clipping),
+      levels(mixed.store->manifest(), view.sampling.level, view.view, view.area, mixed.clipping),
       table(mixed.transfer_function, unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
 
 VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : view_(view) {
@@ -33,10 +33,10 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
     const Volume& volume = *volumes_.back();
-    zoned.push_back(
-        zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function, volume.table));
+    zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function,
+                                volume.table, view_.sampling));
   }
-  for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.level))
+  for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.sampling.level))
     zones_.push_back({std::move(slabs), {}, {}});
   for (Zone& zone : zones_) {
     SlabSharing sharing{false, 0};
@@ -52,7 +52,7 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
                             view_.view,
                             volume.unit,
                             gradientNoiseOf(volume.mixed.store->manifest()),
-                            view_.interpolation};
+                            view_.sampling.interpolation};
       const bool reaches = zone.slabs[v].slabs > 0;
       zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look, sharing) : nullptr);
     }

@@ -26,8 +26,7 @@ struct MixedVolume {
 struct MixView {
   View view;
   ProjectedArea area = ProjectedArea::kBox;
-  std::optional<int> level;  // of all volumes
-  Interpolation interpolation = Interpolation::kLinear;
+  Sampling sampling;  // of all volumes
   int sweep_px = 64;
 };
 

@@ -15,13 +15,13 @@ VoxelBox samplesOf(VoxelBox sub_brick, const VoxelBox& core, const VoxelBox& rea
 }  // namespace
 
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function,
-                        const SampleTable& table) {
+                        const SampleTable& table, const Sampling& sampling) {
   const double spacing = volume.geometry().meanSpacing();
   SoftSamples soft = table.thinAnywhere(spacing) ? SoftSamples::kAnyway : SoftSamples::kWhereFree;
   // Labels have edges, and gradients may take all of an opacity away.
   if (table.ofLabels() || !transfer_function.gradient_opacity.empty()) soft = SoftSamples::kNever;
   return {&volume, levels.projector(levels.finest()).nearDepth(), steepnessOf(transfer_function, spacing, volume.range),
-          soft};
+          soft, sampling.distance};
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "frame/brick_walk.h"
-#include "scene/interpolation.h"
+#include "scene/sampling.h"
 #include "scene/transfer_function.h"
 #include "splat/slab_sweep.h"
 
@@ -24,7 +24,7 @@ struct VolumeLook {
 
 /// The volume as its lattice is decided. requires: the manifest outlives the result.
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function,
-                        const SampleTable& table);
+                        const SampleTable& table, const Sampling& sampling);
 
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

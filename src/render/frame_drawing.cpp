@@ -90,14 +90,14 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
   const StoreReader& store = *stores.front();
   if (!request.volumes.empty()) {
     mix.emplace(mixedVolumes(stores, request),
-                MixView{request.view, request.visibility.area, request.level, request.interpolation, request.sweep_px});
+                MixView{request.view, request.visibility.area, request.sampling(), request.sweep_px});
   } else if (request.mode != Mode::kComposite) {
     projection.emplace(store, levels, request.view, request.level, request.mode,
                        request.visibility.method != VisibilityMethod::kNone);
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
   } else if (request.lattice == Lattice::kPixel) {
-    pixel.emplace(store.manifest(), levels, request.view, request.level, request.interpolation,
-                  request.transfer_function, request.shading, gradientNoiseOf(store.manifest()), request.sweep_px);
+    pixel.emplace(store.manifest(), levels, request.view, request.sampling(), request.transfer_function,
+                  request.shading, gradientNoiseOf(store.manifest()), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));

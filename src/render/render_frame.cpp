@@ -29,6 +29,7 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   for (const StoreReader* const store : stores) requireLevel(*store, request.level);
   requireInterpolation(request.lattice, request.interpolation);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
+  requireSampleDistance(request.lattice, request.mode, request.sample_distance);
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "

@@ -43,6 +43,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.mode = picture.mode;
   request.lattice = picture.lattice;
   request.interpolation = picture.interpolation;
+  request.sample_distance = picture.sample_distance;
   request.crop = picture.crop;
   request.samples = picture.samples;
   request.aovs = picture.aovs;

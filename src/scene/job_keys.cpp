@@ -41,6 +41,8 @@ constexpr JobKey kRootKeys[] = {
     {"mode", R"({"enum": "mode"})"},
     {"lattice", R"({"enum": "lattice"})"},
     {"interpolation", R"({"enum": "interpolation"})"},
+    {"sampleDistance",
+     R"({"type": "number", "minimum": 0.25, "maximum": 1, "description": "voxels between samples; more is faster"})"},
     {"level",
      R"({"description": "0 is finest", "anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 0, "maximum": 64}]})"},
     {"samples", R"({"enum": [1, 4, 16], "description": "sub-pixels whose mean a pixel is"})"},

@@ -90,10 +90,14 @@ void readVisibility(const JobObject& object, RenderJob& job) {
                                       .value_or(job.picture.opacity_threshold);
 }
 
+bool legalSampleDistance(double voxels) { return voxels >= kLeastSampleDistance && voxels <= kMostSampleDistance; }
+
 void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
   if (const auto lattice = root.choice("lattice", kLatticeNames)) picture.lattice = static_cast<Lattice>(*lattice);
   if (const auto place = root.choice("interpolation", kInterpolationNames))
     picture.interpolation = static_cast<Interpolation>(*place);
+  picture.sample_distance = root.number("sampleDistance", "a number of voxels from 0.25 to 1", legalSampleDistance)
+                                .value_or(picture.sample_distance);
   static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
   if (root.isText("level"))
     root.choice("level", kLevels);
@@ -177,6 +181,18 @@ void requireInterpolation(Lattice lattice, Interpolation interpolation) {
   throw Error(ErrorCode::kUsage, fmt::format("--interpolation {}: --lattice voxel draws the voxels as they are; choose "
                                              "--lattice pixel, or leave --interpolation out",
                                              nameIn(kInterpolationNames, interpolation)));
+}
+
+void requireSampleDistance(Lattice lattice, Mode mode, double voxels) {
+  if (!legalSampleDistance(voxels))
+    throw Error(ErrorCode::kUsage, fmt::format("--sample-distance: expected a number of voxels from {} to {}, found {}",
+                                               kLeastSampleDistance, kMostSampleDistance, voxels));
+  if (voxels == kSampleDistance) return;
+  const auto refuse = [](std::string_view why) {
+    throw Error(ErrorCode::kUsage, fmt::format("--sample-distance: {}; leave it out", why));
+  };
+  if (lattice == Lattice::kVoxel) refuse("--lattice voxel draws the voxels as they are");
+  if (mode != Mode::kComposite) refuse(fmt::format("--mode {} takes values along rays", nameIn(kModeNames, mode)));
 }
 
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs) {

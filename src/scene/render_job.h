@@ -16,7 +16,7 @@
 #include "scene/camera_spec.h"
 #include "scene/clip_region.h"
 #include "scene/framing.h"
-#include "scene/interpolation.h"
+#include "scene/sampling.h"
 #include "scene/shading.h"
 #include "scene/stereo.h"
 #include "scene/transfer_function_choice.h"
@@ -99,6 +99,7 @@ struct PictureOptions {
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
   Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; the voxel lattice has none
+  double sample_distance = kSampleDistance;              // of the pixel lattice, Sampling's. unit: voxels
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
@@ -108,6 +109,9 @@ int subPixelsAlongEdge(int samples);
 
 /// throws: Error kUsage where the lattice does not interpolate and another than the default is asked for.
 void requireInterpolation(Lattice lattice, Interpolation interpolation);
+
+/// throws: Error kUsage where it is none, or another than the default for what is not drawn by the pixel lattice.
+void requireSampleDistance(Lattice lattice, Mode mode, double voxels);
 
 /// throws: Error kUsage where the mode has no use for one of them.
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);

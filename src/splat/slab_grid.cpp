@@ -18,12 +18,18 @@ constexpr double kMagnified = 4;
 // large a part of a voxel apart, up to a pixel (ARCHITECTURE.md has the figures). With whole voxels a head's brightness
 // is off by more than 1 %.
 constexpr double kSoft = 1, kSoftSpacing = 8.0 / 11;
-// How far samples are apart of voxels that are so large: half a voxel, as what lies between voxels has detail of that
-// size (ARCHITECTURE.md has the figures). unit: pixels.
-double spacingFor(double edge_px, double steepness) {
-  if (steepness <= kSoft) return std::clamp(edge_px * kSoftSpacing, kLeastSpacing, kMagnifiedSpacing);
-  const double most = kMostSpacing * std::max(edge_px / kMagnified, 1.0);
-  return std::clamp(edge_px / 2, kLeastSpacing, std::min(most, kMagnifiedSpacing));
+// Samples that are farther apart than by default may be as much farther apart in the picture. unit: pixels a voxel.
+constexpr double kSpacingPerDistance = 0.6;
+
+double softSpacing(double edge_px) { return std::clamp(edge_px * kSoftSpacing, kLeastSpacing, kMagnifiedSpacing); }
+
+// How far samples are apart of voxels that are so large: by default half a voxel, as what lies between voxels has
+// detail of that size (ARCHITECTURE.md has the figures). `distance`: Sampling's. unit: pixels.
+double spacingFor(double edge_px, double steepness, double distance) {
+  const double most =
+      (kMostSpacing + kSpacingPerDistance * (distance - kSampleDistance)) * std::max(edge_px / kMagnified, 1.0);
+  const double own = std::clamp(edge_px * distance, kLeastSpacing, std::min(most, kMagnifiedSpacing));
+  return steepness <= kSoft ? std::max(own, softSpacing(edge_px)) : own;
 }
 // A coarser level than the volume's is drawn if its voxels are no larger. Zones of depth are an eighth of an octave: in
 // perspective, a view whose middle has half a pixel a voxel is of one level then, and not its far half of a coarser
@@ -93,7 +99,7 @@ void setSoft(SoftSamples when, const glm::dvec3& edges_px, SlabZone& zone) {
   zone.soft_refinement = zone.refinement;
   zone.soft_sigma_px = zone.sigma_px;
   if (when == SoftSamples::kNever || !zone.refined()) return;
-  const double wanted = spacingFor(std::min({edges_px.x, edges_px.y, edges_px.z}), 0);
+  const double wanted = softSpacing(std::min({edges_px.x, edges_px.y, edges_px.z}));
   std::array<Refinement, 3> own, soft;
   double widest = 0, part = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,7 +132,8 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
   const glm::dvec3 spacing = drawn.spacing();
   // A voxel of a coarser level is as much thicker.
   const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
-  const double wanted = spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale, steepness);
+  const double wanted =
+      spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale, steepness, zoned.sample_distance);
   double widest = 0, least_refined = kLargestRefinement;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = spacing[axis] * scale;

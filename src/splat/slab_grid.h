@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "scene/camera.h"
+#include "scene/sampling.h"
 #include "splat/unit_axis.h"
 #include "store/manifest.h"
 
@@ -57,6 +58,7 @@ struct ZonedVolume {
   double near_depth = 0;                                       // what is nearer is not drawn
   double steepness = std::numeric_limits<double>::infinity();  // steepnessOf, of level 0
   SoftSamples soft = SoftSamples::kNever;
+  double sample_distance = kSampleDistance;  // Sampling's
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

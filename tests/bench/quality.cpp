@@ -37,7 +37,7 @@ struct Options {
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
   int size = 256, samples = 1;
   std::string lattice = "pixel", interpolation = "linear", reference_interpolation;
-  double opacity_threshold = 0.9999;
+  double opacity_threshold = 0.9999, sample_distance = kSampleDistance;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
 };
@@ -60,6 +60,7 @@ Options parsed(int argc, char** argv) {
       ->check(CLI::IsMember(names));
   app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
+  app.add_option("--sample-distance", o.sample_distance, "between samples, in voxels")->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
   app.add_flag("--no-reference-cache", o.no_reference_cache, "make every reference anew and keep none");
   try {
@@ -116,6 +117,7 @@ class Studio {
     request.transfer_function = transferFunctionOf(subject_, material);
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
+    request.sample_distance = options_.sample_distance;
     request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
     request.interpolation = interpolationNamed(options_.interpolation);
     request.samples = options_.samples;

@@ -64,7 +64,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   SweepMemory memory;
   SplatCounts counts;
   const Projector& projector = levels.projector(0);
-  const ZonedVolume zoned = zonedVolume(volume, levels, request.transfer_function, table);
+  const ZonedVolume zoned = zonedVolume(volume, levels, request.transfer_function, table, request.sampling());
   for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
     const SampleLook look{request.shading,
                           Shader(request.shading, request.view, noise, projector),

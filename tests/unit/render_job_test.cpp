@@ -204,6 +204,9 @@ const WrongJob kWrongJobs[] = {
     {R"("visibility": {"threshold": 0})", ErrorCode::kUsage, "visibility.threshold"},
     {R"("lattice": "hex")", ErrorCode::kUsage, "lattice"},
     {R"("interpolation": "nearest")", ErrorCode::kUsage, "interpolation"},
+    {R"("sampleDistance": 0.2)", ErrorCode::kUsage, "sampleDistance"},
+    {R"("sampleDistance": 1.5)", ErrorCode::kUsage, "sampleDistance"},
+    {R"("sampleDistance": "far")", ErrorCode::kUsage, "sampleDistance"},
     {R"("level": 1.5)", ErrorCode::kUsage, "level"},
     {R"("level": "best")", ErrorCode::kUsage, "level"},
     {R"("level": -1)", ErrorCode::kUsage, "level"},
@@ -267,6 +270,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.interpolation, b.picture.interpolation);
+  EXPECT_EQ(a.picture.sample_distance, b.picture.sample_distance);
   EXPECT_EQ(a.picture.level, b.picture.level);
   EXPECT_EQ(a.picture.crop, b.picture.crop);
   EXPECT_EQ(a.picture.samples, b.picture.samples);
@@ -389,6 +393,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     if (projection == Projection::kOrthographic) job.picture.level = 2;
     job.picture.lattice = projection == Projection::kOrthographic ? Lattice::kPixel : Lattice::kVoxel;
     if (job.picture.lattice == Lattice::kPixel) job.picture.interpolation = Interpolation::kCatmullRom;
+    if (job.picture.lattice == Lattice::kPixel) job.picture.sample_distance = 2 / 3.0;
     if (projection == Projection::kOrthographic) job.picture.mode = Mode::kAverage;
     job.picture.stereo = Stereo{StereoEye::kLeft, 1 / 3.0, {}};
     job.picture.aovs = {true, projection == Projection::kOrthographic};

@@ -130,6 +130,31 @@ TEST(SlabGrid, SamplesOfSoftFunctionsAreFewer) {
   }
 }
 
+// As far apart as is asked for, but half a pixel and no more than a pixel, by default three quarters.
+TEST(SlabGrid, SamplesAreAsFarApartAsIsAskedFor) {
+  const Manifest volume = pyramid(glm::dvec3(1));
+  const auto apart = [&](double px, double distance) {
+    const View view = viewAt(volume, Projection::kOrthographic, px);
+    return Apart(slabZones({&volume, 1e-3, INFINITY, SoftSamples::kNever, distance}, view, {}).front(), volume, view);
+  };
+  for (const double px : {0.9, 1.27, 1.9, 2.6, 3.7, 6.0}) {
+    double before = 0;
+    for (const double distance : {0.25, 0.4, 0.5, 0.6, 2.0 / 3, 0.8, 1.0}) {
+      const Apart found = apart(px, distance);
+      EXPECT_GE(found.least, 0.4375 - 1e-9);
+      EXPECT_LE(found.most, 1 + 1e-9);
+      EXPECT_GE(found.most, before) << px << " pixels, " << distance;
+      if (px * distance < 0.58) {
+        EXPECT_NEAR(found.most, std::max(0.5, px * distance), 0.07);
+      }
+      before = found.most;
+    }
+    EXPECT_LE(apart(px, 0.5).most, std::max(0.75, px * 0.1875) + 1e-9);
+  }
+  EXPECT_NEAR(apart(1, 1).most, 1, 1e-9);
+  EXPECT_NEAR(apart(2, 0.25).most, 0.5, 0.05);
+}
+
 // Half a pixel a voxel in the middle, and less behind it: one level all the same.
 TEST(SlabGrid, HalfAPixelAVoxelIsOfOneLevel) {
   const Manifest volume = pyramid(glm::dvec3(1));

@@ -26,7 +26,7 @@ struct RenderArguments {
   std::string input, output, stats, trace, progress = "auto";
   std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
       interpolation, level, memory, exr_type, compression, owner, comments, part, stereo, window;
-  std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold;
+  std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold, sample_distance;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, samples, deep_samples;
   std::vector<std::string> aovs, added, added_tfs;
@@ -126,6 +126,8 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   requireInterpolation(picture.lattice, picture.interpolation);
   if (a.mode) picture.mode = named<Mode>(kModeNames, *a.mode, "--mode");
   requireMode(picture.mode, picture.lattice, picture.interpolation, picture.aovs);
+  if (a.sample_distance) picture.sample_distance = *a.sample_distance;
+  requireSampleDistance(picture.lattice, picture.mode, picture.sample_distance);
   if (a.part) applyPart(*a.part, picture);
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) picture.level = levelNamed(*a.level);
@@ -478,6 +480,11 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--interpolation", a->interpolation,
                       "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
                       "(smooth, keeps the voxels' values)");
+  command
+      ->add_option("--sample-distance", a->sample_distance,
+                   "between samples, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, and in any "
+                   "case half a pixel to a pixel")
+      ->type_name("VOXELS");
   command->add_option("--level", a->level,
                       "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
   command
