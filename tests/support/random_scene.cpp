@@ -164,6 +164,7 @@ RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const Ima
   scene.clipping = randomClipping(random, volume.geometry);
   if (random.chance(0.5)) scene.shading.lights = randomLights(random, volume.geometry);
   scene.interpolation = static_cast<Interpolation>(random.between(0, 2));
+  if (random.chance(0.5)) scene.sample_distance = random.uniform(kLeastSampleDistance, kMostSampleDistance);
   return scene;
 }
 
@@ -183,7 +184,10 @@ CameraSpec specOf(const Camera& camera) {
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold) {
   FrameRequest request;
   request.lattice = lattice;
-  if (lattice == Lattice::kPixel) request.interpolation = scene.interpolation;
+  if (lattice == Lattice::kPixel) {
+    request.interpolation = scene.interpolation;
+    request.sample_distance = scene.sample_distance;
+  }
   request.view = scene.view;
   request.transfer_function = scene.transfer_function;
   request.shading = scene.shading;

@@ -51,6 +51,7 @@ struct RandomScene {
   Background background;
   Clipping clipping;
   Interpolation interpolation = Interpolation::kLinear;
+  double sample_distance = kSampleDistance;
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
 
