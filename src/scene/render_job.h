@@ -165,7 +165,7 @@ bool isVideo(const std::filesystem::path& path);
 void putOutput(const std::filesystem::path& path, OutputOptions& output);
 
 /// One of several volumes in one picture, each where its affine has it. What they have in common is the picture's:
-/// lights, planes that cut all, level, interpolation.
+/// lights, planes that cut all, level, interpolation, distance of samples.
 struct VolumeOptions {
   std::filesystem::path volume;
   TransferFunctionChoice transfer_function = std::string("auto");

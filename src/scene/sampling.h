@@ -13,8 +13,9 @@ inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMos
 struct Sampling {
   std::optional<int> level;  // else for each region the one whose voxels are pixel-sized
   Interpolation interpolation = Interpolation::kLinear;
-  /// Nearer or farther is faithful or fast. Samples are between half a pixel and a pixel apart in any case, by default
-  /// up to three quarters, so that it counts where a voxel is larger than that. unit: voxels.
+  /// Nearer or farther is faithful or fast. Of a level that fits the view samples are about half a pixel apart at the
+  /// least and a pixel at the most, by default three quarters, so that it counts where voxels are larger than half a
+  /// pixel. unit: voxels.
   double distance = kSampleDistance;
 };
 

@@ -29,7 +29,7 @@ struct UnitLattice {
   bool labels = false;      // of a label volume: the unit says what its samples are
   int label_smoothing = 0;  // of it, how far smoothing reaches. unit: voxels
   std::array<int, 3> voxels{1, 1, 1};
-  int halves = 1;                             // of a unit along x, 1 or 2, which are judged apart
+  int blocks = 1;                             // of a unit along x, 1 or 2, which are judged apart (softBlock)
   std::array<std::vector<UnitAxis>, 3> axes;  // of units that begin so many units after a multiple of kRefinedVoxels
   // Projection: p = origin + offsets · steps; x, y = centre + focal p.xy (/ p.z in perspective). unit: world
   bool perspective = false;

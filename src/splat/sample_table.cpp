@@ -109,10 +109,11 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
 bool SampleTable::thinAnywhere(double length) const {
   if (of_labels_) return false;
   const auto last = static_cast<std::size_t>(last_), width = last / kNeighbours;
-  for (std::size_t i = 0; i + width <= last; ++i) {
+  for (std::size_t i = 0; width > 0 && i + width <= last; ++i) {
+    // Not the foot of what is steep, beside which there is nothing.
+    if (!(extinctions_[i] > 0 && extinctions_[i + width] > 0)) continue;
     const double change = (changes_[i + width] - changes_[i]) * length;
-    const double depth = static_cast<double>(extinctions_[i]) * length;
-    if (depth > 0 && depth + change <= kThin) return true;
+    if (static_cast<double>(extinctions_[i]) * length + change <= kThin) return true;
   }
   return false;
 }

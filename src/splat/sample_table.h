@@ -57,7 +57,7 @@ class SampleTable {
   /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
   bool interesting(const ValueRange& range) const;
   /// Whether voxels of this length that hold values of `range` are soft: they look nearly the same all over, so that
-  /// fewer samples show as much. `beside_nothing`: they may be cut off, and what they show may end within them.
+  /// fewer samples show as much. `beside_nothing`: what they show may end within them.
   /// requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
   /// Whether some values are thin, and look nearly the same as those about them: light goes through many such voxels.

@@ -21,7 +21,7 @@ class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
   /// Where rows of the second table begin.
-  static constexpr int kSoft = kPhases;
+  static constexpr int kSoftRows = kPhases;
 
   /// Of at least `least_taps`: tables of equal taps have equal windows. A second table follows the first, of the
   /// samples of soft voxels, whose Gaussian is no narrower. unit: pixels.

@@ -69,7 +69,7 @@ UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& r
     for (int first = 0; first < kRefinedVoxels; first += out.voxels[a])
       out.axes[a].emplace_back(refinement_of[a], first, out.voxels[a], of_axes);
   }
-  if (zone.judgesBlocks()) out.halves = out.voxels[0] / softBlock(zone.refinement[0]);
+  if (zone.judgesBlocks()) out.blocks = out.voxels[0] / softBlock(zone.refinement[0]);
   out.perspective = projector.perspective();
   out.focal = static_cast<float>(projector.focal());
   out.centre_x = static_cast<float>(projector.centre().x);
@@ -153,7 +153,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       longest_sample_(longestSample(zone, projector)) {
   if (zone.judgesBlocks()) {
     soft_lattice_ = unitLattice(zone, zone.soft_refinement, projector, footprint_, table, look, detailed_);
-    soft_lattice_->first_phase = FootprintTable::kSoft;
+    soft_lattice_->first_phase = FootprintTable::kSoftRows;
     soft_lattice_->three_slabs = soft_lattice_->spread.reach > 0.5f;
   }
   ghosts_ = sharing.owned ? ghostsOf(zone, projector, footprint_, sampleReach()) : 0;
@@ -167,10 +167,11 @@ double SlabFrame::sampleReach() const {
   return soft_lattice_ ? std::max(reach, static_cast<double>(soft_lattice_->spread.reach)) : reach;
 }
 
-bool SlabFrame::soft(const VoxelBox& box, const ValueRange& range) const {
-  bool cut = !look_.clip->showsAll();
-  for (int a = 0; a < 3; ++a) cut = cut || box.lo[a] <= 0 || box.hi[a] >= dims_[a];
-  return table_.soft(range, voxel_length_, cut);
+bool SlabFrame::soft(const VoxelBox& block, const SampledRange& range) const {
+  if (!table_.soft(range.values, voxel_length_, false)) return false;
+  bool ends = range.gaps || look_.clip->classify(block) != ClipRegion::Overlap::kInside;
+  for (int a = 0; a < 3; ++a) ends = ends || block.lo[a] <= 0 || block.hi[a] >= dims_[a];
+  return !ends || table_.soft(range.values, voxel_length_, true);
 }
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {

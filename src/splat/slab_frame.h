@@ -13,6 +13,7 @@
 #include "splat/sheet.h"
 #include "splat/slab_grid.h"
 #include "splat/splat_cell.h"
+#include "splat/unit_load.h"
 #include "store/brick_block.h"
 
 namespace kiln {
@@ -53,9 +54,9 @@ class SlabFrame {
   const SampleTable& table() const { return table_; }
   /// Whether samples that interpolate values of `range`, or stand for some of them, may show anything.
   bool interesting(const ValueRange& range) const { return table_.interesting(range); }
-  /// Whether the voxels of a block (softBlock) that lies in `box` and interpolates `range` have the samples of
-  /// `softLattice`. requires: a soft lattice.
-  bool soft(const VoxelBox& box, const ValueRange& range) const;
+  /// Whether a block of voxels (softBlock) has the samples of `softLattice`, which then interpolate `range`. requires:
+  /// a soft lattice.
+  bool soft(const VoxelBox& block, const SampledRange& range) const;
   const SampleLook& look() const { return look_; }
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }

@@ -21,7 +21,12 @@ constexpr double kSoft = 1, kSoftSpacing = 8.0 / 11;
 // Samples that are farther apart than by default may be as much farther apart in the picture. unit: pixels a voxel.
 constexpr double kSpacingPerDistance = 0.6;
 
-double softSpacing(double edge_px) { return std::clamp(edge_px * kSoftSpacing, kLeastSpacing, kMagnifiedSpacing); }
+// Nearer where nearer samples are asked for: half as far apart is a pixel at the most no more, but half of one.
+double softSpacing(double edge_px, double distance) {
+  const double nearer = std::min(distance / kSampleDistance, 1.0);
+  return std::clamp(edge_px * kSoftSpacing * nearer, kLeastSpacing, kMagnifiedSpacing * nearer);
+}
+static_assert(kMagnifiedSpacing * kLeastSampleDistance / kSampleDistance >= kLeastSpacing);
 
 // How far samples are apart of voxels that are so large: by default half a voxel, as what lies between voxels has
 // detail of that size (ARCHITECTURE.md has the figures). `distance`: Sampling's. unit: pixels.
@@ -29,7 +34,7 @@ double spacingFor(double edge_px, double steepness, double distance) {
   const double most =
       (kMostSpacing + kSpacingPerDistance * (distance - kSampleDistance)) * std::max(edge_px / kMagnified, 1.0);
   const double own = std::clamp(edge_px * distance, kLeastSpacing, std::min(most, kMagnifiedSpacing));
-  return steepness <= kSoft ? std::max(own, softSpacing(edge_px)) : own;
+  return steepness <= kSoft ? std::max(own, softSpacing(edge_px, distance)) : own;
 }
 // A coarser level than the volume's is drawn if its voxels are no larger. Zones of depth are an eighth of an octave: in
 // perspective, a view whose middle has half a pixel a voxel is of one level then, and not its far half of a coarser
@@ -95,11 +100,11 @@ Refinement wholeInBlocks(Refinement refinement, int block) {
 }
 
 // Samples of soft voxels, where they are fewer by enough.
-void setSoft(SoftSamples when, const glm::dvec3& edges_px, SlabZone& zone) {
+void setSoft(const ZonedVolume& zoned, const glm::dvec3& edges_px, SlabZone& zone) {
   zone.soft_refinement = zone.refinement;
   zone.soft_sigma_px = zone.sigma_px;
-  if (when == SoftSamples::kNever || !zone.refined()) return;
-  const double wanted = softSpacing(std::min({edges_px.x, edges_px.y, edges_px.z}));
+  if (zoned.soft == SoftSamples::kNever || !zone.refined()) return;
+  const double wanted = softSpacing(std::min({edges_px.x, edges_px.y, edges_px.z}), zoned.sample_distance);
   std::array<Refinement, 3> own, soft;
   double widest = 0, part = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -111,7 +116,7 @@ void setSoft(SoftSamples when, const glm::dvec3& edges_px, SlabZone& zone) {
     widest = std::max(widest, edges_px[axis] / soft[a].ofVoxel());
     part *= soft[a].ofVoxel() / zone.refinement[a].ofVoxel();
   }
-  if (part > kWorthIt || (when == SoftSamples::kWhereFree && own != zone.refinement)) return;
+  if (part > kWorthIt || (zoned.soft == SoftSamples::kWhereFree && own != zone.refinement)) return;
   zone.refinement = own;
   zone.soft_refinement = soft;
   zone.soft_sigma_px = std::max(zone.sigma_px, std::min(kSigma * widest, kSoftSigma));
@@ -143,7 +148,7 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
     least_refined = std::min(least_refined, refinement.ofVoxel());
   }
   out.sigma_px = std::max(kSigma * widest, kLeastSigma);
-  setSoft(zoned.soft, spacing * scale, out);
+  setSoft(zoned, spacing * scale, out);
   const double beside = least_refined - 1;
   out.erosion = std::min(kErosion * static_cast<float>(beside * beside * beside), kMostErosion);
   out.thickness = std::max(kThinnest, widest) / scale;

@@ -1,8 +1,9 @@
 // The slabs of a frame (DESIGN §6): image-parallel layers half a pixel to one pixel thick, the same for all bricks and
 // tiles. Their thickness, the pyramid's level and its refinement follow depth by zones. An orthographic view has one
 // zone; in perspective a zone is an eighth of an octave of depth, so that the zone of a depth is read off its bits, and
-// within a zone all is uniform. Level and refinement are thus decided by depth alone: where two of them meet, they meet
-// in a plane between two slabs, whatever the bricks, tiles or crop.
+// within a zone all is uniform. Level and refinements are thus decided by depth alone: where two of them meet, they
+// meet in a plane between two slabs, whatever the bricks, tiles or crop. Of a zone's two refinements, each block of
+// voxels has one by its values.
 #pragma once
 
 #include <array>

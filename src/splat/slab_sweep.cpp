@@ -197,21 +197,21 @@ class Sweep {
     const SlabFrame& f = *frames_[unit.volume];
     const UnitLattice& l = f.lattice();
     const UnitRanges ranges = loadUnit(*unit.block, l, f.table().offset(), unit.lo, m_.values);
-    if (!f.interesting(ranges.whole)) return;
+    if (!f.interesting(ranges.whole.values)) return;
     const int edge = l.voxels[0];
-    if (f.softLattice() == nullptr) return refine(unit, l, ranges.whole, 0, edge);
-    const auto latticeOf = [&](int first_x, int end_x, const ValueRange& range) {
+    if (f.softLattice() == nullptr) return refine(unit, l, ranges.whole.values, 0, edge);
+    const auto latticeOf = [&](int first_x, int end_x, const SampledRange& range) {
       const VoxelCoord& lo = unit.lo;
       const VoxelBox block{{lo.x + first_x, lo.y, lo.z}, {lo.x + end_x, lo.y + l.voxels[1], lo.z + l.voxels[2]}};
       return f.soft(block, range) ? f.softLattice() : &l;
     };
-    if (l.halves == 1) return refine(unit, *latticeOf(0, edge, ranges.whole), ranges.whole, 0, edge);
-    const int half = edge / 2;
-    const ValueRange &first = ranges.halves[0], &second = ranges.halves[1];
-    const UnitLattice &of_first = *latticeOf(0, half, first), &of_second = *latticeOf(half, edge, second);
-    if (&of_first == &of_second) return refine(unit, of_first, ranges.whole, 0, edge);
-    if (f.interesting(first)) refine(unit, of_first, first, 0, half);
-    if (f.interesting(second)) refine(unit, of_second, second, half, edge);
+    if (l.blocks == 1) return refine(unit, *latticeOf(0, edge, ranges.whole), ranges.whole.values, 0, edge);
+    const int middle = edge / 2;
+    const SampledRange &first = ranges.blocks[0], &second = ranges.blocks[1];
+    const UnitLattice &of_first = *latticeOf(0, middle, first), &of_second = *latticeOf(middle, edge, second);
+    if (&of_first == &of_second) return refine(unit, of_first, ranges.whole.values, 0, edge);
+    if (f.interesting(first.values)) refine(unit, of_first, first.values, 0, middle);
+    if (f.interesting(second.values)) refine(unit, of_second, second.values, middle, edge);
   }
 
   // The voxels of a unit from the first to the end along x, with the samples of this lattice, which interpolate values
@@ -238,6 +238,8 @@ class Sweep {
       };
       in.first[ua] = sample(reach.lo[a]), in.end[ua] = sample(reach.hi[a]);
       in.core_first[ua] = sample(block.core.lo[a]), in.core_end[ua] = sample(block.core.hi[a]);
+      // Of a unit beside the brick, one block may be beyond what is drawn.
+      if (in.first[ua] >= in.end[ua]) return;
       ends = ends || f.ends().last[a] < unit.lo[a] + to;
     }
     if (ends) setParts(f.ends(), unit.lo, l.voxels, in);

@@ -21,23 +21,24 @@ struct UnitRows {
   std::array<std::int64_t, kEdge> y, z;
   int width, height, depth;
   int rim;  // of voxels for gradients only
-  bool halved;
+  bool of_blocks;
   bool inner(int j, int k) const { return j >= rim && j < height - rim && k >= rim && k < depth - rim; }
 
-  // Of the least and the most in each column.
+  // Of what is in each column.
   template <class T>
-  UnitRanges rangesOf(const T* least, const T* most, double offset) const {
+  UnitRanges rangesOf(const T* least, const T* most, const bool* gaps, double offset) const {
     const auto between = [&](int first, int end) {
       const T lo = *std::min_element(least + first, least + end), hi = *std::max_element(most + first, most + end);
-      ValueRange out;
-      if (lo <= hi) out.include({static_cast<double>(lo) + offset, static_cast<double>(hi) + offset});
+      SampledRange out;
+      if (lo <= hi) out.values.include({static_cast<double>(lo) + offset, static_cast<double>(hi) + offset});
+      out.gaps = gaps != nullptr && std::any_of(gaps + first, gaps + end, [](bool gap) { return gap; });
       return out;
     };
     UnitRanges out{between(rim, width - rim), {}};
-    if (!halved) return out;
-    const int half = (width - 2 * kUnitMargin) / 2;
+    if (!of_blocks) return out;
+    const int block = (width - 2 * kUnitMargin) / 2;
     for (int i = 0; i < 2; ++i)
-      out.halves[static_cast<std::size_t>(i)] = between(i * half + rim, (i + 1) * half + 2 * kUnitMargin - rim);
+      out.blocks[static_cast<std::size_t>(i)] = between(i * block + rim, (i + 1) * block + 2 * kUnitMargin - rim);
     return out;
   }
 };
@@ -79,7 +80,7 @@ UnitRanges loadVectors(const UnitRows& rows, const T* data, int offset, float* v
     hn::Store(lo, di, least + x);
     hn::Store(hi, di, most + x);
   }
-  return rows.rangesOf(least, most, 0);
+  return rows.rangesOf(least, most, nullptr, 0);
 }
 
 UnitRanges loadU8(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
@@ -136,6 +137,7 @@ void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t
 template <class T>
 UnitRanges loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
   std::array<float, kUnitSamples> least, most;
+  std::array<bool, kUnitSamples> gaps{};
   least.fill(std::numeric_limits<float>::max()), most.fill(std::numeric_limits<float>::lowest());
   for (int k = 0; k < rows.depth; ++k) {
     for (int j = 0; j < rows.height; ++j, values += kUnitSamples) {
@@ -147,10 +149,11 @@ UnitRanges loadVoxels(const UnitRows& rows, const T* data, double offset, float*
         const auto column = static_cast<std::size_t>(i);
         least[column] = values[i] < least[column] ? values[i] : least[column];
         most[column] = values[i] > most[column] ? values[i] : most[column];
+        gaps[column] = gaps[column] || values[i] != values[i];
       }
     }
   }
-  return rows.rangesOf(least.data(), most.data(), offset);
+  return rows.rangesOf(least.data(), most.data(), gaps.data(), offset);
 }
 
 }  // namespace
@@ -162,8 +165,8 @@ UnitRanges loadUnit(const BrickBlock& block, const UnitLattice& lattice, double 
   rows.width = lattice.voxels[0] + 2 * kUnitMargin;
   rows.height = lattice.voxels[1] + 2 * kUnitMargin;
   rows.depth = lattice.voxels[2] + 2 * kUnitMargin;
+  rows.of_blocks = lattice.blocks > 1;
   // The outermost voxels are for linear interpolation's gradients only.
-  rows.halved = lattice.halves > 1;
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
   const Extent3 size = has.extent();
   const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };

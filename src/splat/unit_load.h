@@ -8,10 +8,16 @@
 
 namespace kiln {
 
-/// What the samples of a unit interpolate, and those of its two halves along x, where they are judged apart.
+/// What samples interpolate.
+struct SampledRange {
+  ValueRange values;
+  bool gaps = false;  // whether there is NaN among them
+};
+
+/// What the samples of a unit interpolate, and where its two blocks along x are judged apart, those of each.
 struct UnitRanges {
-  ValueRange whole;
-  std::array<ValueRange, 2> halves;
+  SampledRange whole;
+  std::array<SampledRange, 2> blocks;
 };
 
 /// Writes the unit's voxels and those around it to `values`, less `offset`; returns the ranges of what its samples

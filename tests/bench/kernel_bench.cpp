@@ -79,7 +79,7 @@ struct Scene {
   }
   UnitInput input(const VoxelCoord& lo, float* values) const {
     const double offset = frame.table().offset();
-    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values).whole;
+    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values).whole.values;
     UnitInput in;
     in.values = values;
     in.least = static_cast<float>(range.lo - offset), in.most = static_cast<float>(range.hi - offset);

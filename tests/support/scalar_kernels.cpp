@@ -27,6 +27,10 @@ UnitRanges loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, d
   UnitRanges out;
   const auto& n = lattice.voxels;
   const int rim = lattice.interpolation == Interpolation::kLinear ? kUnitMargin - 1 : 0;
+  const auto include = [](SampledRange& range, double value) {
+    range.values.include(value);
+    range.gaps = range.gaps || std::isnan(value);
+  };
   const auto inner = [&](int i, int first, int end) {
     return i >= first + rim - kUnitMargin && i < end + kUnitMargin - rim;
   };
@@ -40,10 +44,10 @@ UnitRanges loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, d
           const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
           values[x + kUnitMargin] = static_cast<float>(value - offset);
           if (!inner(y, 0, n[1]) || !inner(z, 0, n[2])) continue;
-          if (inner(x, 0, n[0])) out.whole.include(value);
-          for (int half = 0; half < lattice.halves && lattice.halves > 1; ++half) {
+          if (inner(x, 0, n[0])) include(out.whole, value);
+          for (int half = 0; half < lattice.blocks && lattice.blocks > 1; ++half) {
             const int first = half * n[0] / 2;
-            if (inner(x, first, first + n[0] / 2)) out.halves[static_cast<std::size_t>(half)].include(value);
+            if (inner(x, first, first + n[0] / 2)) include(out.blocks[static_cast<std::size_t>(half)], value);
           }
         }
       }

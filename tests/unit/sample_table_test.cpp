@@ -1,0 +1,78 @@
+// Which values a table takes for soft: known because the functions are a few straight lines, whose changes are read
+// off.
+#include "splat/sample_table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kiln {
+namespace {
+
+constexpr ValueRange kAll{0, 255};
+
+// Opacity of which a voxel of length 1 has that optical depth.
+double ofDepth(double depth) { return -std::expm1(-depth); }
+
+SampleTable tableOf(std::vector<TransferPoint> points, VoxelType type = VoxelType::u8, const ValueRange& range = kAll) {
+  return SampleTable({1, std::move(points)}, 1, type, range);
+}
+
+// Depth 3 up to 100, none from 110 on.
+std::vector<TransferPoint> cliff() { return {{100, {1, 1, 1}, ofDepth(3)}, {110, {1, 1, 1}, 0}}; }
+
+TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
+    const SampleTable table = tableOf(cliff(), type);
+    EXPECT_TRUE(table.soft({0, 100}, 1, false));
+    EXPECT_TRUE(table.soft({110, 255}, 1, false));
+    EXPECT_FALSE(table.soft({99, 111}, 1, false));
+    EXPECT_FALSE(table.soft({0, 255}, 1, false));
+    // Half of the opacity is less than 1, three quarters are more.
+    EXPECT_TRUE(table.soft({105, 200}, 1, false));
+    EXPECT_FALSE(table.soft({102, 200}, 1, false));
+    // A shorter voxel changes by less, a longer one by more.
+    EXPECT_TRUE(table.soft({99, 111}, 0.3, false));
+    EXPECT_FALSE(table.soft({105, 200}, 2, false));
+    // Values beyond the range are as its ends.
+    EXPECT_TRUE(table.soft({-50, 90}, 1, false));
+    EXPECT_TRUE(table.soft({120, 900}, 1, false));
+  }
+}
+
+TEST(SampleTable, NothingBesideAVoxelIsAValueOfIt) {
+  const SampleTable table = tableOf(cliff());
+  EXPECT_FALSE(table.soft({0, 100}, 1, true));
+  EXPECT_TRUE(table.soft({110, 255}, 1, true));
+  EXPECT_TRUE(table.soft({0, 100}, 0.3, true));
+}
+
+// There and back again is twice as much, and colours count as they are seen.
+TEST(SampleTable, CountsAllThatChanges) {
+  const SampleTable there_and_back =
+      tableOf({{100, {1, 1, 1}, ofDepth(0.8)}, {120, {1, 1, 1}, ofDepth(0.2)}, {140, {1, 1, 1}, ofDepth(0.8)}});
+  EXPECT_TRUE(there_and_back.soft({100, 120}, 1, false));
+  EXPECT_TRUE(there_and_back.soft({120, 140}, 1, false));
+  EXPECT_FALSE(there_and_back.soft({100, 140}, 1, false));
+  const SampleTable of_colors = tableOf({{100, {1, 0, 0}, ofDepth(3)}, {120, {0, 0, 1}, ofDepth(3)}});
+  EXPECT_FALSE(of_colors.soft({90, 130}, 1, false));
+  const SampleTable faint_colors = tableOf({{100, {1, 0, 0}, ofDepth(0.5)}, {120, {0, 0, 1}, ofDepth(0.5)}});
+  EXPECT_TRUE(faint_colors.soft({90, 130}, 1, false));
+}
+
+TEST(SampleTable, IsThinWhereLittleIsShownOverSomeValues) {
+  EXPECT_FALSE(tableOf(cliff()).thinAnywhere(1));
+  EXPECT_TRUE(tableOf(cliff()).thinAnywhere(0.05));
+  EXPECT_FALSE(tableOf({{100, {1, 1, 1}, 0}, {110, {1, 1, 1}, ofDepth(3)}}).thinAnywhere(1));
+  EXPECT_FALSE(tableOf({{0, {1, 1, 1}, 0}, {255, {1, 1, 1}, 0}}).thinAnywhere(1));
+  const std::vector<TransferPoint> plateau = {
+      {80, {1, 1, 1}, 0}, {90, {1, 1, 1}, 0.1}, {120, {1, 1, 1}, 0.1}, {130, {1, 1, 1}, ofDepth(3)}};
+  EXPECT_TRUE(tableOf(plateau).thinAnywhere(1));
+  EXPECT_TRUE(tableOf(plateau, VoxelType::f32).thinAnywhere(1));
+  EXPECT_FALSE(tableOf(plateau).thinAnywhere(20));
+  // So few values have no neighbours.
+  EXPECT_FALSE(tableOf({{0, {1, 1, 1}, 0.1}}, VoxelType::u8, {0, 0}).thinAnywhere(1));
+}
+
+}  // namespace
+}  // namespace kiln
