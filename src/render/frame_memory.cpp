@@ -63,7 +63,7 @@ constexpr std::uint64_t kSweepBytesOfPixel = 1800;
 constexpr std::uint64_t kSweepBytesOfAovs = 1800;
 constexpr std::uint64_t kSweepMargin = 4;
 // A unit's voxels and samples.
-constexpr std::uint64_t kUnitBytes = 768u << 10;
+constexpr std::uint64_t kUnitBytes = 512u << 10;
 
 // In smaller squares, units that touch several are refined too often. unit: pixels.
 constexpr int kLeastSweep = 16;

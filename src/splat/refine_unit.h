@@ -102,12 +102,16 @@ struct SampleDetails {
   float ray;           // through the slab. unit: world
 };
 
-/// Samples of a unit, and what some of them have in a third slab.
-inline constexpr std::size_t kMostRefined = 2 * kUnitSamples * kUnitSamples * kUnitSamples;
+/// How many the samples of a unit may be, those included that some of them have in a third slab.
+inline std::size_t mostRefined(const UnitLattice& lattice, const UnitInput& unit) {
+  std::size_t out = lattice.three_slabs ? 2 : 1;
+  for (std::size_t a = 0; a < 3; ++a) out *= static_cast<std::size_t>(unit.end[a] - unit.first[a]);
+  return out;
+}
 
 /// Where samples go: to their slabs, counted from `first_slab`, which also takes those before it; or, if `details` is
 /// not null, with their slabs and details to arrays, for a caller who finishes them. shape: arrays have room for
-/// kMostRefined.
+/// mostRefined.
 struct RefinedSamples {
   WaitingSamples<SlabSample>* waiting = nullptr;
   int first_slab = 0;

@@ -290,9 +290,11 @@ class Sweep {
   void refineWithDetails(const UnitInput& in, const Unit& unit, const UnitLattice& l) {
     const SlabFrame& f = *frames_[unit.volume];
     OfVolume& volume = m_.volumes[unit.volume];
-    m_.refined.resize(kMostRefined);
-    m_.slabs.resize(m_.refined.size());
-    m_.details.resize(m_.refined.size());
+    if (const std::size_t most = mostRefined(l, in); m_.refined.size() < most) {
+      m_.refined.resize(most);
+      m_.slabs.resize(most);
+      m_.details.resize(most);
+    }
     const RefinedCounts counts = refineUnit(l, in, {nullptr, 0, m_.refined.data(), m_.slabs.data(), m_.details.data()});
     counts_[unit.volume].visited += static_cast<std::uint64_t>(counts.closed);
     const glm::dvec3 edges(in.axis[0]->step, in.axis[1]->step, in.axis[2]->step);

@@ -39,12 +39,13 @@ struct Unit {
 };
 
 struct Refined {
-  std::vector<SlabSample> samples = std::vector<SlabSample>(kMostRefined);
-  std::vector<std::int32_t> slabs = std::vector<std::int32_t>(samples.size());
-  std::vector<SampleDetails> details = std::vector<SampleDetails>(samples.size());
+  std::vector<SlabSample> samples;
+  std::vector<std::int32_t> slabs;
+  std::vector<SampleDetails> details;
   std::size_t count = 0;
 
-  Refined(const UnitLattice& lattice, const UnitInput& in) {
+  Refined(const UnitLattice& lattice, const UnitInput& in)
+      : samples(mostRefined(lattice, in)), slabs(samples.size()), details(samples.size()) {
     count = static_cast<std::size_t>(
         refineUnit(lattice, in, {nullptr, 0, samples.data(), slabs.data(), details.data()}).samples);
   }

@@ -97,8 +97,8 @@ class Kernel {
     for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
     in.part_x.fill(1), in.part_y.fill(1), in.part_z.fill(1);
     in.tile = {-1000, -1000, 1000, 1000};
-    Refined out{std::vector<SlabSample>(kMostRefined), std::vector<std::int32_t>(kMostRefined),
-                std::vector<SampleDetails>(kMostRefined)};
+    const std::size_t most = mostRefined(lattice_, in);
+    Refined out{std::vector<SlabSample>(most), std::vector<std::int32_t>(most), std::vector<SampleDetails>(most)};
     const auto count = static_cast<std::size_t>(
         refineUnit(lattice_, in, {nullptr, 0, out.samples.data(), out.slabs.data(), out.details.data()}).samples);
     out.samples.resize(count);
