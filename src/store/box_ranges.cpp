@@ -1,5 +1,6 @@
 #include "store/box_ranges.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "base/vectors.h"
@@ -7,21 +8,55 @@
 namespace kiln {
 namespace {
 
-// Least and greatest of whole rows at once. `v < lo` is false for NaN, which is thus left out.
+// What no value is less than, and none greater.
 template <class T>
-struct Rows {
+struct Ends {
+  using Limits = std::numeric_limits<T>;
+  static constexpr T kGreatest = Limits::has_infinity ? Limits::infinity() : Limits::max();
+  static constexpr T kLeast = Limits::has_infinity ? -Limits::infinity() : Limits::lowest();
+};
+
+// Least and greatest of each column of some rows. `v < lo` is false for NaN, which is thus left out.
+template <class T>
+struct ColumnBounds {
   std::vector<T> lo, hi;
-  explicit Rows(std::size_t count)
-      : lo(count,
-           std::numeric_limits<T>::has_infinity ? std::numeric_limits<T>::infinity() : std::numeric_limits<T>::max()),
-        hi(count, std::numeric_limits<T>::has_infinity ? -std::numeric_limits<T>::infinity()
-                                                       : std::numeric_limits<T>::lowest()) {}
-  KILN_VECTORS void include(std::size_t to, const T* from_lo, const T* from_hi, std::size_t count) noexcept {
-    T *const a = lo.data() + to, *const b = hi.data() + to;
-    for (std::size_t i = 0; i < count; ++i) {
-      a[i] = from_lo[i] < a[i] ? from_lo[i] : a[i];
-      b[i] = from_hi[i] > b[i] ? from_hi[i] : b[i];
+  explicit ColumnBounds(std::size_t count) : lo(count), hi(count) {}
+
+  // Of `rows` rows, `stride` apart. Some columns at a time: their bounds stay in registers from row to row.
+  KILN_VECTORS void set(std::size_t to, const T* from_lo, const T* from_hi, std::size_t stride, std::size_t rows,
+                        std::size_t columns) noexcept {
+    constexpr std::size_t kAtATime = 32;
+    for (std::size_t x = 0; x < columns; x += kAtATime) {
+      // Where fewer are left, some of them again.
+      if (columns >= kAtATime) setSome<kAtATime>(to, from_lo, from_hi, stride, rows, std::min(x, columns - kAtATime));
     }
+    for (std::size_t x = 0; columns < kAtATime && x < columns; ++x) setSome<1>(to, from_lo, from_hi, stride, rows, x);
+  }
+
+  // Of `count` columns together.
+  ValueRange range(std::size_t first, std::size_t count) const {
+    T least = Ends<T>::kGreatest, most = Ends<T>::kLeast;
+    for (std::size_t i = first; i < first + count; ++i) {
+      least = std::min(least, lo[i]);
+      most = std::max(most, hi[i]);
+    }
+    return least <= most ? ValueRange{static_cast<double>(least), static_cast<double>(most)} : ValueRange{};
+  }
+
+ private:
+  template <std::size_t kCount>
+  void setSome(std::size_t to, const T* from_lo, const T* from_hi, std::size_t stride, std::size_t rows,
+               std::size_t first) noexcept {
+    T least[kCount], most[kCount];
+    for (std::size_t i = 0; i < kCount; ++i) least[i] = Ends<T>::kGreatest, most[i] = Ends<T>::kLeast;
+    for (std::size_t y = 0; y < rows; ++y) {
+      const T *const a = from_lo + y * stride + first, *const b = from_hi + y * stride + first;
+      for (std::size_t i = 0; i < kCount; ++i) {
+        least[i] = a[i] < least[i] ? a[i] : least[i];
+        most[i] = b[i] > most[i] ? b[i] : most[i];
+      }
+    }
+    for (std::size_t i = 0; i < kCount; ++i) lo[to + first + i] = least[i], hi[to + first + i] = most[i];
   }
 };
 
@@ -30,36 +65,26 @@ template <class T>
 std::vector<ValueRange> boxRangesOf(const T* voxels, const VoxelBox& box,
                                     const std::array<std::vector<VoxelSpan>, 3>& spans) {
   const Extent3 size = box.extent();
-  const auto width = static_cast<std::size_t>(size.x);
-  const std::size_t ny = spans[1].size(), nz = spans[2].size();
-  Rows<T> along_y(width * ny * static_cast<std::size_t>(size.z));
-  for (std::int64_t z = 0; z < size.z; ++z) {
-    for (std::size_t j = 0; j < ny; ++j) {
-      const std::size_t to = (static_cast<std::size_t>(z) * ny + j) * width;
-      for (std::int64_t y = spans[1][j].lo - box.lo.y; y < spans[1][j].hi - box.lo.y; ++y) {
-        const T* const from = voxels + (z * size.y + y) * size.x;
-        along_y.include(to, from, from, width);
-      }
-    }
-  }
-  Rows<T> along_z(width * ny * nz);
-  for (std::size_t k = 0; k < nz; ++k) {
-    for (std::int64_t z = spans[2][k].lo - box.lo.z; z < spans[2][k].hi - box.lo.z; ++z) {
-      const std::size_t from = static_cast<std::size_t>(z) * ny * width;
-      along_z.include(k * ny * width, along_y.lo.data() + from, along_y.hi.data() + from, ny * width);
-    }
-  }
+  const auto width = static_cast<std::size_t>(size.x), height = static_cast<std::size_t>(size.y);
+  const auto first = [&](const VoxelSpan& span, int axis) { return static_cast<std::size_t>(span.lo - box.lo[axis]); };
+  const auto count = [](const VoxelSpan& span) { return static_cast<std::size_t>(span.hi - span.lo); };
+  const std::size_t ny = spans[1].size(), plane = ny * width;
+  std::size_t longest = 0;
+  for (const VoxelSpan& span : spans[2]) longest = std::max(longest, count(span));
+  ColumnBounds<T> along_y(plane * longest), along_z(plane);
   std::vector<ValueRange> out;
-  out.reserve(spans[0].size() * ny * nz);
-  for (std::size_t row = 0; row < ny * nz; ++row) {
-    for (const VoxelSpan& span : spans[0]) {
-      ValueRange range;
-      for (std::int64_t x = span.lo - box.lo.x; x < span.hi - box.lo.x; ++x) {
-        const std::size_t i = row * width + static_cast<std::size_t>(x);
-        if (along_z.lo[i] <= along_z.hi[i])
-          range.include({static_cast<double>(along_z.lo[i]), static_cast<double>(along_z.hi[i])});
+  out.reserve(spans[0].size() * ny * spans[2].size());
+  // What two spans along z share is done twice: of all planes, what is along y would not stay in the processor's cache.
+  for (const VoxelSpan& planes : spans[2]) {
+    for (std::size_t z = 0; z < count(planes); ++z) {
+      for (std::size_t j = 0; j < ny; ++j) {
+        const T* const from = voxels + ((first(planes, 2) + z) * height + first(spans[1][j], 1)) * width;
+        along_y.set(z * plane + j * width, from, from, width, count(spans[1][j]), width);
       }
-      out.push_back(range);
+    }
+    along_z.set(0, along_y.lo.data(), along_y.hi.data(), plane, count(planes), plane);
+    for (std::size_t j = 0; j < ny; ++j) {
+      for (const VoxelSpan& span : spans[0]) out.push_back(along_z.range(j * width + first(span, 0), count(span)));
     }
   }
   return out;

@@ -23,9 +23,9 @@ struct VoxelSpan {
 std::vector<ValueRange> boxRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                   const std::array<std::vector<VoxelSpan>, 3>& spans);
 
-/// The most that this holds beside its result, of `n` spans along each axis. unit: bytes.
-inline std::size_t boxRangesScratch(std::int64_t width, std::int64_t n, VoxelType type) {
-  return static_cast<std::size_t>(2 * width * n * (width + n)) * sizeOf(type);
+/// The most that this holds beside its result, of `n` spans of at most `longest` voxels along each axis. unit: bytes.
+inline std::size_t boxRangesScratch(std::int64_t width, std::int64_t n, std::int64_t longest, VoxelType type) {
+  return static_cast<std::size_t>(2 * width * n * (longest + 1)) * sizeOf(type);
 }
 
 }  // namespace kiln

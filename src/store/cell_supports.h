@@ -35,7 +35,7 @@ class CellSupports {
   }
   /// The most that computing those of a brick holds beside its result. unit: bytes.
   static std::size_t scratchBytes(std::int64_t brick_size, std::int64_t apron, VoxelType type) {
-    return boxRangesScratch(brick_size + 2 * apron, brick_size / kCellSize + 2, type);
+    return boxRangesScratch(brick_size + 2 * apron, brick_size / kCellSize + 2, kCellSize + 2, type);
   }
 
  private:
