@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/unset_bytes.h"
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
 #include "store/cell_supports.h"
@@ -26,7 +27,7 @@ struct BrickBlock {
   /// repeat the nearest voxel of the volume.
   VoxelBox extent;
   /// shape: extent, x fastest, densely packed.
-  std::vector<std::byte> voxels;
+  UnsetBytes voxels;
   MinMaxOctree octree;
   CellSupports supports;
 

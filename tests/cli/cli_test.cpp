@@ -353,7 +353,7 @@ TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
     EXPECT_NE(expectDone(with(options)).err.find("kiln: converting"), std::string::npos);
     EXPECT_NE(expectDone(with(options)).err.find("kiln: using"), std::string::npos);
     // Outside of the volume a brick repeats the nearest voxel, so its first one is the volume's first.
-    const std::vector<std::byte> voxels = StoreReader(store).read({0, {0, 0, 0}}).voxels;
+    const auto voxels = StoreReader(store).read({0, {0, 0, 0}}).voxels;
     EXPECT_EQ(std::to_integer<int>(voxels[0]), low);
     EXPECT_EQ(std::to_integer<int>(voxels[1]), high);
   };
