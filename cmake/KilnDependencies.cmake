@@ -29,9 +29,11 @@ foreach(kiln_library gdcmMSFF gdcmDSED gdcmCommon)
   list(APPEND kiln_gdcm_libraries ${GDCM_${kiln_library}})
 endforeach()
 
-# OpenVDB's compressor.
+# OpenVDB's compressor, and what it packs leaves with.
 find_path(BLOSC_INCLUDE_DIR blosc.h)
 find_library(BLOSC_LIBRARY blosc)
+find_path(LZ4_INCLUDE_DIR lz4.h)
+find_library(LZ4_LIBRARY lz4)
 find_path(HIGHWAY_INCLUDE_DIR hwy/highway.h)
 find_library(HIGHWAY_LIBRARY hwy)
 
@@ -50,6 +52,9 @@ endif()
 if(NOT BLOSC_INCLUDE_DIR OR NOT BLOSC_LIBRARY)
   list(APPEND kiln_missing Blosc)
 endif()
+if(NOT LZ4_INCLUDE_DIR OR NOT LZ4_LIBRARY)
+  list(APPEND kiln_missing LZ4)
+endif()
 if(NOT GDCM_INCLUDE_DIR OR NOT GDCM_gdcmMSFF OR NOT GDCM_gdcmDSED OR NOT GDCM_gdcmCommon)
   list(APPEND kiln_missing GDCM)
 endif()
@@ -59,6 +64,6 @@ if(NOT kiln_missing AND NOT TARGET kiln_dependencies)
   add_library(kiln_dependencies INTERFACE)
   target_link_libraries(kiln_dependencies INTERFACE OpenVDB::openvdb TBB::tbb OpenEXR::OpenEXR Imath::Imath fmt::fmt
                         nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB ${XXHASH_LIBRARY}
-                        ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${kiln_gdcm_libraries})
+                        ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY} ${kiln_gdcm_libraries})
   target_include_directories(kiln_dependencies SYSTEM INTERFACE ${GDCM_INCLUDE_DIR})
 endif()

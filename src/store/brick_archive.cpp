@@ -11,14 +11,14 @@
 #include <cstring>
 
 #include "grid/openvdb_glue.h"
+#include "store/leaf_frame.h"
 
 namespace kiln {
 namespace {
 
 constexpr std::uint32_t kCompression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
-// As OpenVDB has them, for values of any size.
+// As OpenVDB has it.
 constexpr int kBloscLevel = 9;
-constexpr std::size_t kBloscTypeBytes = 4;
 // Only the values of active voxels follow; the others have the background's.
 constexpr char kActiveValuesOnly = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
 
@@ -207,6 +207,19 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   else
     append(values, bytes);
   lengths_.push_back(static_cast<std::int64_t>(size_ - before));
+}
+
+std::size_t topologyBytes(std::size_t leaves) {
+  // A brick and its apron lie in at most 27 nodes of leaves, and these in 8.
+  return leaves * PackedLeaves::Mask::memUsage() + (std::size_t{128} << 10);
+}
+
+std::vector<std::byte> topologyOf(std::span<const PackedLeaves::Leaf> leaves, std::size_t value_bytes, bool as_half) {
+  MemoryWriter buffer;
+  buffer.reserve(topologyBytes(leaves.size()));
+  std::ostream out(&buffer);
+  TopologyWriter(out, value_bytes, as_half).write(leaves);
+  return buffer.take();
 }
 
 std::vector<std::byte> archiveOf(std::span<const PackedGrid> grids, const openvdb::MetaMap& metadata) {

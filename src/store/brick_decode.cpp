@@ -13,7 +13,9 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "store/brick_archive.h"
 #include "store/brick_file.h"
+#include "store/leaf_frame.h"
 #include "store/leaf_turn.h"
 
 namespace kiln {
@@ -42,10 +44,10 @@ class MemoryReader : public std::streambuf {
   }
 };
 
-// The parts of a file one after the other, as Archive::readGrid takes them, but for the leaves' values.
+// The parts of a file one after the other, as Archive::readGrid takes them, but for trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
-  // Calls take(grid) for each grid; its topology is there, and the stream stands at the values of its first leaf.
+  // Calls take(grid) for each grid; the stream stands at its topology, and then at what is behind its last leaf.
   template <class Take>
   void read(std::istream& in, const openvdb::MetaMap& expected, const std::filesystem::path& path, Take&& take) {
     readHeader(in);
@@ -68,7 +70,6 @@ class ArchiveReader : public openvdb::io::Archive {
       grid->readMeta(in);
       openvdb::io::setGridClass(in, grid->getGridClass());
       grid->readTransform(in);
-      grid->readTopology(in);
       grid->setName(openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName()));
       take(*grid);
     }
@@ -76,14 +77,16 @@ class ArchiveReader : public openvdb::io::Archive {
   }
 };
 
-// The values of a grid's leaves one after the other: a tree of all of them would take more memory than the brick.
+// The values of a grid's leaves one after the other: a tree of all of them would take more memory than the brick, and
+// longer to make than all else.
 template <class Grid>
-class LeafValues {
+class LeafReader {
  public:
   using Leaf = typename Grid::TreeType::LeafNodeType;
+  using Mask = typename Leaf::NodeMaskType;
   using Value = typename Grid::ValueType;
 
-  LeafValues(const Grid& grid, MemoryReader& buffer, std::istream& in)
+  LeafReader(const Grid& grid, MemoryReader& buffer, std::istream& in)
       : half_(grid.saveFloatAsHalf()),
         packed_(!half_ && openvdb::io::getDataCompression(in) ==
                               (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)),
@@ -91,21 +94,25 @@ class LeafValues {
         in_(in),
         spare_(openvdb::PartialCreate(), grid.background()) {}
 
-  /// Calls f(values, stride) with the leaf's voxels in `part`, from its first: strides along x and y, 1 along z. Then
-  /// the next leaf's values are in turn. requires: exactly the voxels in `part` are active.
-  template <class F>
-  void take(Leaf& leaf, const VoxelBox& part, F&& f) {
-    const Extent3 n = part.extent();
-    if (packed_ && takePacked(leaf, static_cast<std::size_t>(n.count()))) {
-      f(values_, std::array{n.y * n.z, n.z});
-      return;
-    }
-    read(leaf, [&](const Leaf& whole) {
-      const openvdb::Coord first = coordOf(part.lo);
-      f(whole.buffer().data() + Leaf::coordToOffset(first), std::array<std::int64_t, 2>{kLeaf * kLeaf, kLeaf});
-    });
+  /// The frame of the next leaf's values, if it is as bricks' writer has it: the mask once more, and no other values
+  /// than those of active voxels. Then the next leaf is in turn. Whatever is otherwise is left to `read`; it returns
+  /// nothing.
+  std::span<const std::byte> frame(const Mask& active) {
+    constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
+    const std::span<const std::byte> rest = buffer_.rest();
+    if (!packed_ || rest.size() < kHead) return {};
+    std::int64_t length;
+    std::memcpy(&length, rest.data() + sizeof(Mask) + 1, sizeof length);
+    if (std::memcmp(rest.data(), &active, sizeof(Mask)) != 0 ||
+        rest[sizeof(Mask)] != std::byte{openvdb::io::NO_MASK_OR_INACTIVE_VALS} || length <= 0 ||
+        static_cast<std::uint64_t>(length) > rest.size() - kHead)
+      return {};
+    const auto out = rest.subspan(kHead, static_cast<std::size_t>(length));
+    if (!isLeafFrame(out, active.countOn() * sizeof(Value))) return {};
+    buffer_.skip(kHead + out.size());
+    return out;
   }
-  /// Calls f(leaf) with its values in it.
+  /// Calls f(leaf) with the next leaf's values in it. requires: its origin and mask.
   template <class F>
   void read(Leaf& leaf, F&& f) {
     leaf.swap(spare_);
@@ -115,33 +122,36 @@ class LeafValues {
   }
 
  private:
-  // As bricks' writer has them: the mask once more, no other values than those of active voxels, Blosc's own header.
-  // OpenVDB's reader would have memory given to it three times for each leaf. Whatever is otherwise is left to it.
-  bool takePacked(const Leaf& leaf, std::size_t count) {
-    using Mask = typename Leaf::NodeMaskType;
-    const std::span<const std::byte> rest = buffer_.rest();
-    constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
-    if (rest.size() < kHead) return false;
-    std::int64_t length;
-    std::memcpy(&length, rest.data() + sizeof(Mask) + 1, sizeof length);
-    if (std::memcmp(rest.data(), &leaf.valueMask(), sizeof(Mask)) != 0 ||
-        rest[sizeof(Mask)] != std::byte{openvdb::io::NO_MASK_OR_INACTIVE_VALS} || length <= 0 ||
-        static_cast<std::uint64_t>(length) > rest.size() - kHead)
-      return false;
-    const std::byte* const packed = rest.data() + kHead;
-    const auto bytes = static_cast<std::size_t>(length);
-    std::size_t unpacked = 0;
-    if (blosc_cbuffer_validate(packed, bytes, &unpacked) != 0 || unpacked != count * sizeof(Value)) return false;
-    if (blosc_decompress_ctx(packed, values_, unpacked, 1) != static_cast<int>(unpacked)) return false;
-    buffer_.skip(kHead + bytes);
-    return true;
-  }
-
   const bool half_, packed_;
   MemoryReader& buffer_;
   std::istream& in_;
   typename Leaf::Buffer spare_;
-  alignas(64) Value values_[Leaf::SIZE];
+};
+
+// The frames of leaves, in the order in which a block has the voxels: in that of the tree, each cache line of it would
+// be written four times, long after one another.
+class PackedParts {
+ public:
+  explicit PackedParts(const VoxelBox& box) : lattice_(box), parts_(lattice_.count()) {}
+
+  void add(const VoxelBox& part, std::span<const std::byte> frame) {
+    parts_[lattice_.indexOf(part.lo)] = {part, frame};
+  }
+  /// Calls f(part, frame).
+  template <class F>
+  void forEach(F&& f) const {
+    for (const Part& part : parts_) {
+      if (!part.frame.empty()) f(part.box, part.frame);
+    }
+  }
+
+ private:
+  struct Part {
+    VoxelBox box;
+    std::span<const std::byte> frame;
+  };
+  LeafLattice lattice_;
+  std::vector<Part> parts_;
 };
 
 template <class T>
@@ -192,30 +202,51 @@ class Decoder {
 
   template <class Grid>
   void takeVoxels(Grid& grid, bool core) {
-    T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
-    const VoxelBox& box = core ? core_ : stored_;
-    std::int64_t count = 0;
-    LeafValues<Grid> values(grid, buffer_, in_);
-    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-      const VoxelCoord origin = voxelOf(leaf->origin());
-      // No leaf has voxels of both core and apron.
-      const VoxelBox part = intersection(leafAt(origin), box);
-      if (part.empty() || (!core && core_.contains(part.lo)) || leaf->valueMask() != maskOf(origin, part))
-        fail(grid.getName() + " has a voxel outside of its place, or lacks one");
-      values.take(*leaf, part, [&](const auto* from, const std::array<std::int64_t, 2>& stride) {
-        copyLeaf(from, stride, part, voxels);
+    using Leaf = typename LeafReader<Grid>::Leaf;
+    using Value = typename LeafReader<Grid>::Value;
+    skipTopology(grid, core);
+    LeafReader<Grid> leaves(grid, buffer_, in_);
+    PackedParts packed(core ? core_ : stored_);
+    forEachLeafOfGrid(core_, stored_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      const auto active = maskOf(origin, part);
+      if (const auto frame = leaves.frame(active); !frame.empty()) return packed.add(part, frame);
+      Leaf leaf(openvdb::PartialCreate(), coordOf(origin));
+      leaf.setValueMask(active);
+      leaves.read(leaf, [&](const Leaf& whole) {
+        copyLeaf(whole.buffer().data() + Leaf::coordToOffset(coordOf(part.lo)), {kLeaf * kLeaf, kLeaf}, part);
       });
-      count += part.count();
-    }
-    const std::int64_t expected = core ? core_.count() : stored_.count() - core_.count();
-    if (count != expected) fail(fmt::format("{} has {} voxels, expected {}", grid.getName(), count, expected));
+    });
+    alignas(64) UnpackedFor<Value, T> values[Leaf::SIZE];
+    packed.forEach([&](const VoxelBox& part, std::span<const std::byte> frame) {
+      const Extent3 n = part.extent();
+      if (!unpackLeaf<Value>(frame, static_cast<std::size_t>(n.count()), values))
+        fail(grid.getName() + " has values that do not unpack");
+      copyLeaf(values, {n.y * n.z, n.z}, part);
+    });
+  }
+
+  // A brick's grid has one topology, with which the file's is compared.
+  template <class Grid>
+  void skipTopology(const Grid& grid, bool core) {
+    std::vector<PackedLeaves::Leaf> leaves;
+    leaves.reserve(LeafLattice(core ? core_ : stored_).count());
+    forEachLeafOfGrid(core_, stored_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      leaves.push_back({coordOf(origin), maskOf(origin, part)});
+    });
+    const std::vector<std::byte> expected =
+        topologyOf(leaves, sizeof(typename Grid::ValueType), grid.saveFloatAsHalf());
+    const std::span<const std::byte> rest = buffer_.rest();
+    if (rest.size() < expected.size() || !std::equal(expected.begin(), expected.end(), rest.begin()))
+      fail(grid.getName() + " has a voxel outside of its place, or lacks one");
+    buffer_.skip(expected.size());
   }
 
   template <class Grid>
   void takeCells(Grid& grid, bool least) {
-    LeafValues<Grid> values(grid, buffer_, in_);
+    grid.readTopology(in_);
+    LeafReader<Grid> leaves(grid, buffer_, in_);
     for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-      values.read(*leaf, [&](const auto& whole) {
+      leaves.read(*leaf, [&](const auto& whole) {
         for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
           const openvdb::Coord c = voxel.getCoord();
           const std::int64_t x = c.x() - core_.lo.x / kCellSize;
@@ -259,15 +290,18 @@ class Decoder {
 
   // From z fastest to x fastest.
   template <class Value>
-  void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part, T* voxels) const {
+  void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part) {
     const Extent3 n = part.extent();
-    T* const to = voxels + block_.offsetOf(part.lo);
+    T* const to = reinterpret_cast<T*>(block_.voxels.data()) + block_.offsetOf(part.lo);
     if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
+      const auto turn = [&](const T* values) {
+        for (std::int64_t y = 0; y < kLeaf; ++y)
+          transposeSquare(values + y * stride[1], stride[0], to + y * block_.strideY(), block_.strideZ());
+      };
+      if constexpr (std::is_same_v<Value, T>) return turn(from);
       alignas(64) T values[kLeaf * kLeaf * kLeaf];
       for (std::size_t i = 0; i < std::size(values); ++i) values[i] = static_cast<T>(from[i]);
-      for (std::int64_t y = 0; y < kLeaf; ++y)
-        transposeSquare(values + y * stride[1], stride[0], to + y * block_.strideY(), block_.strideZ());
-      return;
+      return turn(values);
     }
     for (std::int64_t z = 0; z < n.z; ++z) {
       for (std::int64_t y = 0; y < n.y; ++y) {
@@ -349,21 +383,18 @@ std::size_t blockBytes(const BrickFrame& frame) {
 }
 
 std::size_t decodeBytes(const BrickFrame& frame) {
-  // One grid's tree at a time, without its values: a leaf takes some 100 bytes, the nodes above it 8 a child and two
-  // masks. Bricks and their aprons lie on both sides of the nodes' borders.
-  const VoxelBox stored = frame.stored();
-  const auto nodes = [&](std::int64_t edge) {
-    std::int64_t count = 1;
-    for (int axis = 0; axis < 3; ++axis) count *= (stored.hi[axis] - 1) / edge - stored.lo[axis] / edge + 1;
-    return static_cast<std::size_t>(count);
-  };
-  const std::size_t tree = nodes(kLeaf) * 160 + nodes(128) * (34u << 10) + nodes(4096) * (265u << 10);
+  // One grid's topology at a time, or the tree of its cells.
+  const std::size_t leaves = LeafLattice(frame.stored()).count();
+  const std::size_t topology = leaves * sizeof(PackedLeaves::Leaf) + topologyBytes(leaves);
   const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
-  // The tree has gone when cells' supports are computed.
+  // Leaves of some 100 bytes, and two nodes above them: 8 bytes a child and two masks.
   const std::int64_t edge = frame.brick_size / kCellSize;
+  const auto across = static_cast<std::size_t>((edge + kLeaf - 1) / kLeaf);
+  const std::size_t cell_tree = across * across * across * 160 + (std::size_t{300} << 10);
+  // Both have gone when cells' supports are computed.
   const std::size_t supports =
       CellSupports::bytesFor(edge) + CellSupports::scratchBytes(frame.brick_size, frame.apron, frame.type);
-  return std::max(tree, supports) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
+  return std::max({topology, cell_tree, supports}) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
 }
 
 }  // namespace kiln

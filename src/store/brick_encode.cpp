@@ -19,37 +19,13 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// Calls f(origin, part) for each cube of `edge`, aligned to multiples of it, that meets the box, z fastest, as a tree's
-// nodes lie; `part` is what of it lies in the box.
-template <class F>
-void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
-  const auto down = [&](std::int64_t v) { return v & ~(edge - 1); };
-  for (std::int64_t x = down(box.lo.x); x < box.hi.x; x += edge) {
-    for (std::int64_t y = down(box.lo.y); y < box.hi.y; y += edge) {
-      for (std::int64_t z = down(box.lo.z); z < box.hi.z; z += edge) {
-        f(VoxelCoord{x, y, z}, intersection(VoxelBox{{x, y, z}, {x + edge, y + edge, z + edge}}, box));
-      }
-    }
-  }
-}
-
-// Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`, in the order of a tree.
-template <class F>
-void forEachLeafOfTree(const VoxelBox& box, F&& leaf) {
-  using Upper = openvdb::FloatTree::RootNodeType::ChildNodeType;
-  forCubes(box, Upper::DIM, [&](const VoxelCoord&, const VoxelBox& upper) {
-    forCubes(upper, Upper::ChildNodeType::DIM,
-             [&](const VoxelCoord&, const VoxelBox& lower) { forCubes(lower, kLeaf, leaf); });
-  });
-}
-
-// The same in the order in which a block has them.
+// Calls leaf(part) for each 8³ leaf that has voxels in `box`, in the order in which a block has them.
 template <class F>
 void forEachLeaf(const VoxelBox& box, F&& leaf) {
   for (std::int64_t z = leafBelow(box.lo.z); z < box.hi.z; z += kLeaf) {
     for (std::int64_t y = leafBelow(box.lo.y); y < box.hi.y; y += kLeaf) {
       for (std::int64_t x = leafBelow(box.lo.x); x < box.hi.x; x += kLeaf) {
-        leaf(VoxelCoord{x, y, z}, intersection(leafAt({x, y, z}), box));
+        leaf(intersection(leafAt({x, y, z}), box));
       }
     }
   }
@@ -101,14 +77,13 @@ class Encoder {
     VoxelBox part;
   };
 
-  // A core begins and ends where leaves do, or where the volume ends: no leaf has voxels of both core and apron.
   template <class Grid, class F>
   PackedGrid packVoxels(const char* name, bool core, bool half, F storedOf) const {
     using Stored = std::invoke_result_t<F, T>;
     const VoxelBox& box = core ? core_ : box_;
     std::vector<LeafPart> leaves;
-    forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      if (core || !core_.contains(part.lo)) leaves.push_back({origin, part});
+    forEachLeafOfGrid(core_, box_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      leaves.push_back({origin, part});
     });
     PackedGrid out{makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index), half),
                    {leaves.size(), sizeof(typename Grid::ValueType)}};
@@ -161,22 +136,16 @@ class Encoder {
   // The values of the leaves, one leaf after the other. Voxels are taken in the order in which they lie in the block:
   // leaf by leaf, each cache line of it would be read four times, long after.
   std::unique_ptr<const T[]> inOrderOf(std::span<const LeafPart> leaves, const VoxelBox& box) const {
-    const auto leafIndex = [&](const VoxelCoord& voxel, int axis) {
-      return voxel[axis] / kLeaf - box.lo[axis] / kLeaf;
-    };
-    const Extent3 n = {leafIndex(box.hi, 0) + 1, leafIndex(box.hi, 1) + 1, leafIndex(box.hi, 2) + 1};
-    const auto indexOf = [&](const VoxelCoord& voxel) {
-      return static_cast<std::size_t>((leafIndex(voxel, 2) * n.y + leafIndex(voxel, 1)) * n.x + leafIndex(voxel, 0));
-    };
-    std::vector<std::int64_t> begin(static_cast<std::size_t>(n.count()), -1);
+    const LeafLattice lattice(box);
+    std::vector<std::int64_t> begin(lattice.count(), -1);
     std::int64_t end = 0;
     for (const auto& [origin, part] : leaves) {
-      begin[indexOf(origin)] = end;
+      begin[lattice.indexOf(part.lo)] = end;
       end += part.count();
     }
     auto values = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(end));
-    forEachLeaf(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      const std::int64_t at = begin[indexOf(origin)];
+    forEachLeaf(box, [&](const VoxelBox& part) {
+      const std::int64_t at = begin[lattice.indexOf(part.lo)];
       if (at >= 0) transposeLeaf(part, values.get() + at);
     });
     return values;

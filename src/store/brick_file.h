@@ -24,6 +24,22 @@ inline std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
 inline VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
 inline VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
+/// The leaves that have voxels in a box, x fastest.
+struct LeafLattice {
+  VoxelCoord first;
+  Extent3 size;
+  explicit LeafLattice(const VoxelBox& box)
+      : first{box.lo.x / kLeaf, box.lo.y / kLeaf, box.lo.z / kLeaf},
+        size{(box.hi.x - 1) / kLeaf + 1 - first.x, (box.hi.y - 1) / kLeaf + 1 - first.y,
+             (box.hi.z - 1) / kLeaf + 1 - first.z} {}
+  std::size_t count() const { return static_cast<std::size_t>(size.count()); }
+  /// Of the one that holds the voxel.
+  std::size_t indexOf(const VoxelCoord& v) const {
+    const std::int64_t y = v.y / kLeaf - first.y, z = v.z / kLeaf - first.z;
+    return static_cast<std::size_t>((z * size.y + y) * size.x + v.x / kLeaf - first.x);
+  }
+};
+
 /// The voxels of the leaf at `origin` that lie in `part`. requires: part inside of the leaf.
 inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBox& part) {
   // A word is a plane of one x, z fastest.
@@ -35,6 +51,39 @@ inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBo
     mask.getWord<std::uint64_t>(static_cast<openvdb::Index>(x - origin.x)) = plane;
   }
   return mask;
+}
+
+/// Calls f(origin, part) for each cube of `edge`, aligned to multiples of it, that meets the box, z fastest, as a
+/// tree's nodes lie; `part` is what of it lies in the box.
+template <class F>
+void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
+  const auto down = [&](std::int64_t v) { return v & ~(edge - 1); };
+  for (std::int64_t x = down(box.lo.x); x < box.hi.x; x += edge) {
+    for (std::int64_t y = down(box.lo.y); y < box.hi.y; y += edge) {
+      for (std::int64_t z = down(box.lo.z); z < box.hi.z; z += edge) {
+        f(VoxelCoord{x, y, z}, intersection(VoxelBox{{x, y, z}, {x + edge, y + edge, z + edge}}, box));
+      }
+    }
+  }
+}
+
+/// Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`, in the order of a tree.
+template <class F>
+void forEachLeafOfTree(const VoxelBox& box, F&& leaf) {
+  using Upper = openvdb::FloatTree::RootNodeType::ChildNodeType;
+  forCubes(box, Upper::DIM, [&](const VoxelCoord&, const VoxelBox& upper) {
+    forCubes(upper, Upper::ChildNodeType::DIM,
+             [&](const VoxelCoord&, const VoxelBox& lower) { forCubes(lower, kLeaf, leaf); });
+  });
+}
+
+/// The same of the leaves of a brick's core, or of its apron. A core begins and ends where leaves do, or where the
+/// volume ends: no leaf has voxels of both.
+template <class F>
+void forEachLeafOfGrid(const VoxelBox& core, const VoxelBox& stored, bool of_core, F&& leaf) {
+  forEachLeafOfTree(of_core ? core : stored, [&](const VoxelCoord& origin, const VoxelBox& part) {
+    if (of_core || !core.contains(part.lo)) leaf(origin, part);
+  });
 }
 
 /// Of stores of either format.

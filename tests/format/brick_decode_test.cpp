@@ -1,0 +1,146 @@
+// What a decoder gets that is no file of today's writer: frames as earlier ones had them, another brick's leaves, and
+// bytes that are damaged behind the back of the checksum.
+#include <blosc.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <random>
+
+#include "base/error.h"
+#include "store/brick_codec.h"
+#include "store/minmax_octree.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr std::int64_t kSize = 32;
+
+// At the corner of the volume, cut off on one side, with neighbours on the others.
+BrickFrame frameOf(VoxelType type) {
+  BrickFrame out;
+  out.key = {0, {1, 0, 1}};
+  out.type = type;
+  out.brick_size = kSize;
+  out.apron = 6;
+  out.geometry.dims = {53, 45, 96};
+  return out;
+}
+
+// Slopes, noise and an even part, by the type's own numbers.
+std::vector<std::byte> voxelsOf(const BrickFrame& frame) {
+  const VoxelBox box = frame.stored();
+  std::vector<std::byte> out(static_cast<std::size_t>(box.extent().count()) * sizeOf(frame.type));
+  std::mt19937 random(5);
+  withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
+    T* to = reinterpret_cast<T*>(out.data());
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+          const bool even = x < 40;
+          *to++ = static_cast<T>(even ? 7 : static_cast<int>(x + y + z + static_cast<int>(random() % 9)) % 120);
+        }
+      }
+    }
+  });
+  return out;
+}
+
+std::vector<std::byte> encoded(const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+  return encodeBrick(
+      frame, voxels,
+      cellRanges(voxels, frame.type, frame.stored(), frame.core(), static_cast<int>(frame.brick_size / kCellSize)));
+}
+
+void expectVoxels(const BrickBlock& block, const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+  const VoxelBox box = frame.stored();
+  const std::size_t bytes = sizeOf(frame.type);
+  const std::byte* from = voxels.data();
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x, from += bytes) {
+        const auto at = static_cast<std::size_t>(block.offsetOf({x, y, z})) * bytes;
+        ASSERT_EQ(std::memcmp(block.voxels.data() + at, from, bytes), 0) << x << ' ' << y << ' ' << z;
+      }
+    }
+  }
+}
+
+constexpr std::array kTypes = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
+                               VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
+
+TEST(BrickDecode, GivesBackWhatWasEncoded) {
+  for (const VoxelType type : kTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const BrickFrame frame = frameOf(type);
+    const std::vector<std::byte> voxels = voxelsOf(frame);
+    expectVoxels(decodeBrick(frame, encoded(frame, voxels), "b.vdb"), frame, voxels);
+  }
+}
+
+// Before, Blosc split its blocks by the bytes' places.
+TEST(BrickDecode, ReadsSplitBlocks) {
+  for (const VoxelType type : kTypes) {
+    SCOPED_TRACE(nameOf(type));
+    const BrickFrame frame = frameOf(type);
+    const std::vector<std::byte> voxels = voxelsOf(frame), today = encoded(frame, voxels);
+    blosc_set_splitmode(BLOSC_FORWARD_COMPAT_SPLIT);
+    const std::vector<std::byte> split = encoded(frame, voxels);
+    blosc_set_splitmode(BLOSC_NEVER_SPLIT);
+    ASSERT_NE(split, today);
+    expectVoxels(decodeBrick(frame, split, "b.vdb"), frame, voxels);
+  }
+}
+
+TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
+  const BrickFrame frame = frameOf(VoxelType::u16);
+  const std::vector<std::byte> file = encoded(frame, voxelsOf(frame));
+  BrickFrame wider = frame, nearer = frame;
+  wider.geometry.dims.x = 54;
+  nearer.apron = 5;
+  for (const auto& [expected, what] : {std::pair{wider, "density"}, {nearer, "apron"}}) {
+    try {
+      decodeBrick(expected, file, "b.vdb");
+      FAIL() << what;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kDamaged);
+      EXPECT_NE(std::string(error.what()).find(std::string(what) + " has a voxel outside of its place, or lacks one"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+// Damaged values are either refused by name or other values; the sanitizers see whether it is more.
+TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
+  const BrickFrame frame = frameOf(VoxelType::u16);
+  const std::vector<std::byte> whole = encoded(frame, voxelsOf(frame));
+  constexpr std::array kHead = {std::byte{2}, std::byte{1}, std::byte{0x31}, std::byte{4}};
+  std::vector<std::size_t> frames;
+  for (auto at = whole.begin(); (at = std::search(at, whole.end(), kHead.begin(), kHead.end())) != whole.end(); ++at)
+    frames.push_back(static_cast<std::size_t>(at - whole.begin()));
+  ASSERT_GT(frames.size(), 100u);
+  std::mt19937 random(3);
+  int refused = 0;
+  constexpr int kRounds = 60;
+  for (int i = 0; i < kRounds; ++i) {
+    std::vector<std::byte> file = whole;
+    for (int n = 0; n < 3; ++n) {
+      const std::size_t at = frames[random() % frames.size()] + random() % 48;
+      file[std::min(at, file.size() - 1)] = static_cast<std::byte>(random());
+    }
+    try {
+      decodeBrick(frame, file, "b.vdb");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kDamaged);
+      EXPECT_NE(std::string(error.what()).find("b.vdb"), std::string::npos);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, kRounds);
+}
+
+}  // namespace
+}  // namespace kiln::test
