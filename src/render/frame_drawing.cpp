@@ -169,6 +169,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   lookahead_.emplace(std::move(in_view), [&](const BrickInView& brick, std::span<const PixelRect> before) {
     return plan_.bricks->hidden(brick, *visibility_, before);
   });
+  // The first bricks, too, are read by all threads.
+  if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");
     std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
