@@ -1,5 +1,5 @@
 // Both ways go through memory: a file is written whole or not at all (FileSystem::writeAtomic), and a reader's bytes
-// are bounded before OpenEXR sees them. Pixels go row by row, so that beside the image there is one row and the
+// are bounded before OpenEXR sees them. Pixels go some rows at a time, so that beside the image there are these and the
 // compressed file; and a header that claims more rows than the file has costs no memory, for the picture grows as rows
 // arrive.
 #include "output/exr_file.h"
@@ -22,6 +22,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "output/exr_edges.h"
 #include "output/exr_parts.h"
 
@@ -46,15 +47,18 @@ class MemoryReader : public Imf::IStream {
   std::uint64_t place_ = 0;
 };
 
-// One row that every scanline of the file is written from or read into: a stride of 0 from row to row.
+// RGBA of scanlines that begin at pixel `first`, `row_bytes` apart; where that is 0, every scanline of the file is the
+// same row.
 template <class T>
-Imf::FrameBuffer oneRow(std::vector<T>& row, Imf::PixelType type, int first_x) {
+Imf::FrameBuffer rowsFrom(std::vector<T>& values, Imf::PixelType type, const Imath::V2i& first, std::size_t row_bytes) {
   Imf::FrameBuffer buffer;
-  char* base = reinterpret_cast<char*>(row.data()) - static_cast<std::ptrdiff_t>(first_x) * 4 * sizeof(T);
+  char* const base = reinterpret_cast<char*>(values.data()) -
+                     static_cast<std::ptrdiff_t>(first.x) * static_cast<std::ptrdiff_t>(4 * sizeof(T)) -
+                     static_cast<std::ptrdiff_t>(first.y) * static_cast<std::ptrdiff_t>(row_bytes);
   for (std::size_t channel = 0; channel < 4; ++channel) {
     const double fill = channel == 3 ? 1 : 0;
     buffer.insert(kExrChannelNames[channel],
-                  Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), 0, 1, 1, fill));
+                  Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), row_bytes, 1, 1, fill));
   }
   return buffer;
 }
@@ -77,18 +81,29 @@ Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
 }
 
+// Rows that are converted, and compressed by several threads, at a time: a few of OpenEXR's blocks for each of them.
+int rowsAtATime() { return 64 * std::max(1, compressingThreads()); }
+
 // `File` is a file of one part, or a part.
 template <class T, class File, class Convert>
 void writeRowsAs(File& file, const Image& image, Imf::PixelType type, Convert convert) {
-  std::vector<T> row(static_cast<std::size_t>(image.width) * 4);
+  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
+  const int most = std::min(rowsAtATime(), image.height);
+  std::vector<T> band(row * static_cast<std::size_t>(most));
   const Imath::V2i& first = file.header().dataWindow().min;
-  // A slice of no channel of the file is passed over.
-  Imf::FrameBuffer buffer = oneRow(row, type, first.x);
-  for (const Plane& plane : image.planes) buffer.insert(plane.name, wholePlane(plane, image.width, first));
-  file.setFrameBuffer(buffer);
-  for (int y = 0; y < image.height; ++y) {
-    if (!image.rgba.empty()) std::transform(image.pixel(0, y), image.pixel(0, y) + row.size(), row.begin(), convert);
-    file.writePixels(1);
+  for (int y = 0; y < image.height; y += most) {
+    const int rows = std::min(most, image.height - y);
+    if (!image.rgba.empty()) {
+      parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
+        const float* const from = image.pixel(0, y + static_cast<int>(i));
+        std::transform(from, from + row, band.begin() + static_cast<std::ptrdiff_t>(i * row), convert);
+      });
+    }
+    // A slice of no channel of the file is passed over.
+    Imf::FrameBuffer buffer = rowsFrom(band, type, {first.x, first.y + y}, row * sizeof(T));
+    for (const Plane& plane : image.planes) buffer.insert(plane.name, wholePlane(plane, image.width, first));
+    file.setFrameBuffer(buffer);
+    file.writePixels(rows);
   }
 }
 
@@ -149,7 +164,7 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   requireChannels(channels, grey, path);
 
   std::vector<float> row(static_cast<std::size_t>(width) * 4);
-  Imf::FrameBuffer buffer = oneRow(row, Imf::FLOAT, window.min.x);
+  Imf::FrameBuffer buffer = rowsFrom(row, Imf::FLOAT, {window.min.x, 0}, 0);
   if (grey) buffer.insert("Y", buffer["R"]);
   file.setFrameBuffer(buffer);
   Image image;
@@ -216,14 +231,14 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
   return writing(path, [&](ExrWriter& stream) {
     // Files' destructors write the tables of scanline offsets.
     if (!image.edges) {
-      Imf::OutputFile file(stream, header, 0);
+      Imf::OutputFile file(stream, header, compressingThreads());
       writeRows(file, image, type);
       return;
     }
     header.setType(Imf::SCANLINEIMAGE);
     header.setName("color");
     const Imf::Header headers[] = {header, edgesHeader(header)};
-    Imf::MultiPartOutputFile file(stream, headers, 2, false, 0);
+    Imf::MultiPartOutputFile file(stream, headers, 2, false, compressingThreads());
     Imf::OutputPart flat(file, 0);
     writeRows(flat, image, type);
     writeEdges(*image.edges, file, 1);
@@ -242,7 +257,8 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
       header.setName(view.name);
       header.setView(view.name);
     }
-    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false,
+                                  compressingThreads());
     for (std::size_t i = 0; i < views.size(); ++i) {
       Imf::OutputPart part(file, static_cast<int>(i));
       writeRows(part, *views[i].image, type);

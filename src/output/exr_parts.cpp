@@ -4,11 +4,14 @@
 #include <ImathMatrix.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace kiln {
 namespace {
@@ -41,6 +44,13 @@ Imf::Compression exrCompression(const std::string& name) {
   const auto found = kCompressions.find(name);
   if (found != kCompressions.end()) return found->second;
   throw Error(ErrorCode::kUsage, "'" + name + "' is no compression of OpenEXR's that Kiln writes");
+}
+
+int compressingThreads() {
+  const auto wanted = static_cast<int>(std::min(ThreadLimit::active(), 16u));
+  if (wanted < 2) return 0;
+  if (Imf::globalThreadCount() < wanted) Imf::setGlobalThreadCount(wanted);
+  return wanted;
 }
 
 Imf::Header exrHeader(int width, int height, const ImageMetadata& metadata, Imf::Compression compression) {

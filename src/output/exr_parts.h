@@ -37,6 +37,10 @@ Imf::Compression exrCompression(const std::string& name);
 /// Windows and attributes, without channels.
 Imf::Header exrHeader(int width, int height, const ImageMetadata& metadata, Imf::Compression compression);
 
+/// How many of OpenEXR's own threads may compress a file: as many as are in force, none where that is one. They are the
+/// process's, and stay.
+int compressingThreads();
+
 inline half clampedHalf(float v) { return half(std::clamp(v, -65504.0f, 65504.0f)); }
 
 }  // namespace kiln
