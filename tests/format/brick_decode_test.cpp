@@ -15,21 +15,21 @@
 namespace kiln::test {
 namespace {
 
-constexpr std::int64_t kSize = 32;
+constexpr std::int64_t kBrickEdge = 32;
 
 // At the corner of the volume, cut off on one side, with neighbours on the others.
-BrickFrame frameOf(VoxelType type) {
+BrickFrame brickFrame(VoxelType type) {
   BrickFrame out;
   out.key = {0, {1, 0, 1}};
   out.type = type;
-  out.brick_size = kSize;
+  out.brick_size = kBrickEdge;
   out.apron = 6;
   out.geometry.dims = {53, 45, 96};
   return out;
 }
 
 // Slopes, noise and an even part, by the type's own numbers.
-std::vector<std::byte> voxelsOf(const BrickFrame& frame) {
+std::vector<std::byte> brickVoxels(const BrickFrame& frame) {
   const VoxelBox box = frame.stored();
   std::vector<std::byte> out(static_cast<std::size_t>(box.extent().count()) * sizeOf(frame.type));
   std::mt19937 random(5);
@@ -47,13 +47,13 @@ std::vector<std::byte> voxelsOf(const BrickFrame& frame) {
   return out;
 }
 
-std::vector<std::byte> encoded(const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+std::vector<std::byte> encodedBrick(const BrickFrame& frame, const std::vector<std::byte>& voxels) {
   return encodeBrick(
       frame, voxels,
       cellRanges(voxels, frame.type, frame.stored(), frame.core(), static_cast<int>(frame.brick_size / kCellSize)));
 }
 
-void expectVoxels(const BrickBlock& block, const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+void expectBrickVoxels(const BrickBlock& block, const BrickFrame& frame, const std::vector<std::byte>& voxels) {
   const VoxelBox box = frame.stored();
   const std::size_t bytes = sizeOf(frame.type);
   const std::byte* from = voxels.data();
@@ -67,35 +67,35 @@ void expectVoxels(const BrickBlock& block, const BrickFrame& frame, const std::v
   }
 }
 
-constexpr std::array kTypes = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
-                               VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
+constexpr std::array kBrickTypes = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
+                                    VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
 
 TEST(BrickDecode, GivesBackWhatWasEncoded) {
-  for (const VoxelType type : kTypes) {
+  for (const VoxelType type : kBrickTypes) {
     SCOPED_TRACE(nameOf(type));
-    const BrickFrame frame = frameOf(type);
-    const std::vector<std::byte> voxels = voxelsOf(frame);
-    expectVoxels(decodeBrick(frame, encoded(frame, voxels), "b.vdb"), frame, voxels);
+    const BrickFrame frame = brickFrame(type);
+    const std::vector<std::byte> voxels = brickVoxels(frame);
+    expectBrickVoxels(decodeBrick(frame, encodedBrick(frame, voxels), "b.vdb"), frame, voxels);
   }
 }
 
 // Before, Blosc split its blocks by the bytes' places.
 TEST(BrickDecode, ReadsSplitBlocks) {
-  for (const VoxelType type : kTypes) {
+  for (const VoxelType type : kBrickTypes) {
     SCOPED_TRACE(nameOf(type));
-    const BrickFrame frame = frameOf(type);
-    const std::vector<std::byte> voxels = voxelsOf(frame), today = encoded(frame, voxels);
+    const BrickFrame frame = brickFrame(type);
+    const std::vector<std::byte> voxels = brickVoxels(frame), today = encodedBrick(frame, voxels);
     blosc_set_splitmode(BLOSC_FORWARD_COMPAT_SPLIT);
-    const std::vector<std::byte> split = encoded(frame, voxels);
+    const std::vector<std::byte> split = encodedBrick(frame, voxels);
     blosc_set_splitmode(BLOSC_NEVER_SPLIT);
     ASSERT_NE(split, today);
-    expectVoxels(decodeBrick(frame, split, "b.vdb"), frame, voxels);
+    expectBrickVoxels(decodeBrick(frame, split, "b.vdb"), frame, voxels);
   }
 }
 
 TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
-  const BrickFrame frame = frameOf(VoxelType::u16);
-  const std::vector<std::byte> file = encoded(frame, voxelsOf(frame));
+  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const std::vector<std::byte> file = encodedBrick(frame, brickVoxels(frame));
   BrickFrame wider = frame, nearer = frame;
   wider.geometry.dims.x = 54;
   nearer.apron = 5;
@@ -114,8 +114,8 @@ TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
 
 // Damaged values are either refused by name or other values; the sanitizers see whether it is more.
 TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
-  const BrickFrame frame = frameOf(VoxelType::u16);
-  const std::vector<std::byte> whole = encoded(frame, voxelsOf(frame));
+  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
   constexpr std::array kHead = {std::byte{2}, std::byte{1}, std::byte{0x31}, std::byte{4}};
   std::vector<std::size_t> frames;
   for (auto at = whole.begin(); (at = std::search(at, whole.end(), kHead.begin(), kHead.end())) != whole.end(); ++at)

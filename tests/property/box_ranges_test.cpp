@@ -13,11 +13,12 @@ namespace {
 
 template <class T>
 class BoxRanges : public testing::Test {};
-using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, float, double>;
-TYPED_TEST_SUITE(BoxRanges, Types);
+using BoxRangesTypes =
+    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, float, double>;
+TYPED_TEST_SUITE(BoxRanges, BoxRangesTypes);
 
 template <class T>
-VoxelType typeOf() {
+VoxelType voxelTypeOf() {
   VoxelType out = VoxelType::u8;
   for (const VoxelType type : {VoxelType::u8, VoxelType::i8, VoxelType::u16, VoxelType::i16, VoxelType::u32,
                                VoxelType::i32, VoxelType::f32, VoxelType::f64})
@@ -52,7 +53,7 @@ TYPED_TEST(BoxRanges, AreThoseOfTheVoxels) {
     }
     std::vector<std::byte> bytes(values.size() * sizeof values[0]);
     std::memcpy(bytes.data(), values.data(), bytes.size());
-    const std::vector<ValueRange> ranges = boxRanges(bytes, typeOf<TypeParam>(), box, spans);
+    const std::vector<ValueRange> ranges = boxRanges(bytes, voxelTypeOf<TypeParam>(), box, spans);
     ASSERT_EQ(ranges.size(), spans[0].size() * spans[1].size() * spans[2].size());
     auto range = ranges.begin();
     for (const VoxelSpan& z : spans[2]) {

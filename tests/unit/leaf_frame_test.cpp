@@ -12,14 +12,14 @@
 namespace kiln {
 namespace {
 
-struct Setting {
+struct BloscSetting {
   int split = BLOSC_NEVER_SPLIT, shuffle = BLOSC_SHUFFLE;
   std::size_t type_bytes = kBloscTypeBytes;
   const char* codec = BLOSC_LZ4_COMPNAME;
 };
 
 template <class Stored>
-std::vector<std::byte> frameOf(const std::vector<Stored>& values, const Setting& setting = {}) {
+std::vector<std::byte> leafFrameOf(const std::vector<Stored>& values, const BloscSetting& setting = {}) {
   const std::size_t bytes = values.size() * sizeof(Stored);
   std::vector<std::byte> out(bytes + BLOSC_MAX_OVERHEAD);
   blosc_set_splitmode(setting.split);
@@ -33,7 +33,7 @@ std::vector<std::byte> frameOf(const std::vector<Stored>& values, const Setting&
 
 // What voxels are like: noise in their last bits, on something even.
 template <class Stored>
-std::vector<Stored> valuesOf(std::size_t count, double first, double range) {
+std::vector<Stored> leafValuesOf(std::size_t count, double first, double range) {
   std::mt19937 random(static_cast<unsigned>(count));
   std::uniform_real_distribution<double> noise(first, first + range);
   std::vector<Stored> out(count);
@@ -42,8 +42,8 @@ std::vector<Stored> valuesOf(std::size_t count, double first, double range) {
 }
 
 template <class Stored, class T>
-void expectUnpacked(const std::vector<Stored>& values) {
-  const std::vector<std::byte> frame = frameOf(values);
+void expectUnpackedLeaf(const std::vector<Stored>& values) {
+  const std::vector<std::byte> frame = leafFrameOf(values);
   ASSERT_TRUE(isLeafFrame(frame, values.size() * sizeof(Stored))) << values.size();
   using Unpacked = UnpackedFor<Stored, T>;
   std::vector<Unpacked> unpacked(values.size());
@@ -54,29 +54,29 @@ void expectUnpacked(const std::vector<Stored>& values) {
 TEST(LeafFrame, HoldsWhatWentIn) {
   for (const std::size_t count : {512, 511, 384, 216, 64, 36, 1}) {
     SCOPED_TRACE(count);
-    expectUnpacked<std::int32_t, std::uint8_t>(valuesOf<std::int32_t>(count, 90, 40));
-    expectUnpacked<std::int32_t, std::int8_t>(valuesOf<std::int32_t>(count, -20, 40));
-    expectUnpacked<std::int32_t, std::uint16_t>(valuesOf<std::int32_t>(count, 65000, 500));
-    expectUnpacked<std::int32_t, std::int16_t>(valuesOf<std::int32_t>(count, -300, 600));
-    expectUnpacked<std::int32_t, std::int32_t>(valuesOf<std::int32_t>(count, -100000, 200000));
-    expectUnpacked<std::int64_t, std::uint32_t>(valuesOf<std::int64_t>(count, 4e9, 2e8));
-    expectUnpacked<float, float>(valuesOf<float>(count, -1, 2));
-    expectUnpacked<double, double>(valuesOf<double>(count, -1, 2));
-    expectUnpacked<std::int32_t, std::int16_t>(std::vector<std::int32_t>(count, -1024));
-    expectUnpacked<std::int32_t, std::uint8_t>(std::vector<std::int32_t>(count, 200));
+    expectUnpackedLeaf<std::int32_t, std::uint8_t>(leafValuesOf<std::int32_t>(count, 90, 40));
+    expectUnpackedLeaf<std::int32_t, std::int8_t>(leafValuesOf<std::int32_t>(count, -20, 40));
+    expectUnpackedLeaf<std::int32_t, std::uint16_t>(leafValuesOf<std::int32_t>(count, 65000, 500));
+    expectUnpackedLeaf<std::int32_t, std::int16_t>(leafValuesOf<std::int32_t>(count, -300, 600));
+    expectUnpackedLeaf<std::int32_t, std::int32_t>(leafValuesOf<std::int32_t>(count, -100000, 200000));
+    expectUnpackedLeaf<std::int64_t, std::uint32_t>(leafValuesOf<std::int64_t>(count, 4e9, 2e8));
+    expectUnpackedLeaf<float, float>(leafValuesOf<float>(count, -1, 2));
+    expectUnpackedLeaf<double, double>(leafValuesOf<double>(count, -1, 2));
+    expectUnpackedLeaf<std::int32_t, std::int16_t>(std::vector<std::int32_t>(count, -1024));
+    expectUnpackedLeaf<std::int32_t, std::uint8_t>(std::vector<std::int32_t>(count, 200));
   }
 }
 
 TEST(LeafFrame, IsNoOtherFrame) {
-  const auto values = valuesOf<std::int32_t>(512, 0, 1000);
+  const auto values = leafValuesOf<std::int32_t>(512, 0, 1000);
   const std::size_t bytes = values.size() * sizeof values[0];
-  EXPECT_TRUE(isLeafFrame(frameOf(values), bytes));
-  EXPECT_FALSE(isLeafFrame(frameOf(values), bytes - 4));
-  EXPECT_FALSE(isLeafFrame(frameOf(values, {.split = BLOSC_ALWAYS_SPLIT}), bytes));
-  EXPECT_FALSE(isLeafFrame(frameOf(values, {.shuffle = BLOSC_NOSHUFFLE}), bytes));
-  EXPECT_FALSE(isLeafFrame(frameOf(values, {.type_bytes = 2}), bytes));
-  EXPECT_FALSE(isLeafFrame(frameOf(values, {.codec = BLOSC_BLOSCLZ_COMPNAME}), bytes));
-  std::vector<std::byte> frame = frameOf(values);
+  EXPECT_TRUE(isLeafFrame(leafFrameOf(values), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values), bytes - 4));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.split = BLOSC_ALWAYS_SPLIT}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.shuffle = BLOSC_NOSHUFFLE}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.type_bytes = 2}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.codec = BLOSC_BLOSCLZ_COMPNAME}), bytes));
+  std::vector<std::byte> frame = leafFrameOf(values);
   frame.pop_back();
   EXPECT_FALSE(isLeafFrame(frame, bytes));
   for (std::size_t length = 0; length < 24; ++length)
@@ -85,20 +85,20 @@ TEST(LeafFrame, IsNoOtherFrame) {
 
 // Blosc packs what has something in common, and keeps what has not.
 TEST(LeafFrame, IsPackedOrKept) {
-  EXPECT_EQ(keptValues(frameOf(valuesOf<std::int32_t>(512, 0, 1000))), nullptr);
+  EXPECT_EQ(keptValues(leafFrameOf(leafValuesOf<std::int32_t>(512, 0, 1000))), nullptr);
   std::vector<std::int32_t> noise(512);
   std::mt19937 random(1);
   for (std::int32_t& value : noise) value = static_cast<std::int32_t>(random());
-  const std::vector<std::byte> kept = frameOf(noise);
+  const std::vector<std::byte> kept = leafFrameOf(noise);
   ASSERT_TRUE(isLeafFrame(kept, 2048));
   EXPECT_EQ(std::memcmp(keptValues(kept), noise.data(), 2048), 0);
 }
 
 // Where a frame is damaged it is either refused or unpacks to other bytes; the sanitizers see whether it is more.
 TEST(LeafFrame, DamageStaysInItsPlace) {
-  const auto values = valuesOf<std::int32_t>(512, 0, 300);
+  const auto values = leafValuesOf<std::int32_t>(512, 0, 300);
   const std::size_t bytes = values.size() * sizeof values[0];
-  const std::vector<std::byte> whole = frameOf(values);
+  const std::vector<std::byte> whole = leafFrameOf(values);
   std::mt19937 random(2);
   int refused = 0;
   for (int i = 0; i < 2000; ++i) {
