@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -132,27 +133,26 @@ void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& 
   }
 }
 
-void addSamplesOn(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here,
-                  Sheet& next) {
+// Calls add(taps), where they are so few that loops over them are unrolled; taps of 0 else.
+template <class Add>
+HWY_INLINE void withTaps(const FootprintTable& footprint, Add&& add) {
   switch (footprint.taps()) {
     case 3:
-      return addSamplesOf<3>(samples, footprint, here, next);
+      return add(std::integral_constant<int, 3>());
     case 4:
-      return addSamplesOf<4>(samples, footprint, here, next);
+      return add(std::integral_constant<int, 4>());
     default:
-      return addSamplesOf<0>(samples, footprint, here, next);
+      return add(std::integral_constant<int, 0>());
   }
 }
 
+void addSamplesOn(std::span<const SlabSample* const> samples, const FootprintTable& footprint, Sheet& here,
+                  Sheet& next) {
+  withTaps(footprint, [&](auto taps) { addSamplesOf<taps.value>(samples, footprint, here, next); });
+}
+
 void addAovsOn(std::span<const AovSample* const> samples, const FootprintTable& footprint, Sheet& here, Sheet& next) {
-  switch (footprint.taps()) {
-    case 3:
-      return addAovsOf<3>(samples, footprint, here, next);
-    case 4:
-      return addAovsOf<4>(samples, footprint, here, next);
-    default:
-      return addAovsOf<0>(samples, footprint, here, next);
-  }
+  withTaps(footprint, [&](auto taps) { addAovsOf<taps.value>(samples, footprint, here, next); });
 }
 
 }  // namespace

@@ -168,10 +168,9 @@ double SlabFrame::sampleReach() const {
 }
 
 bool SlabFrame::soft(const VoxelBox& block, const SampledRange& range) const {
-  if (!table_.soft(range.values, voxel_length_, false)) return false;
   bool ends = range.gaps || look_.clip->classify(block) != ClipRegion::Overlap::kInside;
   for (int a = 0; a < 3; ++a) ends = ends || block.lo[a] <= 0 || block.hi[a] >= dims_[a];
-  return !ends || table_.soft(range.values, voxel_length_, true);
+  return table_.soft(range.values, voxel_length_, ends);
 }
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {

@@ -199,11 +199,10 @@ class Sweep {
     const UnitRanges ranges = loadUnit(*unit.block, l, f.table().offset(), unit.lo, m_.values);
     if (!f.interesting(ranges.whole.values)) return;
     const int edge = l.voxels[0];
-    if (f.softLattice() == nullptr) return refine(unit, l, ranges.whole.values, 0, edge);
     const auto latticeOf = [&](int first_x, int end_x, const SampledRange& range) {
       const VoxelCoord& lo = unit.lo;
       const VoxelBox block{{lo.x + first_x, lo.y, lo.z}, {lo.x + end_x, lo.y + l.voxels[1], lo.z + l.voxels[2]}};
-      return f.soft(block, range) ? f.softLattice() : &l;
+      return f.softLattice() != nullptr && f.soft(block, range) ? f.softLattice() : &l;
     };
     if (l.blocks == 1) return refine(unit, *latticeOf(0, edge, ranges.whole), ranges.whole.values, 0, edge);
     const int middle = edge / 2;
