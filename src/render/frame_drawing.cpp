@@ -170,12 +170,12 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
     return plan_.bricks->hidden(brick, *visibility_, before);
   });
   // The first bricks, too, are read by all threads.
-  if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
+  announceNext();
   const auto draw = [&](const BrickKey& key, const PixelRect& rect) {
     progress_.throwIfCancelled("rendering");
     std::shared_ptr<const BrickBlock> block = blockOf({key, rect}, all);
     const std::size_t passed = lookahead_->turnOf(key);
-    if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
+    announceNext();
     if (block)
       due_.push_back({std::move(block), rect, {}, {}, {}});
     else

@@ -60,6 +60,9 @@ class FrameDrawing {
   /// What `draw` does where light is composited, and where values are projected.
   void composite(const PixelRect& pixels, Image& image);
   void project(const PixelRect& pixels, Image& image);
+  void announceNext() {
+    if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
+  }
   /// The same of several volumes.
   void mix(const TilePixels& all);
   void mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles);

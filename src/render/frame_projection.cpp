@@ -39,6 +39,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
   // Nothing is opaque here: what lies behind something is no guess.
   lookahead_.emplace(std::move(with_file),
                      [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick, values); });
+  announceNext();
   part_.emplace(progress_, "bricks", bricks.size());
   std::uint64_t passed = 0;
   for (const BrickInView& brick : bricks) {
@@ -53,7 +54,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
     if (!store_.index().at(brick.key).constant) {
       block = cache_.get(brick.key);
       lookahead_->turnOf(brick.key);
-      if (cache_.readsAhead()) cache_.announce(lookahead_->next(kAnnounced));
+      announceNext();
       if (!block) {
         statistics_.damaged.insert({brick.key});
         continue;

@@ -26,11 +26,13 @@ struct ColumnBounds {
   KILN_VECTORS void set(std::size_t to, const T* from_lo, const T* from_hi, std::size_t stride, std::size_t rows,
                         std::size_t columns) noexcept {
     constexpr std::size_t kAtATime = 32;
-    for (std::size_t x = 0; x < columns; x += kAtATime) {
-      // Where fewer are left, some of them again.
-      if (columns >= kAtATime) setSome<kAtATime>(to, from_lo, from_hi, stride, rows, std::min(x, columns - kAtATime));
+    if (columns < kAtATime) {
+      for (std::size_t x = 0; x < columns; ++x) setSome<1>(to, from_lo, from_hi, stride, rows, x);
+      return;
     }
-    for (std::size_t x = 0; columns < kAtATime && x < columns; ++x) setSome<1>(to, from_lo, from_hi, stride, rows, x);
+    // Where fewer are left, some of them again.
+    for (std::size_t x = 0; x < columns; x += kAtATime)
+      setSome<kAtATime>(to, from_lo, from_hi, stride, rows, std::min(x, columns - kAtATime));
   }
 
   // Of `count` columns together.

@@ -12,7 +12,7 @@
 
 namespace kiln {
 
-/// Voxels [lo, hi) along an axis; none where lo >= hi.
+/// Voxels [lo, hi) along an axis; none where lo == hi. requires: lo <= hi.
 struct VoxelSpan {
   std::int64_t lo = 0, hi = 0;
 };

@@ -108,6 +108,32 @@ class TopologyWriter {
   const bool half_;
 };
 
+// Instead of writing bytes, compares them with those that are there.
+class Matcher : public std::streambuf {
+ public:
+  explicit Matcher(std::span<const std::byte> expected) : expected_(expected) {}
+  /// How many there were; 0 where one differs, or is not there.
+  std::size_t matched() const { return same_ ? at_ : 0; }
+
+ protected:
+  std::streamsize xsputn(const char* from, std::streamsize count) override {
+    const auto bytes = static_cast<std::size_t>(count);
+    same_ = same_ && bytes <= expected_.size() - at_ && std::memcmp(expected_.data() + at_, from, bytes) == 0;
+    at_ += same_ ? bytes : 0;
+    return count;
+  }
+  int_type overflow(int_type c) override {
+    const char byte = traits_type::to_char_type(c);
+    xsputn(&byte, 1);
+    return c;
+  }
+
+ private:
+  const std::span<const std::byte> expected_;
+  std::size_t at_ = 0;
+  bool same_ = true;
+};
+
 // What Archive::write does, with the leaves' values as they come.
 class PackedArchive : public openvdb::io::Archive {
  public:
@@ -209,17 +235,12 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   lengths_.push_back(static_cast<std::int64_t>(size_ - before));
 }
 
-std::size_t topologyBytes(std::size_t leaves) {
-  // A brick and its apron lie in at most 27 nodes of leaves, and these in 8.
-  return leaves * PackedLeaves::Mask::memUsage() + (std::size_t{128} << 10);
-}
-
-std::vector<std::byte> topologyOf(std::span<const PackedLeaves::Leaf> leaves, std::size_t value_bytes, bool as_half) {
-  MemoryWriter buffer;
-  buffer.reserve(topologyBytes(leaves.size()));
-  std::ostream out(&buffer);
+std::size_t matchTopology(std::span<const std::byte> file, std::span<const PackedLeaves::Leaf> leaves,
+                          std::size_t value_bytes, bool as_half) {
+  Matcher matcher(file);
+  std::ostream out(&matcher);
   TopologyWriter(out, value_bytes, as_half).write(leaves);
-  return buffer.take();
+  return matcher.matched();
 }
 
 std::vector<std::byte> archiveOf(std::span<const PackedGrid> grids, const openvdb::MetaMap& metadata) {

@@ -75,11 +75,10 @@ struct PackedGrid {
   PackedLeaves leaves;
 };
 
-/// The bytes of the topology of a tree of such leaves and nothing else, as its file has them. requires: the order of a
-/// tree.
-std::vector<std::byte> topologyOf(std::span<const PackedLeaves::Leaf> leaves, std::size_t value_bytes, bool as_half);
-/// What that takes of a brick's grid, at most. unit: bytes.
-std::size_t topologyBytes(std::size_t leaves);
+/// How many bytes of `file` are the topology of a tree of such leaves and nothing else; 0 where it begins otherwise.
+/// requires: the order of a tree.
+std::size_t matchTopology(std::span<const std::byte> file, std::span<const PackedLeaves::Leaf> leaves,
+                          std::size_t value_bytes, bool as_half);
 
 /// The bytes of the file, but for the random UUID in it: Blosc, active-mask compression, grid offsets.
 std::vector<std::byte> archiveOf(std::span<const PackedGrid> grids, const openvdb::MetaMap& metadata);

@@ -24,7 +24,7 @@ inline std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
 inline VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
 inline VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-/// The leaves that have voxels in a box, x fastest.
+/// The leaves that have voxels in a box, x fastest. requires: coordinates of 0 and more.
 struct LeafLattice {
   VoxelCoord first;
   Extent3 size;

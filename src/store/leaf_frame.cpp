@@ -33,7 +33,7 @@ bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept {
   std::memcpy(&block, frame.data() + sizeof head, sizeof block);
   return head.of_codec == kOfLz4 && head.flags == (kShuffled | kNotSplit | kLz4) &&
          head.type_bytes == kBloscTypeBytes && head.block_bytes == bytes && block.at == sizeof head + sizeof block.at &&
-         block.packed_bytes == frame.size() - kBlockAt;
+         block.packed_bytes == frame.size() - kBlockAt && block.packed_bytes < bytes;
 }
 
 const std::byte* keptValues(std::span<const std::byte> frame) noexcept {
@@ -44,11 +44,6 @@ const std::byte* keptValues(std::span<const std::byte> frame) noexcept {
 bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size_t wanted,
                   std::uint8_t* planes) noexcept {
   const std::span<const std::byte> packed = frame.subspan(kBlockAt);
-  // A block that LZ4 does not make smaller is only shuffled.
-  if (packed.size() == bytes) {
-    std::memcpy(planes, packed.data(), wanted);
-    return true;
-  }
   const auto* const from = reinterpret_cast<const char*>(packed.data());
   auto* const to = reinterpret_cast<char*>(planes);
   const auto size = static_cast<int>(packed.size()), capacity = static_cast<int>(bytes);

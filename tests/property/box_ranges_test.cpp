@@ -14,7 +14,7 @@ namespace {
 template <class T>
 class BoxRanges : public testing::Test {};
 using BoxRangesTypes =
-    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, float, double>;
+    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>;
 TYPED_TEST_SUITE(BoxRanges, BoxRangesTypes);
 
 template <class T>
@@ -39,7 +39,8 @@ TYPED_TEST(BoxRanges, AreThoseOfTheVoxels) {
     if constexpr (std::is_floating_point_v<TypeParam>) {
       const auto more = random() % 4;
       for (TypeParam& value : values) value = random() % 4 < more ? std::nan("") : value;
-      values[random() % values.size()] = -std::numeric_limits<TypeParam>::infinity();
+      for (const int sign : {-1, 1})
+        values[random() % values.size()] = static_cast<TypeParam>(sign) * std::numeric_limits<TypeParam>::infinity();
     }
     std::array<std::vector<VoxelSpan>, 3> spans;
     for (int axis = 0; axis < 3; ++axis) {

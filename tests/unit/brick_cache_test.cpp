@@ -56,6 +56,9 @@ TEST_F(BrickCacheTest, ReadsABrickOnceHoweverOftenItIsWanted) {
 TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
   for (std::uint64_t percent = 100; percent <= 600; percent += 125) {
     BrickCache cache(*store_, largest_ * percent / 100, 2);
+    std::vector<NextBrick> first = after(0, 4);
+    first.insert(first.begin(), {{keys_[0]}, true});
+    cache.announce(first);
     for (std::size_t i = 0; i < keys_.size(); ++i) {
       const auto block = cache.get(keys_[i]);
       cache.announce(after(i, 5));

@@ -94,7 +94,7 @@ TEST(LeafFrame, IsPackedOrKept) {
   EXPECT_EQ(std::memcmp(keptValues(kept), noise.data(), 2048), 0);
 }
 
-// Where a frame is damaged it is either refused or unpacks to other bytes; the sanitizers see whether it is more.
+// Where a frame is damaged it is either refused or unpacks to other bytes, and to no more of them.
 TEST(LeafFrame, DamageStaysInItsPlace) {
   const auto values = leafValuesOf<std::int32_t>(512, 0, 300);
   const std::size_t bytes = values.size() * sizeof values[0];
@@ -105,8 +105,10 @@ TEST(LeafFrame, DamageStaysInItsPlace) {
     std::vector<std::byte> frame = whole;
     for (int n = 0; n < 4; ++n) frame[24 + random() % (frame.size() - 24)] = static_cast<std::byte>(random());
     ASSERT_TRUE(isLeafFrame(frame, bytes));
-    const std::unique_ptr<std::uint8_t[]> planes(new std::uint8_t[bytes]);
-    refused += unpackPlanes(frame, bytes, i % 2 == 0 ? bytes : bytes / 4, planes.get()) ? 0 : 1;
+    std::vector<std::uint8_t> planes(bytes + 64, 0xa5);
+    refused += unpackPlanes(frame, bytes, i % 2 == 0 ? bytes : bytes / 4, planes.data()) ? 0 : 1;
+    ASSERT_TRUE(std::all_of(planes.begin() + static_cast<std::ptrdiff_t>(bytes), planes.end(),
+                            [](std::uint8_t byte) { return byte == 0xa5; }));
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, 2000);
