@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "store/brick_archive.h"
 #include "store/brick_file.h"
+#include "store/half_values.h"
 #include "store/leaf_frame.h"
 #include "store/leaf_turn.h"
 
@@ -98,14 +99,14 @@ class LeafReader {
   /// than those of active voxels. Then the next leaf is in turn. Else the result is empty, and `read` takes the leaf.
   std::span<const std::byte> frame(const Mask& active) {
     const std::span<const std::byte> out = packedBytes(active);
-    if (half_ || out.empty() || !isLeafFrame(out, active.countOn() * sizeof(Value))) return {};
+    if (out.empty() || !isLeafFrame(out, active.countOn() * storedBytes())) return {};
     buffer_.skip(kHead + out.size());
     return out;
   }
   /// Whether `read` may have the next leaf: Blosc and OpenVDB believe what it says of its length.
   bool isSound(const Mask& active) const {
     if (!packed_) return true;
-    const std::size_t bytes = active.countOn() * (half_ ? sizeof(openvdb::math::half) : sizeof(Value));
+    const std::size_t bytes = active.countOn() * storedBytes();
     const std::span<const std::byte> packed = packedBytes(active);
     if (packed.empty()) return lengthOf(active) == -static_cast<std::int64_t>(bytes);
     std::size_t unpacked = 0;
@@ -124,6 +125,7 @@ class LeafReader {
   // The mask, what of the others is there, and how many bytes follow; of values that are as they were, less than zero.
   static constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
 
+  std::size_t storedBytes() const { return half_ ? sizeof(openvdb::math::half) : sizeof(Value); }
   // 0 where the next leaf is no such one.
   std::int64_t lengthOf(const Mask& active) const {
     const std::span<const std::byte> rest = buffer_.rest();
@@ -239,10 +241,19 @@ class Decoder {
     alignas(64) UnpackedFor<Value, T> values[Leaf::SIZE];
     packed.forEach([&](const VoxelBox& part, std::span<const std::byte> frame) {
       const Extent3 n = part.extent();
-      if (!unpackLeaf<Value>(frame, static_cast<std::size_t>(n.count()), values))
+      const auto count = static_cast<std::size_t>(n.count());
+      if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
         fail(grid.getName() + " has values that do not unpack");
       copyLeaf(values, {n.y * n.z, n.z}, part);
     });
+  }
+
+  template <class Value>
+  static bool unpackHalves(std::span<const std::byte> frame, std::size_t count, Value* out) {
+    alignas(64) std::uint16_t bits[kLeaf * kLeaf * kLeaf];
+    if (!unpackLeaf<std::uint16_t>(frame, count, bits)) return false;
+    for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<Value>(floatOfHalf(bits[i]));
+    return true;
   }
 
   // A brick's grid has one topology, with which the file's is compared.

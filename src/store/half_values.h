@@ -1,5 +1,5 @@
-// Floats as halves: the bits that one makes, and, many at once, does every one of them survive it? Internal, and not
-// installed.
+// Floats as halves: the bits that one makes, and what they make; and, many at once, does every one of them survive it?
+// Internal, and not installed.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,11 @@
 namespace kiln {
 
 inline std::uint16_t halfBitsOf(float value) { return openvdb::math::half(value).bits(); }
+inline float floatOfHalf(std::uint16_t bits) {
+  openvdb::math::half value;
+  value.setBits(bits);
+  return value;
+}
 
 /// Whether every value comes back bit for bit from a half.
 inline bool fitHalf(std::span<const float> values) {

@@ -24,7 +24,7 @@ constexpr std::uint8_t kShuffled = 1, kKept = 1 << 1, kNotSplit = 1 << 4, kLz4 =
 
 bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept {
   FrameHead head;
-  if (frame.size() < sizeof head) return false;
+  if (frame.size() < sizeof head || bytes % kBloscTypeBytes != 0) return false;
   std::memcpy(&head, frame.data(), sizeof head);
   if (head.version != kVersion || head.bytes != bytes || head.frame_bytes != frame.size()) return false;
   if ((head.flags & kKept) != 0) return frame.size() == sizeof head + bytes;

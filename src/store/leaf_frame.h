@@ -18,7 +18,7 @@ namespace kiln {
 /// Numbers are shuffled as so many bytes each, whatever their type.
 inline constexpr std::size_t kBloscTypeBytes = 4;
 
-/// Whether it is such a frame of so many bytes of values, a multiple of kBloscTypeBytes.
+/// Whether it is such a frame of so many bytes of values, and these a multiple of kBloscTypeBytes.
 bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept;
 
 /// The values of such a frame where they are as they were; null where they are packed.
@@ -29,15 +29,19 @@ const std::byte* keptValues(std::span<const std::byte> frame) noexcept;
 bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size_t wanted,
                   std::uint8_t* planes) noexcept;
 
-/// The numbers of those bytes: `count` of them, of one or two bytes the lower ones of four.
-template <class T>
+/// The numbers of those bytes: `count` of type Stored, of which a T of fewer bytes is the lower ones. requires: Stored
+/// is a T, or a whole number of four bytes; count · sizeof(Stored) a multiple of four.
+template <class Stored, class T>
 KILN_VECTORS void joinPlanes(const std::uint8_t* __restrict planes, std::size_t count, T* __restrict out) noexcept {
-  if constexpr (sizeof(T) == 1) {
-    std::memcpy(out, planes, count);
-  } else if constexpr (sizeof(T) == 2) {
-    for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<T>(planes[i] | planes[count + i] << 8);
+  if constexpr (sizeof(T) < sizeof(Stored)) {
+    static_assert(sizeof(Stored) == kBloscTypeBytes && sizeof(T) <= 2);
+    if constexpr (sizeof(T) == 1) {
+      std::memcpy(out, planes, count);
+    } else {
+      for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<T>(planes[i] | planes[count + i] << 8);
+    }
   } else {
-    const std::size_t n = count * (sizeof(T) / kBloscTypeBytes);
+    const std::size_t n = count * sizeof(T) / kBloscTypeBytes;
     auto* const to = reinterpret_cast<std::byte*>(out);
     for (std::size_t i = 0; i < n; ++i) {
       const std::uint32_t four = planes[i] | std::uint32_t{planes[n + i]} << 8 |
@@ -65,7 +69,7 @@ bool unpackLeaf(std::span<const std::byte> frame, std::size_t count, T* out) noe
   }
   alignas(64) std::uint8_t planes[kLeaf * kLeaf * kLeaf * sizeof(Stored)];
   if (!unpackPlanes(frame, count * sizeof(Stored), count * sizeof(T), planes)) return false;
-  joinPlanes(planes, count, out);
+  joinPlanes<Stored>(planes, count, out);
   return true;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -86,6 +87,21 @@ void expectBrickVoxels(const BrickBlock& block, const BrickFrame& frame, const s
 
 constexpr std::array kBrickTypes = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
                                     VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
+
+// Which are kept as such.
+TEST(BrickDecode, GivesBackHalves) {
+  for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
+    const BrickFrame frame = brickFrame(type);
+    std::vector<std::byte> voxels = brickVoxels(frame);
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      T* const values = reinterpret_cast<T*>(voxels.data());
+      std::transform(values, values + voxels.size() / sizeof(T), values, [](T v) { return std::round(8 * v) / 4; });
+    });
+    const std::vector<std::byte> file = encodedBrick(frame, voxels);
+    EXPECT_LT(file.size(), encodedBrick(frame, brickVoxels(frame)).size());
+    expectBrickVoxels(decodeBrick(frame, file, "b.vdb"), frame, voxels);
+  }
+}
 
 TEST(BrickDecode, GivesBackWhatWasEncoded) {
   for (const VoxelType type : kBrickTypes) {

@@ -60,6 +60,7 @@ TEST(LeafFrame, HoldsWhatWentIn) {
     expectUnpackedLeaf<std::int32_t, std::int16_t>(leafValuesOf<std::int32_t>(count, -300, 600));
     expectUnpackedLeaf<std::int32_t, std::int32_t>(leafValuesOf<std::int32_t>(count, -100000, 200000));
     expectUnpackedLeaf<std::int64_t, std::uint32_t>(leafValuesOf<std::int64_t>(count, 4e9, 2e8));
+    if (count % 2 == 0) expectUnpackedLeaf<std::uint16_t, std::uint16_t>(leafValuesOf<std::uint16_t>(count, 3000, 800));
     expectUnpackedLeaf<float, float>(leafValuesOf<float>(count, -1, 2));
     expectUnpackedLeaf<double, double>(leafValuesOf<double>(count, -1, 2));
     expectUnpackedLeaf<std::int32_t, std::int16_t>(std::vector<std::int32_t>(count, -1024));
