@@ -58,7 +58,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--interpolation", o.interpolation)->check(CLI::IsMember(names))->capture_default_str();
   app.add_option("--reference-interpolation", o.reference_interpolation, "that of --interpolation if not given")
       ->check(CLI::IsMember(names));
-  app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
+  app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4, 16}))->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_option("--sample-distance", o.sample_distance, "between samples, in voxels")->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
