@@ -59,8 +59,8 @@ constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
 // half of their samples wait at a time: 8 a cubic pixel of 32 bytes make 1.2 KiB. Measured over flames and bone in skin
 // of three volumes at 0.3 to 2 pixels a voxel: 1.7 KiB at the most.
 constexpr std::uint64_t kSweepBytesOfPixel = 1800;
-// As many samples and sheets again, of what is told beside colours.
-constexpr std::uint64_t kSweepBytesOfAovs = 1800;
+// The same where samples are nearer than by default: 2.3 KiB at the most, at a quarter of a voxel.
+constexpr std::uint64_t kSweepBytesOfNearPixel = 2800;
 constexpr std::uint64_t kSweepMargin = 4;
 // A unit's voxels and samples.
 constexpr std::uint64_t kUnitBytes = 512u << 10;
@@ -71,7 +71,10 @@ constexpr int kLeastSweep = 16;
 std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std::int64_t brick_size) {
   const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
-  const std::uint64_t of_pixel = kSweepBytesOfPixel + (job.picture.aovs.any() ? kSweepBytesOfAovs : 0);
+  const bool near = job.picture.sample_distance < kSampleDistance;
+  // As many samples and sheets again are of what is told beside colours.
+  const std::uint64_t of_pixel =
+      (near ? kSweepBytesOfNearPixel : kSweepBytesOfPixel) * (job.picture.aovs.any() ? 2 : 1);
   const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
   const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
   return threads * (padded * padded * volumes * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);

@@ -52,5 +52,24 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
   fs::remove_all(directory);
 }
 
+// Nearer samples are more of them that wait for their slabs: flames over a head are the most that there are.
+TEST(MemoryBudget, NearSamplesAreWithinTheirAccount) {
+  const fs::path input = fs::path(KILN_TEST_DATA_DIR) / "cthead_256x256x113_u16le.nrrd";
+  if (!fs::exists(input)) GTEST_SKIP() << input << " is not here; samples that wait are not counted on real data";
+  const fs::path directory = freshDirectory("near_samples");
+  const fs::path store = directory / "head.kiln";
+  ASSERT_EQ(runTool({"convert", input, store, "--spacing", "1,1,2"}).exit_code, 0);
+  for (const char* const voxels : {"0.25", "0.5"}) {
+    const ToolResult result = runTool({"render", store, "-o", directory / "p.exr", "--size", "256x256", "--tf", "fire",
+                                       "--projection", "perspective", "--zoom", "1.44", "--threads", "1",
+                                       "--sample-distance", voxels, "--stats", directory / "s.json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json memory = statisticsIn(directory / "s.json")["memory"];
+    EXPECT_LE(memory["peak_slabs_bytes"], memory["slabs_bytes"]) << voxels;
+    EXPECT_GE(memory["peak_slabs_bytes"].get<double>(), 0.3 * memory["slabs_bytes"].get<double>()) << voxels;
+  }
+  fs::remove_all(directory);
+}
+
 }  // namespace
 }  // namespace kiln::test
