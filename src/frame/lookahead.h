@@ -25,8 +25,8 @@ class Lookahead {
   /// The turn of a brick has come: how many have had theirs, it and those that were passed over with them. requires:
   /// calls in the order of the frame.
   std::size_t turnOf(const BrickKey& brick);
-  /// What comes after it, or first of all, up to `count` bricks that are to be read ahead. thread: not while tiles are drawn. cost: one
-  /// or two tests for each brick looked at, a bounded number of them.
+  /// What comes after it, or first of all, up to `count` bricks that are to be read ahead. thread: not while tiles are
+  /// drawn. cost: one or two tests for each brick looked at, a bounded number of them.
   std::vector<NextBrick> next(std::size_t count);
   /// A brick whose turn had come is drawn, and has changed a pixel, or has not.
   void drew(const BrickKey& key, bool changed);

@@ -149,32 +149,6 @@ class LeafReader {
   typename Leaf::Buffer spare_;
 };
 
-// The frames of leaves, in the order in which a block has the voxels: in that of the tree, each cache line of it would
-// be written four times, long after one another.
-class PackedParts {
- public:
-  explicit PackedParts(const VoxelBox& box) : lattice_(box), parts_(lattice_.count()) {}
-
-  void add(const VoxelBox& part, std::span<const std::byte> frame) {
-    parts_[lattice_.indexOf(part.lo)] = {part, frame};
-  }
-  /// Calls f(part, frame).
-  template <class F>
-  void forEach(F&& f) const {
-    for (const Part& part : parts_) {
-      if (!part.frame.empty()) f(part.box, part.frame);
-    }
-  }
-
- private:
-  struct Part {
-    VoxelBox box;
-    std::span<const std::byte> frame;
-  };
-  LeafLattice lattice_;
-  std::vector<Part> parts_;
-};
-
 template <class T>
 class Decoder {
  public:
@@ -225,21 +199,33 @@ class Decoder {
   void takeVoxels(Grid& grid, bool core) {
     using Leaf = typename LeafReader<Grid>::Leaf;
     using Value = typename LeafReader<Grid>::Value;
-    skipTopology(grid, core);
-    LeafReader<Grid> leaves(grid, buffer_, in_);
-    PackedParts packed(core ? core_ : stored_);
+    const VoxelBox& box = core ? core_ : stored_;
+    const LeafLattice lattice(box);
+    std::vector<PackedLeaves::Leaf> leaves;
+    leaves.reserve(lattice.count());
     forEachLeafOfGrid(core_, stored_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      const auto active = maskOf(origin, part);
-      if (const auto frame = leaves.frame(active); !frame.empty()) return packed.add(part, frame);
-      if (!leaves.isSound(active)) fail(grid.getName() + " has values that do not unpack");
-      Leaf leaf(openvdb::PartialCreate(), coordOf(origin));
-      leaf.setValueMask(active);
-      leaves.read(leaf, [&](const Leaf& whole) {
+      leaves.push_back({coordOf(origin), maskOf(origin, part)});
+    });
+    skipTopology(grid, leaves);
+    LeafReader<Grid> reader(grid, buffer_, in_);
+    std::vector<std::span<const std::byte>> frames(lattice.count());
+    for (const PackedLeaves::Leaf& place : leaves) {
+      const VoxelCoord origin = voxelOf(place.origin);
+      auto& frame = frames[lattice.indexOf(origin)];
+      frame = reader.frame(place.active);
+      if (!frame.empty()) continue;
+      if (!reader.isSound(place.active)) fail(grid.getName() + " has values that do not unpack");
+      Leaf leaf(openvdb::PartialCreate(), place.origin);
+      leaf.setValueMask(place.active);
+      reader.read(leaf, [&](const Leaf& whole) {
+        const VoxelBox part = intersection(leafAt(origin), box);
         copyLeaf(whole.buffer().data() + Leaf::coordToOffset(coordOf(part.lo)), {kLeaf * kLeaf, kLeaf}, part);
       });
-    });
+    }
     alignas(64) UnpackedFor<Value, T> values[Leaf::SIZE];
-    packed.forEach([&](const VoxelBox& part, std::span<const std::byte> frame) {
+    forEachLeaf(box, [&](const VoxelBox& part) {
+      const auto frame = frames[lattice.indexOf(part.lo)];
+      if (frame.empty()) return;
       const Extent3 n = part.extent();
       const auto count = static_cast<std::size_t>(n.count());
       if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
@@ -258,12 +244,7 @@ class Decoder {
 
   // A brick's grid has one topology, with which the file's is compared.
   template <class Grid>
-  void skipTopology(const Grid& grid, bool core) {
-    std::vector<PackedLeaves::Leaf> leaves;
-    leaves.reserve(LeafLattice(core ? core_ : stored_).count());
-    forEachLeafOfGrid(core_, stored_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
-      leaves.push_back({coordOf(origin), maskOf(origin, part)});
-    });
+  void skipTopology(const Grid& grid, std::span<const PackedLeaves::Leaf> leaves) {
     const std::size_t bytes =
         matchTopology(buffer_.rest(), leaves, sizeof(typename Grid::ValueType), grid.saveFloatAsHalf());
     if (bytes == 0) fail(grid.getName() + " is not the tree of this brick's voxels");
@@ -412,8 +393,9 @@ std::size_t blockBytes(const BrickFrame& frame) {
 }
 
 std::size_t decodeBytes(const BrickFrame& frame) {
-  // One grid's topology at a time, or the tree of its cells.
-  const std::size_t topology = LeafLattice(frame.stored()).count() * sizeof(PackedLeaves::Leaf);
+  // One grid's leaves and frames at a time, or the tree of its cells.
+  const std::size_t leaves =
+      LeafLattice(frame.stored()).count() * (sizeof(PackedLeaves::Leaf) + sizeof(std::span<const std::byte>));
   const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
   // Leaves of some 100 bytes, and two nodes above them: 8 bytes a child and two masks.
   const std::int64_t edge = frame.brick_size / kCellSize;
@@ -422,7 +404,7 @@ std::size_t decodeBytes(const BrickFrame& frame) {
   // Both have gone when cells' supports are computed.
   const std::size_t supports =
       CellSupports::bytesFor(edge) + CellSupports::scratchBytes(frame.brick_size, frame.apron, frame.type);
-  return std::max({topology, cell_tree, supports}) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
+  return std::max({leaves, cell_tree, supports}) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
 }
 
 }  // namespace kiln

@@ -19,18 +19,6 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// Calls leaf(part) for each 8³ leaf that has voxels in `box`, in the order in which a block has them.
-template <class F>
-void forEachLeaf(const VoxelBox& box, F&& leaf) {
-  for (std::int64_t z = leafBelow(box.lo.z); z < box.hi.z; z += kLeaf) {
-    for (std::int64_t y = leafBelow(box.lo.y); y < box.hi.y; y += kLeaf) {
-      for (std::int64_t x = leafBelow(box.lo.x); x < box.hi.x; x += kLeaf) {
-        leaf(intersection(leafAt({x, y, z}), box));
-      }
-    }
-  }
-}
-
 template <class T>
 class Encoder {
  public:
