@@ -26,11 +26,6 @@ EndVoxels endVoxelsOf(const Extent3& finest, const Extent3& dims, const Extent3&
   return out;
 }
 
-double halfSmallestEdge(const VolumeGeometry& geometry) {
-  const glm::dvec3 spacing = geometry.spacing();
-  return 0.5 * std::min({spacing.x, spacing.y, spacing.z});
-}
-
 }  // namespace
 
 FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area,
@@ -46,7 +41,7 @@ FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const
     }
     if (l < finest_) continue;
     // All levels of a frame end at the same distance from the eye.
-    const double near_depth = halfSmallestEdge(volume.levels[static_cast<std::size_t>(finest_)].geometry);
+    const double near_depth = 0.5 * volume.levels[static_cast<std::size_t>(finest_)].geometry.shortestEdge();
     levels_.push_back({geometry.dims, Projector(geometry, view, area, near_depth),
                        endVoxelsOf(volume.geometry().dims, geometry.dims, span),
                        ClipRegion(clipping, volume.geometry(), span), span, longestHalvedEdge(geometry, span)});

@@ -1,5 +1,6 @@
 #include "grid/geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -15,6 +16,11 @@ glm::dvec3 VolumeGeometry::spacing() const {
 }
 
 double VolumeGeometry::voxelVolume() const { return std::abs(glm::determinant(glm::dmat3(world_from_index))); }
+
+double VolumeGeometry::shortestEdge() const {
+  const glm::dvec3 edges = spacing();
+  return std::min({edges.x, edges.y, edges.z});
+}
 
 double VolumeGeometry::meanSpacing() const { return std::cbrt(voxelVolume()); }
 

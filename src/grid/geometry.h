@@ -25,6 +25,8 @@ struct VolumeGeometry {
   glm::dvec3 worldOf(const glm::dvec3& index) const { return glm::dvec3(world_from_index * glm::dvec4(index, 1.0)); }
   /// The lengths of the three voxel edges. unit: world.
   glm::dvec3 spacing() const;
+  /// The shortest of them. unit: world.
+  double shortestEdge() const;
   /// unit: world³.
   double voxelVolume() const;
   /// The edge of the cube that has the voxel's volume: the default unit of opacity. unit: world.

@@ -30,7 +30,7 @@ void requireParts(const RenderJob& job) {
   if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
   if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
   if (picture.lattice != Lattice::kPixel) refuse("the voxel lattice is not drawn in parts");
-  if (picture.samples != 1) refuse("a pixel is one sample");
+  if (oversamples(picture)) refuse("a pixel is one sample");
   if (const char* const view = viewWithoutTiles(job)) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));

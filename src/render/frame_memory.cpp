@@ -98,7 +98,7 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
 
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job,
                         std::uint64_t brick_bytes) {
-  const int edge = subPixelsAlongEdge(job.picture.samples);
+  const int edge = subPixelsAlongEdge(job.picture.samples.value_or(1));
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);

@@ -88,7 +88,8 @@ std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<Store
   return out;
 }
 
-FrameMemory memoryOf(const RenderJob& job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes) {
+FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes) {
+  job.picture.samples = scenes.mostSamples();
   std::uint64_t least = 0;
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())

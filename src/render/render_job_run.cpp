@@ -45,7 +45,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.interpolation = picture.interpolation;
   request.sample_distance = picture.sample_distance;
   request.crop = picture.crop;
-  request.samples = picture.samples;
+  request.samples = picture.samples.value_or(1);
   request.aovs = picture.aovs;
   request.level = picture.level;
   request.visibility = speed.visibility;

@@ -1,8 +1,11 @@
 #include "scene/frame_scene.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "base/error.h"
+#include "scene/auto_samples.h"
+#include "scene/framing.h"
 #include "scene/presets.h"
 #include "scene/transfer_function_fade.h"
 
@@ -52,12 +55,34 @@ TransferFunction SceneOfJob::Functions::at(int frame) const {
   return faded(values[i], values[i + 1], t);
 }
 
+Camera SceneOfJob::cameraOf(int frame) const {
+  return cameraAt(job_.animation.camera, job_.picture.camera, frame, geometry_, job_.picture.size);
+}
+
+int SceneOfJob::samplesOf(const Camera& camera) const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  return automaticSamples(job_, camera, centreOf(geometry_), manifests_);
+}
+
+int SceneOfJob::mostSamples() const {
+  int most = 1;
+  for (const int frame : framesOf(job_)) {
+    try {
+      most = std::max(most, samplesOf(cameraOf(frame)));
+    } catch (const Error&) {
+      // Whoever draws the frame says so, with its number.
+    }
+  }
+  return most;
+}
+
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
   FrameScene out{job_.picture, {}, functions_.front().at(frame), {}};
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
-  out.camera = cameraAt(animation.camera, out.picture.camera, frame, geometry_, out.picture.size);
+  out.camera = cameraOf(frame);
+  out.picture.samples = samplesOf(out.camera);
   const auto between = [&](const auto& keys) {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
     return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);

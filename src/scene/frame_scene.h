@@ -17,7 +17,8 @@ struct VolumeScene {
 };
 
 struct FrameScene {
-  PictureOptions picture;  // its camera and transfer function are the still picture's: those below are drawn
+  /// Its samples are a number. Its camera and transfer function are the still picture's: those below are drawn.
+  PictureOptions picture;
   Camera camera;
   TransferFunction transfer_function;
   std::vector<VolumeScene> volumes;  // where there are several; the first's function is also above
@@ -37,6 +38,8 @@ class SceneOfJob {
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
+  /// That a pixel of any frame takes; a frame whose camera cannot be used has none.
+  int mostSamples() const;
   /// Of a volume: the still one, or of the first key.
   const TransferFunction& functionOf(std::size_t volume) const { return functions_[volume].values.front(); }
 
@@ -48,6 +51,8 @@ class SceneOfJob {
     TransferFunction at(int frame) const;
   };
   const Manifest& manifest() const { return *manifests_.front(); }
+  Camera cameraOf(int frame) const;
+  int samplesOf(const Camera& camera) const;
 
   const RenderJob& job_;
   const std::vector<const Manifest*> manifests_;

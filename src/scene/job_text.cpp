@@ -126,7 +126,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   if (picture.lattice == Lattice::kPixel) out["interpolation"] = nameIn(kInterpolationNames, picture.interpolation);
   if (picture.lattice == Lattice::kPixel) out["sampleDistance"] = picture.sample_distance;
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
-  out["samples"] = picture.samples;
+  out["samples"] = picture.samples ? ordered_json(*picture.samples) : ordered_json("auto");
   if (picture.skip_damaged) out["skipDamaged"] = true;
   // A file name need not be UTF-8; JSON must be.
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

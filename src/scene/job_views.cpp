@@ -20,7 +20,7 @@ void requireDeep(const RenderJob& job, const fs::path& path) {
   if (path.extension() != ".exr") refuse(path, "the name", "ends in .exr");
   if (picture.mode != Mode::kComposite) refuse(path, "--mode", "is composite: nothing else has a depth");
   if (picture.lattice != Lattice::kPixel) refuse(path, "--lattice", "is pixel, whose slabs are its samples");
-  if (picture.samples != 1) refuse(path, "--samples", "is 1: draw it larger, and make it smaller when it is flat");
+  if (oversamples(picture)) refuse(path, "--samples", "is 1: draw it larger, and make it smaller when it is flat");
   if (compression == "piz" || compression.starts_with("dwa")) refuse(path, "--compression", "is none, rle or zips");
   if (drawsBothEyes(picture.stereo) && !hasEyePlace(path))
     refuse(path, "--stereo both", "has a file for each eye: put %V, which becomes left and right, into its name");
@@ -33,7 +33,7 @@ void requirePanorama(const RenderJob& job) {
     throw Error(ErrorCode::kUsage, fmt::format("--projection equirectangular: {} of a panorama {}", option, why));
   };
   if (picture.stereo) refuse_panorama("--stereo", "is not there: a pair of eyes looks one way; choose perspective");
-  if (picture.samples != 1) refuse_panorama("--samples", "is 1: its pixels are means of 4 directions as it is");
+  if (oversamples(picture)) refuse_panorama("--samples", "is 1: its pixels are means of 4 directions as it is");
   if (drawsPart(picture)) refuse_panorama("--part", "is not there; choose perspective or orthographic");
   if (drawsDeep(job)) refuse_panorama("--deep", "is not there: samples in depth are of a picture's plane");
 }

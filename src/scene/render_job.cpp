@@ -58,8 +58,6 @@ void readVolumes(const JobObject& root, RenderJob& job) {
   job.volume = job.volumes.front().volume;
 }
 
-bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
-
 void readImage(const JobObject& object, PictureOptions& picture) {
   object.requireKnown(job_keys::kImage);
   picture.size.width = static_cast<int>(object.integer("width", 1, 65536).value_or(picture.size.width));
@@ -90,6 +88,9 @@ void readVisibility(const JobObject& object, RenderJob& job) {
                                       .value_or(job.picture.opacity_threshold);
 }
 
+// Of what else is a number.
+constexpr std::array<std::string_view, 1> kAuto = {"auto"};
+
 bool legalSampleDistance(double voxels) { return voxels >= kLeastSampleDistance && voxels <= kMostSampleDistance; }
 
 void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
@@ -98,11 +99,19 @@ void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
     picture.interpolation = static_cast<Interpolation>(*place);
   picture.sample_distance = root.number("sampleDistance", "a number of voxels from 0.25 to 1", legalSampleDistance)
                                 .value_or(picture.sample_distance);
-  static constexpr std::array<std::string_view, 1> kLevels = {"auto"};
   if (root.isText("level"))
-    root.choice("level", kLevels);
+    root.choice("level", kAuto);
   else if (const auto level = root.integer("level", 0, 64))
     picture.level = static_cast<int>(*level);
+}
+
+void readSamples(const JobObject& root, PictureOptions& picture) {
+  if (root.isText("samples")) {
+    root.choice("samples", kAuto);
+  } else if (const auto samples = root.integer("samples", 1, 16)) {
+    picture.samples = static_cast<int>(*samples);
+    if (!samplesKnown(*picture.samples)) root.refuse("samples", "auto, 1, 4 or 16");
+  }
 }
 
 void readSpeed(const JobObject& root, SpeedOptions& speed) {
@@ -170,6 +179,10 @@ void putOutput(const fs::path& path, OutputOptions& output) {
   (isVideo(path) ? output.video.path : output.path) = path;
 }
 
+bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
+
+bool oversamples(const PictureOptions& picture) { return picture.samples.value_or(1) != 1; }
+
 int subPixelsAlongEdge(int samples) {
   if (!samplesKnown(samples))
     throw Error(ErrorCode::kUsage, fmt::format("--samples: expected 1, 4 or 16 a pixel, found {}", samples));
@@ -221,7 +234,7 @@ void requirePart(const RenderJob& job) {
   };
   if (picture.mode != Mode::kComposite) refuse("--mode", "is composite");
   if (picture.lattice != Lattice::kPixel) refuse("--lattice", "is pixel");
-  if (picture.samples != 1) refuse("--samples", "is 1: draw the parts of a larger picture, and make that smaller");
+  if (oversamples(picture)) refuse("--samples", "is 1: draw the parts of a larger picture, and make that smaller");
   if (picture.aovs.any()) refuse("--aov", "is none: parts of channels beside the colours make no whole");
   if (!job.output.video.path.empty() || (!job.output.path.empty() && job.output.path.extension() != ".exr"))
     refuse("-o", "ends in .exr: its header says where in the picture it belongs");
@@ -324,8 +337,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (const auto visibility = root.object("visibility")) readVisibility(*visibility, job);
   if (const auto place = root.choice("mode", kModeNames)) job.picture.mode = static_cast<Mode>(*place);
   readLatticeAndLevel(root, job.picture);
-  job.picture.samples = static_cast<int>(root.integer("samples", 1, 16).value_or(1));
-  if (!samplesKnown(job.picture.samples)) root.refuse("samples", "1, 4 or 16");
+  readSamples(root, job.picture);
   job.picture.skip_damaged = root.flag("skipDamaged").value_or(false);
   readSpeed(root, job.speed);
   job.distribution = static_cast<Distribution>(root.choice("distribute", kDistributionNames).value_or(0));

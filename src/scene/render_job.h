@@ -84,7 +84,7 @@ struct Aovs {
 struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
-  int samples = 1;                // sub-pixels whose mean a pixel is: 1, 4 or 16
+  std::optional<int> samples;     // sub-pixels whose mean a pixel is: 1, 4 or 16; else as scene/auto_samples.h has it
   Background background;
   Mode mode = Mode::kComposite;
   Aovs aovs;
@@ -104,7 +104,11 @@ struct PictureOptions {
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
-/// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of 1, 4 and 16.
+/// Whether somebody says that a pixel is more than one sample.
+bool oversamples(const PictureOptions& picture);
+/// Whether it is 1, 4 or 16.
+bool samplesKnown(int samples);
+/// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of them.
 int subPixelsAlongEdge(int samples);
 
 /// throws: Error kUsage where the lattice does not interpolate and another than the default is asked for.

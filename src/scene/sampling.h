@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "scene/interpolation.h"
+#include "store/manifest.h"
 
 namespace kiln {
 
@@ -18,5 +19,13 @@ struct Sampling {
   /// pixel. unit: voxels.
   double distance = kSampleDistance;
 };
+
+/// The level that is drawn where a world length of 1 is `scale` pixels: the coarsest whose voxels are no larger than
+/// kMostCoarseVoxel, or the finest.
+int levelAtScale(const Manifest& volume, double scale);
+/// Zones of depth (splat/slab_grid.h) are an eighth of an octave: in perspective, a view whose middle has half a pixel
+/// a voxel is of one level then, and not its far half of a coarser one. Were it less again, footprints of the voxels
+/// that it halves would reach farther than a brick's apron. unit: pixels.
+inline constexpr double kMostCoarseVoxel = 7.0 / 8;
 
 }  // namespace kiln

@@ -74,8 +74,7 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
   origin_ = glm::dvec3(view_from_index[3]);
   const glm::dmat4 index_from_view = glm::transpose(glm::inverse(view_from_index));
   for (int axis = 0; axis < 3; ++axis) index_rows_[axis] = index_from_view[axis];
-  const glm::dvec3 spacing = volume.spacing();
-  near_depth_ = near_depth.value_or(0.5 * std::min({spacing.x, spacing.y, spacing.z}));
+  near_depth_ = near_depth.value_or(0.5 * volume.shortestEdge());
   const glm::dmat3 linear(view_from_index);
   covariance_ = kKernelSigma * kKernelSigma * (linear * glm::transpose(linear));
   gradient_ = glm::mat3(glm::transpose(glm::inverse(linear)));

@@ -36,11 +36,6 @@ double spacingFor(double edge_px, double steepness, double distance) {
   const double own = std::clamp(edge_px * distance, kLeastSpacing, std::min(most, kMagnifiedSpacing));
   return steepness <= kSoft ? std::max(own, softSpacing(edge_px, distance)) : own;
 }
-// A coarser level than the volume's is drawn if its voxels are no larger. Zones of depth are an eighth of an octave: in
-// perspective, a view whose middle has half a pixel a voxel is of one level then, and not its far half of a coarser
-// one. Were it less again, footprints of the voxels that it halves would reach farther than a brick's apron. unit:
-// pixels.
-constexpr double kMostCoarseVoxel = 7.0 / 8;
 // From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
 // interval that the sweep classifies), which a refined sample does not. unit: pixels.
 constexpr double kCoarseSpacing = 1;
@@ -59,11 +54,6 @@ constexpr double kLeastSigma = 0.15;
 // one sample a voxel has none, two some, three and more the most.
 constexpr float kErosion = 0.0625f, kMostErosion = 0.25f;
 constexpr int kZonesOfOctave = 8;
-
-double shortest(const VolumeGeometry& geometry) {
-  const glm::dvec3 s = geometry.spacing();
-  return std::min({s.x, s.y, s.z});
-}
 
 // Depths that the volume spans, its voxels' cubes included.
 std::array<double, 2> depthsOf(const VolumeGeometry& geometry, const View& view) {
@@ -126,19 +116,12 @@ void setSoft(const ZonedVolume& zoned, const glm::dvec3& edges_px, SlabZone& zon
 SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> level) {
   const Manifest& volume = *zoned.manifest;
   SlabZone out;
-  out.level = level.value_or(0);
-  if (!level) {
-    const int last = static_cast<int>(volume.levels.size()) - 1;
-    while (out.level < last &&
-           shortest(volume.levels[static_cast<std::size_t>(out.level) + 1].geometry) * scale <= kMostCoarseVoxel + 1e-9)
-      ++out.level;
-  }
+  out.level = level ? *level : levelAtScale(volume, scale);
   const VolumeGeometry& drawn = volume.levels[static_cast<std::size_t>(out.level)].geometry;
   const glm::dvec3 spacing = drawn.spacing();
   // A voxel of a coarser level is as much thicker.
   const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
-  const double wanted =
-      spacingFor(std::min({spacing.x, spacing.y, spacing.z}) * scale, steepness, zoned.sample_distance);
+  const double wanted = spacingFor(drawn.shortestEdge() * scale, steepness, zoned.sample_distance);
   double widest = 0, least_refined = kLargestRefinement;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = spacing[axis] * scale;

@@ -16,6 +16,7 @@
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "render/render_frame.h"
+#include "scene/auto_samples.h"
 #include "scene/job_names.h"
 #include "support/contact_sheet.h"
 #include "support/level_volume.h"
@@ -35,8 +36,8 @@ struct Options {
   std::vector<std::string> volumes, materials{"skin", "bone", "bone_in_skin"};
   std::vector<std::string> projections{"orthographic", "perspective"};
   std::vector<double> px_per_voxel{0.5, 1, 2, 4};
-  int size = 256, samples = 1;
-  std::string lattice = "pixel", interpolation = "linear", reference_interpolation;
+  int size = 256;
+  std::string samples = "auto", lattice = "pixel", interpolation = "linear", reference_interpolation;
   double opacity_threshold = 0.9999, sample_distance = kSampleDistance;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
   bool full = false, no_reference_cache = false;
@@ -58,7 +59,9 @@ Options parsed(int argc, char** argv) {
   app.add_option("--interpolation", o.interpolation)->check(CLI::IsMember(names))->capture_default_str();
   app.add_option("--reference-interpolation", o.reference_interpolation, "that of --interpolation if not given")
       ->check(CLI::IsMember(names));
-  app.add_option("--samples", o.samples, "a pixel")->check(CLI::IsMember({1, 4, 16}))->capture_default_str();
+  app.add_option("--samples", o.samples, "a pixel")
+      ->check(CLI::IsMember({"auto", "1", "4", "16"}))
+      ->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_option("--sample-distance", o.sample_distance, "between samples, in voxels")->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
@@ -111,16 +114,16 @@ class Studio {
   }
 
   Measured measure(Material material, Projection projection, double px_per_voxel, std::vector<Image>& triple) {
+    const Camera camera = cameraOf(subject_, volume_.geometry, projection, px_per_voxel, options_.size);
     FrameRequest request;
-    request.view = resolve(cameraOf(subject_, volume_.geometry, projection, px_per_voxel, options_.size),
-                           {options_.size, options_.size});
+    request.view = resolve(camera, {options_.size, options_.size});
     request.transfer_function = transferFunctionOf(subject_, material);
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
     request.sample_distance = options_.sample_distance;
     request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
     request.interpolation = interpolationNamed(options_.interpolation);
-    request.samples = options_.samples;
+    request.samples = samplesFor(camera);
     FrameStatistics statistics;
     drawn(request, statistics);  // reads the bricks
     const Image image = drawn(request, statistics);
@@ -161,6 +164,13 @@ class Studio {
   Image referenceOf(const ReferencePictures& pictures, const FrameRequest& request, ReferenceSettings settings) const {
     settings.interpolation = interpolationNamed(options_.reference_interpolation);
     return pictures.draw(request.view, request.transfer_function, request.shading, settings);
+  }
+
+  int samplesFor(const Camera& camera) const {
+    if (options_.samples != "auto") return std::stoi(options_.samples);
+    RenderJob job;
+    job.picture.size = {options_.size, options_.size};
+    return automaticSamples(job, camera, centreOf(volume_.geometry), {&store_->manifest()});
   }
 
   static int mostDrawn(const FrameStatistics& statistics) {

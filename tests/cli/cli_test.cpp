@@ -211,8 +211,8 @@ TEST_F(Cli, TheEyeMayBeInsideTheVolume) {
 TEST_F(Cli, LevelsOfDetailAreChosenOrForced) {
   makeRampStore();
   const auto drawn = [&](const std::vector<std::string>& options) {
-    std::vector<std::string> arguments = {"render",  in("v.kiln"), "-o",           in("p.png"),
-                                          "--stats", in("s.json"), "--projection", "orthographic"};
+    std::vector<std::string> arguments = {"render",     in("v.kiln"),   "-o",           in("p.png"), "--stats",
+                                          in("s.json"), "--projection", "orthographic", "--samples", "1"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     expectDone(arguments);
     const Json stats = Json::parse(readTextFile(in("s.json")));

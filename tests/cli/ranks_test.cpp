@@ -220,7 +220,7 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   for (const int ranks : {2, 5}) {
     for (std::vector<std::string> look : looks) {
       if (ranks == 2 && look != looks[1]) continue;
-      look.insert(look.end(), {"--size", "150x120", "--exr-type", "float"});
+      look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--samples", "1"});
       drawn(0, "one", look);
       look.insert(look.end(), {"--distribute", "bricks"});
       const auto stats = drawn(ranks, "many", look);
@@ -236,7 +236,7 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   ASSERT_EQ(split.exit_code, 0) << split.err;
   EXPECT_LT(filesOf(directory_ / "part_1.kiln").size(), filesOf(volume_).size());
   std::vector<std::string> look = looks[1];
-  look.insert(look.end(), {"--size", "150x120", "--exr-type", "float"});
+  look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--samples", "1"});
   drawn(0, "one", look);
   fs::rename(volume_, directory_ / "away.kiln");
   look.insert(look.end(), {"--distribute", "bricks", "--store-local", parts});

@@ -13,12 +13,14 @@
 
 #include "output/compare.h"
 #include "output/image_file.h"
+#include "render/render_job_run.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
 #include "support/contact_sheet.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/quality_scenes.h"
+#include "support/random_scene.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"
 
@@ -143,6 +145,42 @@ TEST_P(PictureQuality, OfCubicsIsThatOfTheReference) {
     sheet.push_back({image, truth, differenceImage(image, truth)});
   }
   writeContactSheet(sheet, kSmall, fmt::format("quality_cubics_{}.png", nameOf(GetParam())));
+}
+
+// Where voxels are smaller than pixels and nobody says how many samples a pixel takes: as good as one of large voxels.
+TEST_P(PictureQuality, OfSmallVoxelsIsThatOfTheReferenceByDefault) {
+  const DenseVolume volume = readVolume("phantom:head:144x144x144");
+  RenderJob job;
+  job.volume = makeStore(volume, "quality_head", 64);
+  job.picture.size = {kHeadPixels, kHeadPixels};
+  job.picture.opacity_threshold = 0.9999;
+  std::vector<std::vector<Image>> sheet;
+  for (const char* preset : {"ct-skin", "ct-bone-and-skin"}) {
+    for (const auto& [px_per_voxel, samples] : {std::pair{0.25, 16}, {0.5, 4}}) {
+      SCOPED_TRACE(fmt::format("{}, {} px/voxel", preset, px_per_voxel));
+      const Camera camera = cameraAt(volume.geometry, GetParam(), px_per_voxel);
+      job.picture.camera = specOf(camera);
+      job.picture.transfer_function = std::string(preset);
+      job.picture.samples.reset();
+      Progress silent;
+      const RenderResult by_default = runRenderJob(job, 1, silent);
+      const Image truth = referenceImage(volume, resolve(camera, job.picture.size), by_default.transfer_function,
+                                         job.picture.shading, {0, 0, 0, 0}, {4, 0.25, 0.9999});
+      const ImageDifference ours = compareImages(truth, by_default.image);
+      job.picture.samples = 1;
+      const double of_one_db = compareImages(truth, runRenderJob(job, 1, silent).image).foreground_psnr_db;
+      std::printf("%s %s, %.2f px/voxel: %.1f dB (one sample %.1f dB), brightness %+.2f %%\n", preset,
+                  nameOf(GetParam()), px_per_voxel, ours.foreground_psnr_db, of_one_db,
+                  100 * (ours.mean_brightness_ratio - 1));
+      EXPECT_GE(ours.foreground_psnr_db, 34);
+      EXPECT_GE(ours.foreground_psnr_db, of_one_db + 5);
+      EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.02);  // as at a pixel a voxel
+      job.picture.samples = samples;
+      EXPECT_TRUE(equalBits(by_default.image, runRenderJob(job, 1, silent).image));
+      sheet.push_back({by_default.image, truth, differenceImage(by_default.image, truth)});
+    }
+  }
+  writeContactSheet(sheet, kHeadPixels, fmt::format("quality_small_{}.png", nameOf(GetParam())));
 }
 
 INSTANTIATE_TEST_SUITE_P(Projections, PictureQuality,

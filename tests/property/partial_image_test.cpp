@@ -27,6 +27,7 @@ class PartialImages : public ::testing::Test {
     directory_ = store_.parent_path();
     job_.volume = store_;
     job_.picture.size = {70, 60};
+    job_.picture.samples = 1;  // as parts have
     job_.output.exr_float = true;
   }
 

@@ -37,14 +37,13 @@ constexpr double kLeastVoxel = 0.45;
 
 // The same view, so much magnified that no voxel is smaller than that.
 void magnify(View& view, const VolumeGeometry& volume) {
-  const glm::dvec3 spacing = volume.spacing();
   double depth = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
     const glm::dvec3 at = side * glm::dvec3(volume.dims.x, volume.dims.y, volume.dims.z) - 0.5;
     depth = std::max(depth, (view.view_from_world * glm::dvec4(volume.worldOf(at), 1)).z);
   }
-  const double edge = std::min({spacing.x, spacing.y, spacing.z});
+  const double edge = volume.shortestEdge();
   view.focal_px =
       std::max(view.focal_px, kLeastVoxel / edge * (view.projection == Projection::kPerspective ? depth : 1));
 }

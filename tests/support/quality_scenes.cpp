@@ -86,12 +86,11 @@ TransferFunction transferFunctionOf(const QualityVolume& volume, Material materi
 Camera cameraOf(const QualityVolume& volume, const VolumeGeometry& geometry, Projection projection, double px_per_voxel,
                 int image_px) {
   const Extent3& n = geometry.dims;
-  const glm::dvec3 spacing = geometry.spacing();
   Camera camera;
   camera.projection = projection;
   camera.target = geometry.worldOf(px_per_voxel > 1 ? volume.close_up : glm::dvec3(n.x - 1, n.y - 1, n.z - 1) / 2.0);
   camera.up = volume.up;
-  camera.height = image_px / px_per_voxel * std::min({spacing.x, spacing.y, spacing.z});
+  camera.height = image_px / px_per_voxel * geometry.shortestEdge();
   camera.fov_deg = kFovDeg;
   // Parallel rays begin in front of the whole volume wherever the eye is.
   const double distance = camera.height / 2 / std::tan(kFovDeg / 2 * std::numbers::pi / 180);

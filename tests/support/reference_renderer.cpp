@@ -68,8 +68,7 @@ struct Scene {
         faces(facesOf(the_settings.clipping, volume.geometry)) {
     const ValueRange range = volume.range();
     gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
-    const glm::dvec3 spacing = volume.geometry.spacing();
-    step_world = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
+    step_world = settings.step_voxels * volume.geometry.shortestEdge();
     unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
     if (!function.labels.empty()) {
       labels.emplace(volume, function, settings.interpolation, settings.label_smoothing);

@@ -352,8 +352,9 @@ TEST(RenderJob, AovsAreAList) {
   }
 }
 
-TEST(RenderJob, SamplesAreOneFourOrSixteen) {
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.samples, 1);
+TEST(RenderJob, SamplesAreOneFourSixteenOrAuto) {
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.samples, std::nullopt);
+  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": "auto"})", "job.json").picture.samples, std::nullopt);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
   EXPECT_EQ(subPixelsAlongEdge(16), 4);
   for (const char* wrong : {"0", "2", "9", "64", "\"4\""}) {

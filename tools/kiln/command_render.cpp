@@ -25,10 +25,10 @@ namespace {
 struct RenderArguments {
   std::string input, output, stats, trace, progress = "auto";
   std::optional<std::string> size, crop, mode, projection, eye, target, up, view, tf, visibility, area, lattice,
-      interpolation, level, memory, exr_type, compression, owner, comments, part, stereo, window;
+      interpolation, level, samples, memory, exr_type, compression, owner, comments, part, stereo, window;
   std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold, sample_distance;
   std::optional<unsigned> threads;
-  std::optional<int> png_bits, epsilon, tile, samples, deep_samples;
+  std::optional<int> png_bits, epsilon, tile, deep_samples;
   std::vector<std::string> aovs, added, added_tfs;
   std::optional<std::string> distribute, share_reads, store_local;
   std::optional<std::string> frames;
@@ -73,13 +73,14 @@ void applyCamera(const RenderArguments& a, CameraSpec& camera) {
   if (a.zoom) camera.zoom = a.zoom;
 }
 
-std::optional<int> levelNamed(const std::string& text) {
+// None for "auto". throws: Error kUsage where it is neither that nor a number that `legal` takes.
+std::optional<int> numberOrAuto(const std::string& text, const char* option, const char* expected, bool legal(int)) {
   if (text == "auto") return std::nullopt;
-  int level = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
-  if (error != std::errc() || end != text.data() + text.size() || level < 0)
-    throw Error(ErrorCode::kUsage, fmt::format("--level: expected auto or a number from 0 on, found '{}'", text));
-  return level;
+  int number = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || !legal(number))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected auto{}, found '{}'", option, expected, text));
+  return number;
 }
 
 void applyStereo(const RenderArguments& a, std::optional<Stereo>& stereo) {
@@ -108,10 +109,9 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.projection == kProjectionNames[2] && !a.size && fs::path(a.input).extension() != ".json")
     picture.size = kPanoramaSize;
   drawnPixels(picture.size, picture.crop);
-  if (a.samples) picture.samples = *a.samples;
+  if (a.samples) picture.samples = numberOrAuto(*a.samples, "--samples", ", 1, 4 or 16", samplesKnown);
   if (!a.aovs.empty()) picture.aovs = {};
   for (const std::string& name : a.aovs) picture.aovs.of(named<Aov>(kAovNames, name, "--aov")) = true;
-  subPixelsAlongEdge(picture.samples);
   applyCamera(a, picture.camera);
   applyStereo(a, picture.stereo);
   a.scene.apply(picture);
@@ -130,7 +130,9 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   requireSampleDistance(picture.lattice, picture.mode, picture.sample_distance);
   if (a.part) applyPart(*a.part, picture);
   if (a.skip_damaged) picture.skip_damaged = true;
-  if (a.level) picture.level = levelNamed(*a.level);
+  if (a.level) {
+    picture.level = numberOrAuto(*a.level, "--level", " or a number from 0 on", [](int level) { return level >= 0; });
+  }
 }
 
 void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
@@ -437,7 +439,9 @@ void addRender(CLI::App& app, Context& context) {
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
-  command->add_option("--samples", a->samples, "sub-pixels whose mean a pixel is: 1 (default), 4 or 16");
+  command->add_option("--samples", a->samples,
+                      "sub-pixels whose mean a pixel is: 1, 4, 16, or auto (default), which takes more than one for "
+                      "small pictures of small voxels");
   command
       ->add_option(
           "--aov", a->aovs,

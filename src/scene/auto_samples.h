@@ -1,0 +1,25 @@
+// How many samples a pixel takes where nobody says: more than one where voxels are smaller than pixels, in pictures
+// that stay cheap with them.
+#pragma once
+
+#include <vector>
+
+#include "scene/render_job.h"
+#include "store/manifest.h"
+
+namespace kiln {
+
+/// So many (1, 4 or 16) that the finest level's voxels are three quarters of a sub-pixel or more, as far as sub-pixels
+/// and the voxels of the level that they show are not more than the numbers below; what else the job asks for allows
+/// one only where it says so itself. Judged at `centre`, so that no camera that goes round it changes it; neither crop,
+/// nor memory, threads or bricks do. Of several volumes, the most that one asks for. unit: `centre` world.
+/// throws: Error kUsage where the camera cannot be used.
+int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
+                     const std::vector<const Manifest*>& volumes);
+
+/// Of a volume's level: a quarter of a GiB at 16 bits. A level finer has eight times the bytes to read.
+inline constexpr std::int64_t kMostOversampledVoxels = std::int64_t{1} << 27;
+/// Of a picture: 4096².
+inline constexpr std::int64_t kMostSubPixels = std::int64_t{1} << 24;
+
+}  // namespace kiln

@@ -1,0 +1,150 @@
+// How many samples a pixel takes where nobody says, of cameras whose voxels have a known size in pixels.
+#include "scene/auto_samples.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/frame_scene.h"
+#include "scene/framing.h"
+
+namespace kiln::test {
+namespace {
+
+// Cubes of voxels of edge 2, and its levels of half as many.
+Manifest cubesOf(std::int64_t n) {
+  Manifest out;
+  for (double edge = 2; n >= 1; n /= 2, edge *= 2) {
+    LevelInfo level;
+    level.geometry.dims = {n, n, n};
+    level.geometry.world_from_index = glm::dmat4(edge);
+    level.geometry.world_from_index[3][3] = 1;
+    out.levels.push_back(level);
+  }
+  return out;
+}
+
+// A picture of 512² in which a voxel at the middle has that many pixels.
+Camera cameraOf(const Manifest& volume, Projection projection, double px_per_voxel) {
+  Camera out;
+  out.projection = projection;
+  out.target = centreOf(volume.geometry());
+  out.height = 512 / px_per_voxel * 2;
+  out.fov_deg = 90;
+  out.eye = out.target + glm::dvec3(0, 0, out.height / 2);
+  return out;
+}
+
+int samplesFor(const Manifest& volume, double px_per_voxel, RenderJob job = {},
+               Projection projection = Projection::kPerspective) {
+  if (job.picture.size.width == 1024) job.picture.size = {512, 512};
+  return automaticSamples(job, cameraOf(volume, projection, px_per_voxel), centreOf(volume.geometry()), {&volume});
+}
+
+TEST(AutoSamples, AreMoreWhereVoxelsAreSmall) {
+  const Manifest volume = cubesOf(256);
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    const std::pair<double, int> expected[] = {{8, 1},     {1, 1},     {0.76, 1},  {0.74, 4}, {0.5, 4},
+                                               {0.376, 4}, {0.37, 16}, {0.25, 16}, {0.01, 16}};
+    for (const auto& [px, samples] : expected) EXPECT_EQ(samplesFor(volume, px, {}, projection), samples) << px;
+  }
+}
+
+TEST(AutoSamples, AreThoseOfTheSmallestEdge) {
+  Manifest volume = cubesOf(128);
+  volume.levels.resize(1);
+  volume.levels[0].geometry.world_from_index[2] *= 4;
+  EXPECT_EQ(samplesFor(volume, 0.5), 4);
+  volume.levels[0].geometry.world_from_index[0] *= 0.5;
+  EXPECT_EQ(samplesFor(volume, 0.5), 16);
+}
+
+// Known because the levels of this one have 2^30, 2^27, 2^24 voxels, and the next is shown below 7/16 of a pixel.
+TEST(AutoSamples, ShowNoLevelOfMoreVoxelsThanAreSaid) {
+  const Manifest large = cubesOf(1024);
+  EXPECT_EQ(samplesFor(large, 0.5), 1);   // 4 show level 0
+  EXPECT_EQ(samplesFor(large, 0.22), 1);  // 4 show level 0
+  EXPECT_EQ(samplesFor(large, 0.21), 4);  // 4 show level 1, 16 level 0
+  EXPECT_EQ(samplesFor(large, 0.1), 16);  // 16 show level 1
+  RenderJob job;
+  job.picture.level = 0;
+  EXPECT_EQ(samplesFor(large, 0.1, job), 1);
+  job.picture.level = 1;
+  EXPECT_EQ(samplesFor(large, 0.25, job), 4);
+  EXPECT_EQ(samplesFor(large, 0.4, job), 1);
+}
+
+TEST(AutoSamples, MakeNoPictureOfMoreSubPixelsThanAreSaid) {
+  const Manifest volume = cubesOf(256);
+  RenderJob job;
+  const auto samples = [&](int edge) {
+    job.picture.size = {edge, edge};
+    // A voxel's pixels grow with the picture.
+    return samplesFor(volume, 0.1 * 512 / edge, job);
+  };
+  EXPECT_EQ(samples(512), 16);
+  EXPECT_EQ(samples(1023), 16);
+  EXPECT_EQ(samples(1025), 4);
+  EXPECT_EQ(samples(2047), 4);
+  EXPECT_EQ(samples(2049), 1);
+}
+
+TEST(AutoSamples, AreOneOfWhatHasOne) {
+  const Manifest volume = cubesOf(256);
+  EXPECT_EQ(samplesFor(volume, 0.25), 16);
+  RenderJob voxels, deep, part, box;
+  voxels.picture.lattice = Lattice::kVoxel;
+  deep.output.path = "a.exr";
+  deep.output.deep = true;
+  part.picture.part = PartNumber{1, 2};
+  box.picture.clipping.part = VoxelBox{{0, 0, 0}, {9, 9, 9}};
+  for (const RenderJob& job : {voxels, deep, part, box}) EXPECT_EQ(samplesFor(volume, 0.25, job), 1);
+  RenderJob wide;
+  wide.picture.size = {512, 256};
+  EXPECT_EQ(samplesFor(volume, 0.25, wide, Projection::kEquirectangular), 1);
+  RenderJob projected;
+  projected.picture.mode = Mode::kMip;
+  EXPECT_EQ(samplesFor(volume, 0.25, projected), 16);
+}
+
+TEST(AutoSamples, AreOneWhereTheMiddleIsBehindTheEye) {
+  const Manifest volume = cubesOf(256);
+  Camera camera = cameraOf(volume, Projection::kPerspective, 0.25);
+  std::swap(camera.eye, camera.target);
+  EXPECT_EQ(automaticSamples({}, camera, camera.eye + glm::dvec3(0, 0, 1), {&volume}), 1);
+}
+
+TEST(AutoSamples, OfSeveralVolumesAreThoseOfTheFinest) {
+  const Manifest coarse = cubesOf(64);
+  Manifest fine = cubesOf(256);
+  for (LevelInfo& level : fine.levels) level.geometry.world_from_index *= 0.25;
+  RenderJob job;
+  job.picture.size = {512, 512};
+  const Camera camera = cameraOf(coarse, Projection::kOrthographic, 1.5);
+  EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse}), 1);
+  EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse, &fine}), 4);
+}
+
+// Memory is for the frame that takes the most.
+TEST(AutoSamples, OfAJobAreTheMostOfItsFrames) {
+  Manifest volume = cubesOf(256);
+  RenderJob job;
+  job.picture.size = {512, 512};
+  job.picture.transfer_function = TransferFunction{0, {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 1}}};
+  CameraSpec far, near;
+  for (CameraSpec* const spec : {&far, &near}) {
+    spec->projection = Projection::kOrthographic;
+    spec->eye = centreOf(volume.geometry()) + glm::dvec3(0, 0, 1000);
+    spec->up = glm::dvec3(0, 1, 0);
+  }
+  far.height = 4096, near.height = 1024;
+  job.animation.camera = CameraKeyframes{{{1, Ease::kLinear, near}, {10, Ease::kLinear, far}}, std::nullopt};
+  const SceneOfJob scenes(job, volume);
+  EXPECT_EQ(scenes.at(1).picture.samples, 1);
+  EXPECT_EQ(scenes.at(10).picture.samples, 16);
+  EXPECT_EQ(scenes.mostSamples(), 16);
+  job.picture.samples = 4;
+  EXPECT_EQ(scenes.at(1).picture.samples, 4);
+  EXPECT_EQ(scenes.mostSamples(), 4);
+}
+
+}  // namespace
+}  // namespace kiln::test
