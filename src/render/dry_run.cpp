@@ -24,6 +24,7 @@ DryRun dryRun(const RenderJob& given) {
   BrickWalkCounts counts;
   std::set<StoredBrick> bricks;
   FrameScene scene = scenes.at(framesOf(job).front());
+  out.samples = scenes.mostSamples();
   for (const PictureOptions& picture : eyesOf(scene.picture)) {
     scene.picture = picture;
     for (const StoredBrick& brick : bricksInView(stores, requestOf(scene, job.speed), counts)) bricks.insert(brick);
@@ -43,6 +44,7 @@ DryRun dryRun(const RenderJob& given) {
 
 std::string dryRunText(const DryRun& run) {
   const nlohmann::ordered_json out = {{"dry_run", true},
+                                      {"samples", run.samples},
                                       {"bricks",
                                        {{"total", run.bricks_total},
                                         {"interesting", run.bricks_interesting},

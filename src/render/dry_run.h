@@ -9,6 +9,7 @@
 namespace kiln {
 
 struct DryRun {
+  int samples = 1;  // a pixel, in the frame that has the most; memory is for these
   std::uint64_t bricks_total = 0;
   std::uint64_t bricks_interesting = 0;  // hold something the transfer function shows
   std::uint64_t bricks_in_view = 0;      // of these, in the image: a frame asks for no others

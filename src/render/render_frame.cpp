@@ -38,6 +38,13 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   }
 }
 
+// But for what writes another frame's files meanwhile.
+BusyTimes busySince(const BusyTimes& before) {
+  BusyTimes out = BusyTimes::now().since(before);
+  out.seconds[static_cast<std::size_t>(Activity::kWrite)] = 0;
+  return out;
+}
+
 // The frame whose pixels are the sub-pixels of the request's.
 FrameRequest ofSubPixels(FrameRequest request, int edge) {
   request.view = enlarged(request.view, edge);
@@ -188,7 +195,7 @@ FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const Fr
 
 void FramePainter::count(std::chrono::steady_clock::time_point begin, const BusyTimes& before) {
   cost_.wall_s += secondsSince(begin);
-  cost_.busy.add(BusyTimes::now().since(before));
+  cost_.busy.add(busySince(before));
 }
 
 FramePainter::~FramePainter() = default;
@@ -214,6 +221,7 @@ FrameStatistics FramePainter::finish() {
   out.wall_s = cost_.wall_s;
   out.busy = cost_.busy;
   out.threads = ThreadLimit::active();
+  out.samples = static_cast<unsigned>(request_.samples);
   return out;
 }
 
@@ -225,7 +233,7 @@ Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameReques
     requireRequest(cache.stores(), request);
     Image panorama = renderPanorama(store, cache, request, progress, statistics);
     statistics.wall_s = secondsSince(begin);
-    statistics.busy = BusyTimes::now().since(before);
+    statistics.busy = busySince(before);
     return panorama;
   }
   FramePainter painter(store, cache, request, progress);

@@ -26,6 +26,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 /// The camera, the transfer function and the rest of a picture, resolved for a volume.
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
+/// Where nobody says how many samples a pixel has, it has one; a scene says (SceneOfJob).
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed);
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,

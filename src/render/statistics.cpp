@@ -120,6 +120,7 @@ void FrameStatistics::merge(const FrameStatistics& other) {
   slab_bytes = std::max(slab_bytes, other.slab_bytes);
   busy.add(other.busy);
   threads = std::max(threads, other.threads);
+  samples = std::max(samples, other.samples);
   peak_cache_bytes = std::max(peak_cache_bytes, other.peak_cache_bytes);
   peak_rss_bytes = std::max(peak_rss_bytes, other.peak_rss_bytes);
   levels.resize(std::max(levels.size(), other.levels.size()));
@@ -162,8 +163,11 @@ void RenderStatistics::add(const FrameStatistics& frame) {
 std::string statisticsText(const RenderStatistics& s) {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   for (const FrameStatistics& frame : s.frames) {
-    nlohmann::ordered_json entry = {
-        {"frame", frame.frame}, {"wall_s", frame.wall_s}, {"load_s", frame.load_s}, {"output_s", frame.output_s}};
+    nlohmann::ordered_json entry = {{"frame", frame.frame},
+                                    {"samples", frame.samples},
+                                    {"wall_s", frame.wall_s},
+                                    {"load_s", frame.load_s},
+                                    {"output_s", frame.output_s}};
     entry.update(threadsOf(frame));
     entry.update(countsOf(frame));
     entry["memory"] = {{"peak_cache_bytes", frame.peak_cache_bytes}, {"peak_rss_bytes", frame.peak_rss_bytes}};

@@ -27,7 +27,8 @@ struct LevelStatistics {
 /// and what levels say are sums over the bands, so that a brick in two of them counts in both; bricks read are, where
 /// the cache had no room to keep them. Bricks in total, interesting, contributing and damaged count once.
 struct FrameStatistics {
-  int frame = 1;  // its number
+  int frame = 1;         // its number
+  unsigned samples = 1;  // a pixel
   double wall_s = 0, load_s = 0, output_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;

@@ -13,10 +13,12 @@ namespace {
 constexpr double kLargeEnough = 0.75 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 
-// What else there is of a picture has one sample a pixel, or is Lee and Ihm's own.
+// What is not made of light in the pixel lattice, or of a sample a pixel by what it is.
 bool oneOnly(const RenderJob& job, const Camera& camera) {
-  return job.picture.lattice == Lattice::kVoxel || camera.projection == Projection::kEquirectangular ||
-         drawsDeep(job) || drawsPart(job.picture);
+  const PictureOptions& picture = job.picture;
+  return picture.mode != Mode::kComposite || picture.lattice == Lattice::kVoxel ||
+         camera.projection == Projection::kEquirectangular || drawsDeep(job) || drawsPart(picture) ||
+         job.distribution == Distribution::kBricks;
 }
 
 // Of a unit of the world at `centre`; none where it is not in front of the eye.
@@ -27,21 +29,8 @@ std::optional<double> pixelsPerUnit(const Camera& camera, const ImageSize& size,
   return depth > 0 ? std::optional(view.focal_px / depth) : std::nullopt;
 }
 
-int alongEdge(const Manifest& volume, const PictureOptions& picture, double px_per_unit) {
-  const auto at = [&](int level) -> const VolumeGeometry& {
-    return volume.levels[static_cast<std::size_t>(level)].geometry;
-  };
-  const int last = static_cast<int>(volume.levels.size()) - 1;
-  const double voxel_px = px_per_unit * at(std::min(picture.level.value_or(0), last)).shortestEdge();
-  const std::int64_t pixels = std::int64_t{picture.size.width} * picture.size.height;
-  int edge = 1;
-  while (edge < kMostAlongEdge && edge * voxel_px < kLargeEnough) {
-    const int twice = 2 * edge;
-    const int shown = picture.level ? std::min(*picture.level, last) : levelAtScale(volume, twice * px_per_unit);
-    if (twice * twice * pixels > kMostSubPixels || at(shown).dims.count() > kMostOversampledVoxels) break;
-    edge = twice;
-  }
-  return edge;
+const VolumeGeometry& levelOf(const Manifest& volume, int level) {
+  return volume.levels[std::min(static_cast<std::size_t>(level), volume.levels.size() - 1)].geometry;
 }
 
 }  // namespace
@@ -49,10 +38,26 @@ int alongEdge(const Manifest& volume, const PictureOptions& picture, double px_p
 int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
                      const std::vector<const Manifest*>& volumes) {
   if (oneOnly(job, camera)) return 1;
-  const std::optional<double> scale = pixelsPerUnit(camera, job.picture.size, centre);
+  const PictureOptions& picture = job.picture;
+  const std::optional<double> scale = pixelsPerUnit(camera, picture.size, centre);
+  if (!scale) return 1;
+  const std::int64_t pixels = std::int64_t{picture.size.width} * picture.size.height;
+  const auto small = [&](const Manifest* volume, int edge) {
+    return edge * *scale * levelOf(*volume, picture.level.value_or(0)).shortestEdge() < kLargeEnough;
+  };
+  const auto affordable = [&](const Manifest* volume, int edge) {
+    const int shown = picture.level ? *picture.level : levelAtScale(*volume, edge * *scale);
+    return levelOf(*volume, shown).dims.count() <= kMostOversampledVoxels;
+  };
   int edge = 1;
-  for (const Manifest* const volume : volumes) {
-    if (scale) edge = std::max(edge, alongEdge(*volume, job.picture, *scale));
+  while (edge < kMostAlongEdge) {
+    const int twice = 2 * edge;
+    if (std::none_of(volumes.begin(), volumes.end(), [&](const Manifest* volume) { return small(volume, edge); }))
+      break;
+    if (twice * twice * pixels > kMostSubPixels) break;
+    if (!std::all_of(volumes.begin(), volumes.end(), [&](const Manifest* volume) { return affordable(volume, twice); }))
+      break;
+    edge = twice;
   }
   return edge * edge;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "scene/auto_samples.h"
@@ -65,8 +66,11 @@ int SceneOfJob::samplesOf(const Camera& camera) const {
 }
 
 int SceneOfJob::mostSamples() const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  std::vector<int> frames = framesOf(job_);
+  if (std::holds_alternative<std::monostate>(job_.animation.camera)) frames.resize(1);
   int most = 1;
-  for (const int frame : framesOf(job_)) {
+  for (const int frame : frames) {
     try {
       most = std::max(most, samplesOf(cameraOf(frame)));
     } catch (const Error&) {

@@ -86,6 +86,7 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
     EXPECT_LT(departure(image, larger_image, edge), 1e-6) << "seed " << seed;
     if (request.aovs.depth) expectDepthsOf(larger_image, edge, image, seed);
     EXPECT_EQ(statistics.bricks_contributing, of_larger.bricks_contributing) << "seed " << seed;
+    EXPECT_EQ(statistics.samples, static_cast<unsigned>(request.samples));
 
     request.aovs.normal = request.aovs.depth;
     request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};

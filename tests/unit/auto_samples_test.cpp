@@ -33,9 +33,14 @@ Camera cameraOf(const Manifest& volume, Projection projection, double px_per_vox
   return out;
 }
 
-int samplesFor(const Manifest& volume, double px_per_voxel, RenderJob job = {},
+RenderJob jobOf(const ImageSize& size) {
+  RenderJob out;
+  out.picture.size = size;
+  return out;
+}
+
+int samplesFor(const Manifest& volume, double px_per_voxel, const RenderJob& job = jobOf({512, 512}),
                Projection projection = Projection::kPerspective) {
-  if (job.picture.size.width == 1024) job.picture.size = {512, 512};
   return automaticSamples(job, cameraOf(volume, projection, px_per_voxel), centreOf(volume.geometry()), {&volume});
 }
 
@@ -44,7 +49,8 @@ TEST(AutoSamples, AreMoreWhereVoxelsAreSmall) {
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     const std::pair<double, int> expected[] = {{8, 1},     {1, 1},     {0.76, 1},  {0.74, 4}, {0.5, 4},
                                                {0.376, 4}, {0.37, 16}, {0.25, 16}, {0.01, 16}};
-    for (const auto& [px, samples] : expected) EXPECT_EQ(samplesFor(volume, px, {}, projection), samples) << px;
+    for (const auto& [px, samples] : expected)
+      EXPECT_EQ(samplesFor(volume, px, jobOf({512, 512}), projection), samples) << px;
   }
 }
 
@@ -64,7 +70,7 @@ TEST(AutoSamples, ShowNoLevelOfMoreVoxelsThanAreSaid) {
   EXPECT_EQ(samplesFor(large, 0.22), 1);  // 4 show level 0
   EXPECT_EQ(samplesFor(large, 0.21), 4);  // 4 show level 1, 16 level 0
   EXPECT_EQ(samplesFor(large, 0.1), 16);  // 16 show level 1
-  RenderJob job;
+  RenderJob job = jobOf({512, 512});
   job.picture.level = 0;
   EXPECT_EQ(samplesFor(large, 0.1, job), 1);
   job.picture.level = 1;
@@ -74,60 +80,56 @@ TEST(AutoSamples, ShowNoLevelOfMoreVoxelsThanAreSaid) {
 
 TEST(AutoSamples, MakeNoPictureOfMoreSubPixelsThanAreSaid) {
   const Manifest volume = cubesOf(256);
-  RenderJob job;
-  const auto samples = [&](int edge) {
-    job.picture.size = {edge, edge};
-    // A voxel's pixels grow with the picture.
-    return samplesFor(volume, 0.1 * 512 / edge, job);
-  };
+  // A voxel's pixels grow with the picture.
+  const auto samples = [&](int edge) { return samplesFor(volume, 0.1 * 512 / edge, jobOf({edge, edge})); };
   EXPECT_EQ(samples(512), 16);
-  EXPECT_EQ(samples(1023), 16);
+  EXPECT_EQ(samples(1024), 16);
   EXPECT_EQ(samples(1025), 4);
-  EXPECT_EQ(samples(2047), 4);
+  EXPECT_EQ(samples(2048), 4);
   EXPECT_EQ(samples(2049), 1);
 }
 
 TEST(AutoSamples, AreOneOfWhatHasOne) {
   const Manifest volume = cubesOf(256);
   EXPECT_EQ(samplesFor(volume, 0.25), 16);
-  RenderJob voxels, deep, part, box;
+  RenderJob voxels = jobOf({512, 512}), deep = voxels, part = voxels, box = voxels, mip = voxels, bricks = voxels;
   voxels.picture.lattice = Lattice::kVoxel;
   deep.output.path = "a.exr";
   deep.output.deep = true;
   part.picture.part = PartNumber{1, 2};
   box.picture.clipping.part = VoxelBox{{0, 0, 0}, {9, 9, 9}};
-  for (const RenderJob& job : {voxels, deep, part, box}) EXPECT_EQ(samplesFor(volume, 0.25, job), 1);
-  RenderJob wide;
-  wide.picture.size = {512, 256};
-  EXPECT_EQ(samplesFor(volume, 0.25, wide, Projection::kEquirectangular), 1);
-  RenderJob projected;
-  projected.picture.mode = Mode::kMip;
-  EXPECT_EQ(samplesFor(volume, 0.25, projected), 16);
+  mip.picture.mode = Mode::kMip;
+  bricks.distribution = Distribution::kBricks;
+  for (const RenderJob& job : {voxels, deep, part, box, mip, bricks}) EXPECT_EQ(samplesFor(volume, 0.25, job), 1);
+  EXPECT_EQ(samplesFor(volume, 0.25, jobOf({512, 256}), Projection::kEquirectangular), 1);
 }
 
 TEST(AutoSamples, AreOneWhereTheMiddleIsBehindTheEye) {
   const Manifest volume = cubesOf(256);
   Camera camera = cameraOf(volume, Projection::kPerspective, 0.25);
   std::swap(camera.eye, camera.target);
-  EXPECT_EQ(automaticSamples({}, camera, camera.eye + glm::dvec3(0, 0, 1), {&volume}), 1);
+  EXPECT_EQ(automaticSamples(jobOf({512, 512}), camera, camera.eye + glm::dvec3(0, 0, 1), {&volume}), 1);
 }
 
 TEST(AutoSamples, OfSeveralVolumesAreThoseOfTheFinest) {
   const Manifest coarse = cubesOf(64);
   Manifest fine = cubesOf(256);
   for (LevelInfo& level : fine.levels) level.geometry.world_from_index *= 0.25;
-  RenderJob job;
-  job.picture.size = {512, 512};
+  const RenderJob job = jobOf({512, 512});
   const Camera camera = cameraOf(coarse, Projection::kOrthographic, 1.5);
   EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse}), 1);
   EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse, &fine}), 4);
+  // Of a large volume, the finest level would be shown for the other's sake.
+  const Manifest large = cubesOf(1024);
+  const Camera at_large = cameraOf(large, Projection::kOrthographic, 0.8);
+  EXPECT_EQ(automaticSamples(job, at_large, at_large.target, {&fine}), 16);
+  EXPECT_EQ(automaticSamples(job, at_large, at_large.target, {&large, &fine}), 1);
 }
 
 // Memory is for the frame that takes the most.
 TEST(AutoSamples, OfAJobAreTheMostOfItsFrames) {
   Manifest volume = cubesOf(256);
-  RenderJob job;
-  job.picture.size = {512, 512};
+  RenderJob job = jobOf({512, 512});
   job.picture.transfer_function = TransferFunction{0, {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 1}}};
   CameraSpec far, near;
   for (CameraSpec* const spec : {&far, &near}) {

@@ -270,7 +270,8 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
              cost.files_in_view, formatBytes(cost.file_bytes_in_view),
              memory.band > 0 ? ", once for each band of sub-pixels that finds them no longer in memory" : "");
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
-  fmt::print("memory       {} of image ({} x {} pixels), ", formatBytes(memory.image), drawn.width(), drawn.height());
+  fmt::print("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
+             cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
   if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
   if (memory.face > 0) fmt::print("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) fmt::print("{} of deep samples, ", formatBytes(memory.deep));

@@ -96,9 +96,10 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
                                {"seconds_left", secondsLeft(done)}});
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   const std::string line = fmt::format(
-      "{}: {} x {} pixels in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
+      "{}: {} x {} pixels{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
       "cache {}, resident {}\n",
-      filesOf(job, frame.frame).front().path.string(), drawn.width(), drawn.height(), frame.wall_s, frame.bricks_read,
+      filesOf(job, frame.frame).front().path.string(), drawn.width(), drawn.height(),
+      frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "", frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
       frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
   progress_.clear();
