@@ -20,6 +20,7 @@ DryRun dryRun(const RenderJob& given) {
   const SceneOfJob scenes(job, manifestsOf(opened));
   DryRun out;
   out.memory = memoryOf(job, stores, scenes);
+  if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
   std::set<StoredBrick> bricks;

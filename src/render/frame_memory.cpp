@@ -149,6 +149,14 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   return out;
 }
 
+std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job) {
+  // What these hold beside their pictures is large.
+  if (drawsDeep(job) || drawsPart(job.picture)) return 0;
+  const std::uint64_t pixels = drawnPixels(job.picture.size, job.picture.crop).count();
+  const std::uint64_t bytes = 2 * pixels * pixelBytes(job) * picturesHeld(job);
+  return memory.besideBricks() + memory.brick + 4 * bytes <= job.speed.memory_bytes ? bytes : 0;
+}
+
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store) {
   if (memory.smallest() > budget_bytes) {
     const auto part = [](std::uint64_t bytes, const char* of) {
@@ -158,8 +166,9 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                 fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
                             "of index, {} of slabs, {}{} {})",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
-                            formatBytes(memory.image + memory.face + memory.least_band),
-                            part(memory.deep, "deep samples (--deep-samples)") +
+                            formatBytes(memory.image + memory.face),
+                            part(memory.least_band, "a band of sub-pixels (--samples)") +
+                                part(memory.deep, "deep samples (--deep-samples)") +
                                 part(memory.least_edges, "a part's edges (--part)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));

@@ -24,6 +24,7 @@ struct FrameMemory {
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with
   std::uint64_t trace = 0;       // the trace, where one is kept
+  std::uint64_t behind = 0;      // of a sequence, the frame before, of which files are written; of what the rest leaves
   std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves
   std::uint64_t brick = 0;       // reading one, the largest of the store; of several volumes, all that meet in a tile
 
@@ -39,12 +40,12 @@ struct FrameMemory {
 
   std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace + shared; }
   /// All that grows with the pixels that are drawn.
-  std::uint64_t framebuffer() const { return image + face + band + deep + edges; }
+  std::uint64_t framebuffer() const { return image + face + band + deep + edges + behind; }
   /// What `brick` is for, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
-    return besideBricks() - shared - slabs + least_slabs - band + least_band - edges + least_edges + brick;
+    return besideBricks() - shared - behind - slabs + least_slabs - band + least_band - edges + least_edges + brick;
   }
 };
 
@@ -52,6 +53,10 @@ struct FrameMemory {
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes);
 /// Of one volume.
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
+
+/// What a frame takes whose files are written while the next one is drawn: its pictures and their files, where that is
+/// a quarter at most of what `memory` leaves for bricks; else 0. unit: bytes.
+std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job);
 
 /// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);

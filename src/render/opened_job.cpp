@@ -33,6 +33,11 @@ FrameMemory withBeside(FrameMemory memory, std::uint64_t beside_bytes) {
   return memory;
 }
 
+FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& job) {
+  if (writes_behind) memory.behind = writeBehindBytes(memory, job);
+  return memory;
+}
+
 FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vector<const StoreReader*>& stores) {
   const std::uint64_t taken = memory.besideBricks() + memory.brick;
   if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, SharedReads::largestFileOf(stores));
@@ -97,12 +102,14 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   return frameMemory(stores, job, least);
 }
 
-OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes, SharedReads* shared)
+OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes, SharedReads* shared,
+                     bool writes_behind)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
       scenes_(drawn_job_, manifestsOf(stores_)),
-      memory_(withShared(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes),
+      memory_(withShared(withBehind(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes),
+                                    writes_behind, drawn_job_),
                          shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
       for_ranks_(shared, readersOf(stores_), memory_.shared),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),

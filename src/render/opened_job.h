@@ -33,8 +33,10 @@ class OpenedJob {
  public:
   /// `job.volume` is a store; of several volumes, each is. `beside_bytes` are the caller's, charged with the image.
   /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
-  /// With `shared`, brick files are read once among all ranks, where memory is left for it.
-  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0, SharedReads* shared = nullptr);
+  /// With `shared`, brick files are read once among all ranks, where memory is left for it. With `writes_behind`, the
+  /// caller keeps a frame while it draws the next, where memory is left for that.
+  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0, SharedReads* shared = nullptr,
+            bool writes_behind = false);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
@@ -48,6 +50,8 @@ class OpenedJob {
   /// What the pieces have cost.
   FrameStatistics finish(FramePainter& painter, int frame) const;
 
+  /// Whether memory is set aside for a frame that is kept while the next is drawn.
+  bool writesBehind() const { return memory_.behind > 0; }
   /// Of several volumes, the first.
   const StoreReader& store() const { return *stores_.front(); }
   /// As it was given.

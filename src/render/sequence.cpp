@@ -1,8 +1,10 @@
 #include "render/sequence.h"
 
-#include <memory>
+#include <functional>
 #include <optional>
+#include <utility>
 
+#include "base/beside_thread.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/trace.h"
@@ -12,6 +14,12 @@
 namespace kiln {
 namespace {
 
+FramesRole roleOf(const RenderJob& job) {
+  FramesRole out;
+  out.writes_behind = writesBehind(job);
+  return out;
+}
+
 class Sequence {
  public:
   Sequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
@@ -20,50 +28,81 @@ class Sequence {
         checkpoint_(options.checkpoint),
         progress_(progress),
         listener_(listener),
-        frames_(job, options.store_for, progress, options.checkpoint ? checkpointBytes(job) : 0) {}
+        frames_(job, options.store_for, progress, options.checkpoint ? checkpointBytes(job) : 0, roleOf(job)) {}
 
   SequenceResult run() {
     if (checkpoint_) requireCheckpoint(job_);
     frames_.makeFolders();
     frames_.requireScenes();
     listener_.started(job_, frames_.numbers());
-    for (const int frame : frames_.numbers()) {
-      handle(frame);
-      ++done_;
-    }
+    for (const int frame : frames_.numbers()) attempt(frame, [&] { handle(frame); });
+    finishWriting();
     frames_.describeMemory(result_.statistics);
     if (result_.statistics.failed.empty()) frames_.makeVideo();
     return std::move(result_);
   }
 
  private:
-  void handle(int frame) {
+  // A frame that is drawn, and whose files are being written.
+  struct Unwritten {
+    int frame;
+    OpenedJob& opened;
+    DrawnFrame drawn;
+  };
+
+  // What goes wrong with a frame costs no other one.
+  void attempt(int frame, const std::function<void()>& body) {
     try {
-      progress_.throwIfCancelled("rendering");
-      if (resume_ && frames_.isThere(frame)) {
-        if (checkpoint_) FileSystem::real().removeAll(checkpointOf(job_, frame));
-        result_.statistics.kept.push_back(frame);
-        listener_.frameKept(job_, frame, done_ + 1);
-      } else {
-        draw(frame, frames_.openedFor(frame));
-      }
+      body();
     } catch (const Error& error) {
+      if (unwritten_ && unwritten_->frame != frame) finishWriting();  // which was drawn before this one
       if (error.code() == ErrorCode::kExists || frames_.numbers().size() == 1) throw;
       if (error.code() == ErrorCode::kCancelled) throw frames_.interrupted(done_ - result_.statistics.failed.size());
       if (result_.statistics.failed.empty()) result_.first_failure = error.what();
       result_.statistics.failed.push_back(frame);
-      listener_.frameFailed(frame, error, done_ + 1);
+      listener_.frameFailed(frame, error, ++done_);
+    }
+  }
+
+  void handle(int frame) {
+    progress_.throwIfCancelled("rendering");
+    if (resume_ && frames_.isThere(frame)) {
+      if (checkpoint_) FileSystem::real().removeAll(checkpointOf(job_, frame));
+      result_.statistics.kept.push_back(frame);
+      listener_.frameKept(job_, frame, ++done_);
+    } else {
+      draw(frame, frames_.openedFor(frame));
     }
   }
 
   void draw(int frame, OpenedJob& opened) {
     listener_.frameStarted(frame);
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
-    writeFrame(opened.job(), frame, drawn, opened.store());
+    finishWriting();
+    if (!opened.writesBehind()) {
+      writeFrame(opened.job(), frame, drawn, opened.store());
+      return written(opened, frame, drawn.statistics);
+    }
+    unwritten_.emplace(Unwritten{frame, opened, std::move(drawn)});
+    if (!writer_) writer_.emplace("writes");
+    writer_->begin([&of = *unwritten_] { writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.store()); });
+  }
+
+  // Waits for the frame that is being written, if there is one.
+  void finishWriting() {
+    if (!unwritten_) return;
+    attempt(unwritten_->frame, [&] {
+      writer_->wait();
+      written(unwritten_->opened, unwritten_->frame, unwritten_->drawn.statistics);
+    });
+    unwritten_.reset();
+  }
+
+  void written(const OpenedJob& opened, int frame, const FrameStatistics& statistics) {
     if (checkpoint_) FileSystem::real().removeAll(checkpointOf(opened.job(), frame));
-    result_.statistics.add(drawn.statistics);
-    noteDamage(drawn.statistics, progress_);
-    listener_.frameDone(job_, drawn.statistics, done_ + 1);
+    result_.statistics.add(statistics);
+    noteDamage(statistics, progress_);
+    listener_.frameDone(job_, statistics, ++done_);
   }
 
   const RenderJob& job_;
@@ -73,6 +112,8 @@ class Sequence {
   SequenceFrames frames_;
   std::size_t done_ = 0;
   SequenceResult result_;
+  std::optional<Unwritten> unwritten_;
+  std::optional<BesideThread> writer_;  // goes first, and waits
 };
 
 // Each rank has its own clock and its own file: NAME.json is the first one's, then NAME.1.json.
@@ -83,6 +124,11 @@ std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Rank
 }
 
 }  // namespace
+
+// One thread gains nothing by it.
+bool writesBehind(const RenderJob& job) {
+  return framesOf(job).size() > 1 && !isSeries(job) && ThreadLimit::active() > 1;
+}
 
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener) {

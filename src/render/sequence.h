@@ -14,7 +14,8 @@
 
 namespace kiln {
 
-/// Told how a sequence goes, by the thread that runs it. `done` counts frames that are drawn, kept or failed.
+/// Told how a sequence goes, by the thread that runs it. `done` counts frames that are drawn, kept or failed. Where the
+/// files of a frame are written while the next one is drawn, that one is started before this one is done.
 class SequenceListener {
  public:
   virtual ~SequenceListener() = default;
@@ -41,6 +42,10 @@ struct SequenceResult {
   RenderStatistics statistics;  // frames that were drawn, kept and failed
   std::string first_failure;    // what the error of the first that failed says; else empty
 };
+
+/// Whether one process writes the files of a frame while it draws the next, if memory is left for that: a PNG most of
+/// all is made by one thread, whatever others do. Of a time series one store is open at a time.
+bool writesBehind(const RenderJob& job);
 
 /// Draws the job's frames and writes their files and its video. Bricks stay in memory from frame to frame; of a time
 /// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is

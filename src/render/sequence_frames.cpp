@@ -36,7 +36,7 @@ void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)
 }
 
 SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes,
-                               RankRole role)
+                               FramesRole role)
     : job_(job),
       store_for_(std::move(store_for)),
       progress_(progress),
@@ -83,7 +83,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   opened_.reset();  // before the next one takes its memory
   if (store_for_) forEachVolume(job, store_for_);
   if (role_.part) job.picture.clipping.part = role_.part;
-  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_, role_.shared_reads);
+  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_, role_.shared_reads, role_.writes_behind);
   if (role_.warns) opened_->noteUnknownLabels(progress_);
   return *opened_;
 }

@@ -26,12 +26,14 @@ std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
 /// The store for a volume, which may be a foreign file.
 using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;
 
-/// What one of several ranks does of each frame.
-struct RankRole {
+/// What is done of each frame, and how.
+struct FramesRole {
   /// It draws this part of each picture; the job's files are of the whole.
   std::optional<VoxelBox> part;
   SharedReads* shared_reads = nullptr;  // what it reads is read for others, too
   bool warns = true;                    // of what the volumes are
+  /// Files of a frame are written while the next is drawn, where memory is left for that.
+  bool writes_behind = false;
 };
 
 class SequenceFrames {
@@ -39,7 +41,7 @@ class SequenceFrames {
   /// `beside_bytes` is charged to the memory with the image. requires: the others outlive this. throws: Error kUsage
   /// where the job names no files for its frames.
   SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes = 0,
-                 RankRole role = {});
+                 FramesRole role = {});
 
   const std::vector<int>& numbers() const { return numbers_; }
   const RenderJob& job() const { return job_; }
@@ -65,7 +67,7 @@ class SequenceFrames {
   const StoreFor store_for_;
   Progress& progress_;
   const std::uint64_t beside_bytes_;
-  const RankRole role_;
+  const FramesRole role_;
   const std::vector<int> numbers_;
   std::vector<std::filesystem::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;

@@ -1,0 +1,52 @@
+// What is begun beside its owner is done by another thread, and what it throws is heard by whoever waits.
+#include "base/beside_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+namespace kiln::test {
+namespace {
+
+// Known because the work waits for its owner, who could not go on if it were done here.
+TEST(BesideThread, DoesOneThingWhileItsOwnerGoesOn) {
+  BesideThread beside("works");
+  std::atomic<bool> owner_went_on = false;
+  std::thread::id where;
+  for (int i = 0; i < 3; ++i) {
+    owner_went_on = false;
+    beside.begin([&] {
+      owner_went_on.wait(false);
+      where = std::this_thread::get_id();
+    });
+    owner_went_on = true;
+    owner_went_on.notify_all();
+    beside.wait();
+    EXPECT_NE(where, std::this_thread::get_id());
+    beside.wait();  // nothing was begun
+  }
+}
+
+TEST(BesideThread, WhatIsThrownIsHeardOnce) {
+  BesideThread beside("works");
+  beside.begin([] { throw std::runtime_error("full disk"); });
+  EXPECT_THROW(beside.wait(), std::runtime_error);
+  EXPECT_NO_THROW(beside.wait());
+  int done = 0;
+  beside.begin([&] { ++done; });
+  beside.wait();
+  EXPECT_EQ(done, 1);
+}
+
+TEST(BesideThread, WaitsBeforeItGoesAway) {
+  int done = 0;
+  {
+    BesideThread beside("works");
+    beside.begin([&] { ++done; });
+  }
+  EXPECT_EQ(done, 1);
+}
+
+}  // namespace
+}  // namespace kiln::test
