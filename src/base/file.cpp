@@ -141,8 +141,7 @@ void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> da
     writeFile(temporary, data, mode);
     rename(temporary, path);
   } catch (...) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
+    ::unlink(temporary.c_str());  // nobody's directory of that name
     throw;
   }
 }

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <thread>
 
+#include "base/error.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -26,6 +27,15 @@ TEST(FileSystem, WritesTheSameBytesInEveryMode) {
       EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
     }
   }
+}
+
+// What is in the way of the temporary name is somebody's, even where it is empty.
+TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
+  const fs::path path = freshDirectory("in_the_way") / "file";
+  fs::create_directory(path.string() + ".tmp");
+  EXPECT_THROW(FileSystem::real().writeAtomic(path, std::string("text")), Error);
+  EXPECT_TRUE(fs::is_directory(path.string() + ".tmp"));
+  EXPECT_FALSE(fs::exists(path));
 }
 
 // Known because a pipe gives what was put into it, in order; it holds less than this at a time.
