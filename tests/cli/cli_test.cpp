@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -504,6 +505,22 @@ TEST_F(Cli, NoSpaceLeft) {
     fs::remove(in("p.png"));
   }
   EXPECT_EQ(listing(), (std::vector<std::string>{"n.kiln", "n.raw"}));
+}
+
+// Known because /dev/full takes nothing: a script that is told half of an answer is told so.
+TEST_F(Cli, AnAnswerThatCannotBeWrittenIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
+  makeRampStore();
+  const std::string store = in("v.kiln"), picture = in("p.png"), said = in("said");
+  for (const std::string& arguments :
+       {"info " + store, std::string("schema"), "render " + store + " -o " + picture + " --size 8x8 --progress json"}) {
+    const std::string command = std::string(KILN_TOOL) + " " + arguments + " 2> " + said + " > ";
+    EXPECT_EQ(std::system((command + "/dev/null").c_str()), 0) << arguments;
+    const int status = std::system((command + "/dev/full").c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << arguments;
+    EXPECT_EQ(readTextFile(said), "kiln: standard output: could not be written to its end; is the disk full?\n")
+        << arguments;
+  }
 }
 
 // Known because a job or a transfer function that is misread would draw another picture: nothing unknown is passed
