@@ -262,7 +262,7 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const DryRun cost = dryRun(job);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
-    fmt::print("frames       {}; what follows is of the first, {}\n", frames.size(), frames.front());
+    fmt::print("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
   fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
              cost.bricks_total, cost.bricks_interesting, cost.bricks_in_view);
   const FrameMemory& memory = cost.memory;
@@ -300,9 +300,9 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
     const std::vector<int>& failed = result.statistics.failed;
     if (!failed.empty())
       throw Error(ErrorCode::kIo,
-                  fmt::format("{} failed; the first: {}; the others are there, and the same command with "
-                              "--resume draws what is missing",
-                              countedFrames(failed), result.first_failure));
+                  fmt::format("{} failed; the first: {}; {}the same command with --resume draws what is missing",
+                              countedFrames(failed), result.first_failure,
+                              failed.size() < framesOf(job).size() ? "the others are there, and " : ""));
   } catch (const Error& error) {
     report.ended(error);
     throw;
