@@ -107,6 +107,9 @@ TEST_F(SequenceCli, AFrameIsTheStillPicture) {
   EXPECT_EQ(readImage(in("still.exr")).rgba, readImage(in("t_03.exr")).rgba);
   done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front"});
   EXPECT_TRUE(readFile(in("one.exr")) == readFile(in("t_01.exr")));
+  const auto again =
+      done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front", "--resume"});
+  EXPECT_EQ(again.out, in("one.exr") + ": kept; it is there and whole\n");
   done({"render", in("h.kiln"), "-o", in("d_##/p.png"), "--size", "9x9", "--turntable", "2"});
   EXPECT_TRUE(fs::exists(in("d_02/p.png")));
   // Nothing is read twice: bricks stay in memory from frame to frame.

@@ -115,6 +115,7 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
   ++kept_;
   if (events_)
     return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
+  if (frames_ == 1) only_line_ = filesOf(job, frame).front().path.string() + ": kept; it is there and whole\n";
   showOverall(done);
 }
 
