@@ -14,12 +14,6 @@
 namespace kiln {
 namespace {
 
-FramesRole roleOf(const RenderJob& job) {
-  FramesRole out;
-  out.writes_behind = writesBehind(job);
-  return out;
-}
-
 class Sequence {
  public:
   Sequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
@@ -28,7 +22,8 @@ class Sequence {
         checkpoint_(options.checkpoint),
         progress_(progress),
         listener_(listener),
-        frames_(job, options.store_for, progress, options.checkpoint ? checkpointBytes(job) : 0, roleOf(job)) {}
+        frames_(job, options.store_for, progress, options.checkpoint ? checkpointBytes(job) : 0,
+                {.writes_behind = writesBehind(job)}) {}
 
   SequenceResult run() {
     if (checkpoint_) requireCheckpoint(job_);

@@ -29,7 +29,7 @@ using StoreFor = std::function<std::filesystem::path(const std::filesystem::path
 /// What is done of each frame, and how.
 struct FramesRole {
   /// It draws this part of each picture; the job's files are of the whole.
-  std::optional<VoxelBox> part;
+  std::optional<VoxelBox> part{};
   SharedReads* shared_reads = nullptr;  // what it reads is read for others, too
   bool warns = true;                    // of what the volumes are
   /// Files of a frame are written while the next is drawn, where memory is left for that.

@@ -8,8 +8,8 @@
 namespace kiln {
 namespace {
 
-// Of a voxel's edge, from which on nothing is won that is missed (ARCHITECTURE.md has the figures); less by what a
-// depth's rounding is, so that it does not decide where a scene is laid out for 3/4. unit: pixels.
+// From this edge of a voxel on, one sample is enough (ARCHITECTURE.md has the figures): 3/4, less what a depth is
+// rounded by, which is not to decide where a scene is laid out for 3/4. unit: pixels.
 constexpr double kLargeEnough = 0.75 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 

@@ -512,8 +512,8 @@ TEST_F(Cli, AnAnswerThatCannotBeWrittenIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
   makeRampStore();
   const std::string store = in("v.kiln"), picture = in("p.png"), said = in("said");
-  for (const std::string& arguments :
-       {"info " + store, std::string("schema"), "render " + store + " -o " + picture + " --size 8x8 --progress json"}) {
+  for (const std::string& arguments : {std::string("--help"), "info " + store, std::string("schema"),
+                                       "render " + store + " -o " + picture + " --size 8x8 --progress json"}) {
     const std::string command = std::string(KILN_TOOL) + " " + arguments + " 2> " + said + " > ";
     EXPECT_EQ(std::system((command + "/dev/null").c_str()), 0) << arguments;
     const int status = std::system((command + "/dev/full").c_str());

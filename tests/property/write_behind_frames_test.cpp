@@ -32,7 +32,7 @@ class FramesBehind : public ::testing::Test {
     job_.picture.size = {48, 40};
     job_.picture.samples = 1;  // as the least memory below
     job_.speed.threads = 2;
-    job_.animation.camera = Turntable{.frames = 5};
+    job_.animation.camera = Turntable{5, 360, std::nullopt};
     job_.frames = {1, 2, 3, 4, 5};
   }
   // The frames' files.

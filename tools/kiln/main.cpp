@@ -88,7 +88,7 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   installInterruptHandler();
   try {
     if (ranks.first() || context.by_all_ranks) context.action();
-    return saidAll() ? 0 : fail(context, kUnsaid, 1);
+    return 0;
   } catch (const kiln::Error& error) {
     return fail(context, error.what(), error.exitCode());
   } catch (const std::bad_alloc&) {
@@ -103,7 +103,10 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
 int main(int argc, char** argv) {
   try {
     const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
-    return run(argc, argv, *ranks);
+    const int exit_code = run(argc, argv, *ranks);
+    if (exit_code != 0 || saidAll()) return exit_code;
+    std::fprintf(stderr, "kiln: %s\n", kUnsaid);
+    return 1;
   } catch (const kiln::Error& error) {
     std::fprintf(stderr, "kiln: %s\n", error.what());
     return error.exitCode();
