@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "frame/tile_span.h"
+#include "splat/cast_cells.h"
 
 namespace kiln {
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
@@ -16,7 +17,13 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
   const VolumeLook look{
       transfer_function,     shading, view, transfer_function.unitIn(volume.geometry().meanSpacing()), gradient_noise,
       sampling.interpolation};
-  for (const SlabZone& zone : zones_.zones()) frames_.push_back(zoneFrame(zone, levels, table_, look));
+  for (std::size_t i = 0; i < zones_.zones().size(); ++i) {
+    const SlabZone& zone = zones_.zones()[i];
+    frames_.push_back(zoneFrame(zone, levels, table_, look));
+    if (sampling.on_rays)
+      rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
+                         levels.endVoxels(zone.level));
+  }
 }
 
 BrickWalk::AnyPart PixelLattice::anyPart() const {
@@ -38,7 +45,7 @@ std::vector<PixelLattice::ZoneCells> PixelLattice::cellsOf(const BrickBlock& blo
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
     if (zone.level != block.key.level || !DepthZones::reaches(depths, zone)) continue;
-    out.push_back({frames_[i].get(), interestingCells(*frames_[i], block)});
+    out.push_back({frames_[i].get(), rays_.empty() ? nullptr : &rays_[i], interestingCells(*frames_[i], block)});
   }
   return out;
 }
@@ -57,6 +64,10 @@ void PixelLattice::drawTile(const BrickBlock& block, const std::vector<ZoneCells
     std::vector<const SlabCell*> touching;
     for (const ZoneCells& zone : zones) {
       for (const TilePixels& square : squares) {
+        if (zone.rays != nullptr) {
+          castCells(*zone.rays, *zone.frame, block, zone.cells, square, visibility, opaque_at, counts);
+          continue;
+        }
         touching.clear();
         for (const SlabCell& cell : zone.cells) {
           if (!intersection(cell.bounds.rect, square.rect).empty()) touching.push_back(&cell);

@@ -1,6 +1,6 @@
-// `--lattice pixel`: what of which level is splatted where, so that samples are no more than a pixel apart everywhere
-// and no less than 7/16 of one, where the volume has a level for it. All is decided by depth, in zones of slabs
-// (splat/slab_grid.h).
+// `--lattice pixel` and `ray`: what of which level is drawn where, so that samples are no more than a pixel apart
+// everywhere and no less than 7/16 of one, where the volume has a level for it. All is decided by depth, in zones of
+// slabs (splat/slab_grid.h).
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include "frame/depth_zones.h"
 #include "frame/sweep_pool.h"
 #include "frame/zone_frames.h"
+#include "splat/ray_slabs.h"
 
 namespace kiln {
 
@@ -27,6 +28,7 @@ class PixelLattice {
   /// What of a brick may be seen in one zone.
   struct ZoneCells {
     const SlabFrame* frame;
+    const RaySlabs* rays;  // null in the pixel lattice
     std::vector<SlabCell> cells;
   };
   /// Those of a brick, from near to far. requires: this outlives the result. thread: safe.
@@ -48,6 +50,7 @@ class PixelLattice {
   SampleTable table_;
   DepthZones zones_;
   std::vector<std::unique_ptr<SlabFrame>> frames_;  // one a zone
+  std::vector<RaySlabs> rays_;                      // the same, where samples are on rays
   SweepPool pool_;
 };
 

@@ -20,8 +20,12 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
   SoftSamples soft = table.thinAnywhere(spacing) ? SoftSamples::kAnyway : SoftSamples::kWhereFree;
   // Labels have edges, and gradients may take all of an opacity away.
   if (table.ofLabels() || !transfer_function.gradient_opacity.empty()) soft = SoftSamples::kNever;
-  return {&volume, levels.projector(levels.finest()).nearDepth(), steepnessOf(transfer_function, spacing, volume.range),
-          soft, sampling.distance};
+  return {&volume,
+          levels.projector(levels.finest()).nearDepth(),
+          steepnessOf(transfer_function, spacing, volume.range),
+          soft,
+          sampling.distance,
+          sampling.on_rays};
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

@@ -29,7 +29,7 @@ void requireParts(const RenderJob& job) {
   };
   if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
   if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
-  if (picture.lattice != Lattice::kPixel) refuse("the voxel lattice is not drawn in parts");
+  if (picture.lattice != Lattice::kPixel) refuse("only the pixel lattice is drawn in parts");
   if (oversamples(picture)) refuse("a pixel is one sample");
   if (const char* const view = viewWithoutTiles(job)) {
     throw Error(ErrorCode::kUsage,

@@ -95,7 +95,7 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
     projection.emplace(store, levels, request.view, request.level, request.mode,
                        request.visibility.method != VisibilityMethod::kNone);
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
-  } else if (request.lattice == Lattice::kPixel) {
+  } else if (request.lattice != Lattice::kVoxel) {
     pixel.emplace(store.manifest(), levels, request.view, request.sampling(), request.transfer_function,
                   request.shading, gradientNoiseOf(store.manifest()), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
@@ -148,7 +148,7 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   const Span span(Activity::kWalk);
-  const bool slabs = plan_.pixel || plan_.mix;
+  const bool slabs = (plan_.pixel && request_.lattice == Lattice::kPixel) || plan_.mix;
   std::vector<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
   std::vector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,

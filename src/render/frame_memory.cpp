@@ -43,6 +43,10 @@ bool drawsSlabs(const RenderJob& job) {
   return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
 }
 
+bool castsRays(const RenderJob& job) {
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kRay;
+}
+
 // Where it is drawn, also what slabs cover of it; a partial image's file has that, too.
 std::uint64_t drawnPixelBytes(const RenderJob& job) {
   const std::size_t coverage = sizeof(CoveredPixel) + (drawsPart(job.picture) ? sizeof(float) : 0);
@@ -77,7 +81,9 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
       (near ? kSweepBytesOfNearPixel : kSweepBytesOfPixel) * (job.picture.aovs.any() ? 2 : 1);
   const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
   const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
-  return threads * (padded * padded * volumes * of_pixel + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
+  // Rays need no sheets and nothing that waits.
+  const std::uint64_t swept = drawsSlabs(job) ? padded * padded * volumes * of_pixel : 0;
+  return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
 std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
@@ -124,7 +130,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   out.several = !job.volumes.empty();
   out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
   if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
-  if (drawsSlabs(job)) {
+  if (drawsSlabs(job) || castsRays(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
     std::int64_t brick_size = 0;
@@ -132,7 +138,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.least_slabs = slabBytes(job, kLeastSweep, 1, brick_size);
     const auto sized = [&] { return slabBytes(job, out.sweep_px, out.bricks_together, brick_size); };
     out.slabs = sized();
-    while (out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
+    while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
     if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
   if (edges) {

@@ -26,7 +26,10 @@ void requireLevel(const StoreReader& store, const std::optional<int>& level) {
 }
 
 void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
-  for (const StoreReader* const store : stores) requireLevel(*store, request.level);
+  for (const StoreReader* const store : stores) {
+    requireLevel(*store, request.level);
+    requireLattice(request.lattice, store->manifest().volume_class, store->path());
+  }
   requireInterpolation(request.lattice, request.interpolation);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
   requireSampleDistance(request.lattice, request.mode, request.sample_distance);

@@ -45,7 +45,7 @@ struct FrameRequest {
   /// Of a part's pixels, what layers of edges take at most. unit: bytes.
   std::uint64_t edge_pixel_bytes = EdgeLayers::kMostPixelBytes;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
-  Sampling sampling() const { return {level, interpolation, sample_distance}; }
+  Sampling sampling() const { return {level, interpolation, sample_distance, lattice == Lattice::kRay}; }
   VisibilityOptions visibility;
   int tile_px = 64;   // as SpeedOptions has it
   int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLargeEnough = 0.75 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 
-// What is not made of light in the pixel lattice, or of a sample a pixel by what it is.
+// What is not made of light between voxels, or of a sample a pixel by what it is.
 bool oneOnly(const RenderJob& job, const Camera& camera) {
   const PictureOptions& picture = job.picture;
   return picture.mode != Mode::kComposite || picture.lattice == Lattice::kVoxel ||

@@ -124,7 +124,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   }
   out["lattice"] = nameIn(kLatticeNames, picture.lattice);
   if (picture.lattice == Lattice::kPixel) out["interpolation"] = nameIn(kInterpolationNames, picture.interpolation);
-  if (picture.lattice == Lattice::kPixel) out["sampleDistance"] = picture.sample_distance;
+  if (picture.lattice != Lattice::kVoxel) out["sampleDistance"] = picture.sample_distance;
   out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
   out["samples"] = picture.samples ? ordered_json(*picture.samples) : ordered_json("auto");
   if (picture.skip_damaged) out["skipDamaged"] = true;

@@ -191,9 +191,10 @@ int subPixelsAlongEdge(int samples) {
 
 void requireInterpolation(Lattice lattice, Interpolation interpolation) {
   if (lattice == Lattice::kPixel || interpolation == Interpolation::kLinear) return;
-  throw Error(ErrorCode::kUsage, fmt::format("--interpolation {}: --lattice voxel draws the voxels as they are; choose "
-                                             "--lattice pixel, or leave --interpolation out",
-                                             nameIn(kInterpolationNames, interpolation)));
+  const std::string_view why = lattice == Lattice::kVoxel ? "draws the voxels as they are" : "interpolates linearly";
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--interpolation {}: --lattice {} {}; choose --lattice pixel, or leave --interpolation out",
+                          nameIn(kInterpolationNames, interpolation), nameIn(kLatticeNames, lattice), why));
 }
 
 void requireSampleDistance(Lattice lattice, Mode mode, double voxels) {
@@ -218,10 +219,17 @@ void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const 
   const auto refuse = [&](std::string_view option, std::string_view why) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: --mode {} {}", option, nameIn(kModeNames, mode), why));
   };
-  if (lattice == Lattice::kVoxel) refuse("--lattice voxel", "takes values along rays; leave --lattice out");
+  if (lattice != Lattice::kPixel)
+    refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, lattice)), "has samples of its own; leave --lattice out");
   if (interpolation != Interpolation::kLinear)
     refuse("--interpolation", "interpolates linearly; leave --interpolation out");
   if (aovs.depth || aovs.normal) refuse("--aov", "has no depth and no normal; it has value");
+}
+
+void requireLattice(Lattice lattice, VolumeClass volume_class, const std::filesystem::path& store) {
+  if (lattice != Lattice::kRay || volume_class != VolumeClass::kLabels) return;
+  throw Error(ErrorCode::kUsage, store, "",
+              "--lattice ray does not draw labels, between which nothing is interpolated; leave --lattice out");
 }
 
 bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }
@@ -249,7 +257,9 @@ void requireVolumes(const RenderJob& job) {
   const PictureOptions& picture = job.picture;
   if (job.volumes.size() > kMostVolumesOfJob) refuse("volumes", fmt::format("are {} at most", kMostVolumesOfJob));
   if (picture.mode != Mode::kComposite) refuse("--mode", "are composited; draw a projection of each by itself");
-  if (picture.lattice != Lattice::kPixel) refuse("--lattice voxel", "have the pixel lattice; leave --lattice out");
+  if (picture.lattice != Lattice::kPixel)
+    refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, picture.lattice)),
+           "have the pixel lattice; leave --lattice out");
   if (drawsPart(picture)) refuse("--part", "are drawn whole; draw one volume in parts");
 }
 

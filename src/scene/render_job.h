@@ -41,7 +41,12 @@ struct VisibilityOptions {
   bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };
-enum class Lattice { kPixel, kVoxel };
+/// Where samples are (ARCHITECTURE.md).
+/// - kPixel: in the volume's own lattice, of a level refined or coarse so that they are about a pixel apart; splatted
+///   into slabs as footprints.
+/// - kVoxel: the voxels, as Lee and Ihm splat them.
+/// - kRay: where rays through pixels' centres meet slabs, each in its pixel alone.
+enum class Lattice { kPixel, kVoxel, kRay };
 
 /// What a pixel shows of what is behind it.
 /// - kComposite: light that the volume sends, as opacity lets it through.
@@ -98,8 +103,8 @@ struct PictureOptions {
   std::optional<PartNumber> part;  // of the volume, instead of clipping.part
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
-  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; the voxel lattice has none
-  double sample_distance = kSampleDistance;              // of the pixel lattice, Sampling's. unit: voxels
+  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; samples on rays are linear
+  double sample_distance = kSampleDistance;              // of all but the voxel lattice, Sampling's. unit: voxels
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
@@ -111,14 +116,17 @@ bool samplesKnown(int samples);
 /// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of them.
 int subPixelsAlongEdge(int samples);
 
-/// throws: Error kUsage where the lattice does not interpolate and another than the default is asked for.
+/// throws: Error kUsage where the lattice does not interpolate so.
 void requireInterpolation(Lattice lattice, Interpolation interpolation);
 
-/// throws: Error kUsage where it is none, or another than the default for what is not drawn by the pixel lattice.
+/// throws: Error kUsage where it is none, or another than the default for what has no such samples.
 void requireSampleDistance(Lattice lattice, Mode mode, double voxels);
 
 /// throws: Error kUsage where the mode has no use for one of them.
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
+
+/// throws: Error kUsage where the lattice does not draw such volumes; `store` is named.
+void requireLattice(Lattice lattice, VolumeClass volume_class, const std::filesystem::path& store);
 
 /// Whether the job draws a partial image, of a part of the volume and without background.
 bool drawsPart(const PictureOptions& picture);

@@ -1,4 +1,4 @@
-// How a volume is sampled by the pixel lattice.
+// How a volume is sampled where it is sampled between its voxels.
 #pragma once
 
 #include <optional>
@@ -18,6 +18,8 @@ struct Sampling {
   /// least and a pixel at the most, by default three quarters, so that it counts where voxels are larger than half a
   /// pixel. unit: voxels.
   double distance = kSampleDistance;
+  /// Samples are where pixels' rays meet slabs, which are as thick as that, and half a pixel at the least.
+  bool on_rays = false;
 };
 
 /// The level that is drawn where a world length of 1 is `scale` pixels: the coarsest whose voxels are no larger than

@@ -16,6 +16,10 @@ int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_p
 // of it is in the zone.
 constexpr double kDeep = 0.25;
 
+// Of soft voxels (SampleTable::soft) that change by this part of what is soft, on rays one sample a voxel shows as much
+// as two.
+constexpr double kPairChange = 0.25;
+
 // A row of samples is as long as a vector. Along the other axes a unit is short: fewer samples then wait for their
 // slabs (ARCHITECTURE.md has the figures).
 constexpr int kUnitRows = 8;
@@ -46,6 +50,9 @@ DepthSpread depthSpread(const SlabZone& zone, const std::array<Refinement, 3>& r
 }
 
 // unit: world.
+double shortestEdge(const Projector& projector) {
+  return std::min({glm::length(projector.axis(0)), glm::length(projector.axis(1)), glm::length(projector.axis(2))});
+}
 double longestSample(const SlabZone& zone, const Projector& projector) {
   double out = 0;
   for (int a = 0; a < 3; ++a) {
@@ -97,6 +104,7 @@ UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& r
   out.gaps = table.hasGaps();
   if (zone.level > 0 && !zone.refined() && !out.labels) out.integral = table.integral();
   out.least_interval = table.leastInterval();
+  if (zone.on_rays) out.voxels = {kUnitVoxels, kUnitVoxels, kUnitVoxels};
   out.light = plainLight(look.shading, look.gradient_noise, projector);
   out.light.phong = out.light.phong && !detailed;
   return out;
@@ -136,6 +144,19 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
   return out;
 }
 
+// The cells of a brick along an axis, front to back: nested loops over the three axes' visit them so.
+std::vector<int> frontToBack(const Projector& projector, int axis, std::int64_t first, int count) {
+  int split = projector.indexRow(axis).z < 0 ? count : 0;
+  if (projector.perspective()) {
+    split = 0;
+    while (split < count && static_cast<double>(first + split * kCellSize) - 0.5 <= projector.indexRow(axis).w) ++split;
+  }
+  std::vector<int> out;
+  for (int i = split - 1; i >= 0; --i) out.push_back(i);
+  for (int i = split; i < count; ++i) out.push_back(i);
+  return out;
+}
+
 }  // namespace
 
 SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
@@ -150,19 +171,21 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       footprint_(zone.sigma_px, zone.soft_sigma_px, sharing.least_taps),
       lattice_(unitLattice(zone, zone.refinement, projector, footprint_, table, look, detailed_)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
+      shortest_edge_(shortestEdge(projector)),
       longest_sample_(longestSample(zone, projector)) {
   if (zone.judgesBlocks()) {
     soft_lattice_ = unitLattice(zone, zone.soft_refinement, projector, footprint_, table, look, detailed_);
     soft_lattice_->first_phase = FootprintTable::kSoftRows;
     soft_lattice_->three_slabs = soft_lattice_->spread.reach > 0.5f;
   }
-  ghosts_ = sharing.owned ? ghostsOf(zone, projector, footprint_, sampleReach()) : 0;
+  ghosts_ = sharing.owned && !zone.on_rays ? ghostsOf(zone, projector, footprint_, sampleReach()) : 0;
   // What the apron holds beyond the voxels of samples and of their gradients.
   const std::int64_t left = kApron - ghosts_ - (zone.refined() ? 2 : 1);
   lattice_.label_smoothing = static_cast<int>(std::clamp<std::int64_t>(left, 0, kMostLabelSmoothing));
 }
 
 double SlabFrame::sampleReach() const {
+  if (zone_.on_rays) return 0;
   const auto reach = static_cast<double>(lattice_.spread.reach);
   return soft_lattice_ ? std::max(reach, static_cast<double>(soft_lattice_->spread.reach)) : reach;
 }
@@ -171,6 +194,13 @@ bool SlabFrame::soft(const VoxelBox& block, const SampledRange& range) const {
   bool ends = range.gaps || look_.clip->classify(block) != ClipRegion::Overlap::kInside;
   for (int a = 0; a < 3; ++a) ends = ends || block.lo[a] <= 0 || block.hi[a] >= dims_[a];
   return table_.soft(range.values, voxel_length_, ends);
+}
+
+bool SlabFrame::inPairs(const SampledRange& range) const {
+  if (range.gaps || look_.gradient_opacity.active()) return false;
+  // What is not soft has several samples a voxel for a reason.
+  const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
+  return near && table_.soft(range.values, voxel_length_ / kPairChange, false);
 }
 
 SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
@@ -187,6 +217,14 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
   const ViewExtent seen =
       deep ? at.extentBetween(std::max(zone_.near - reach, 0.5 * projector_.nearDepth()), zone_.far + reach)
            : at.extent();
+  if (zone_.on_rays) {
+    // Pixels whose centres are in it, and rounding.
+    const auto first = [](double at) { return floorOf(at - 0.51); };
+    const auto end = [](double at) { return floorOf(at - 0.49) + 1; };
+    out.rect = {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
+    out.last = zone_.slabs - 1;
+    return out;
+  }
   // Half a pixel to the nearest centre and rounding beside the footprint.
   double r = footprint_.radius() + 0.51;
   if (beyond > 0)
@@ -209,9 +247,12 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
   const int n = block.supports.edge();
   // A cubic reaches a voxel farther than the supports that come with a brick.
   const bool cubic = frame.lattice().interpolation != Interpolation::kLinear;
-  for (int z = 0; z < n; ++z) {
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
+  std::array<std::vector<int>, 3> order;
+  for (int a = 0; a < 3; ++a)
+    order[static_cast<std::size_t>(a)] = frontToBack(frame.projector(), a, block.core.lo[a] - kCellSize, n);
+  for (const int z : order[2]) {
+    for (const int y : order[1]) {
+      for (const int x : order[0]) {
         const bool near = frame.interesting(block.supports.at(x, y, z));
         if (!near && !(cubic && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,

@@ -57,6 +57,8 @@ class SlabFrame {
   /// Whether a block of voxels (softBlock) has the samples of `softLattice`, which then interpolate `range`. requires:
   /// a soft lattice.
   bool soft(const VoxelBox& block, const SampledRange& range) const;
+  /// On rays: whether two samples of a cell may be one, twice as long, that interpolate `range`.
+  bool inPairs(const SampledRange& range) const;
   const SampleLook& look() const { return look_; }
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }
@@ -90,6 +92,7 @@ class SlabFrame {
   UnitLattice lattice_;
   std::optional<UnitLattice> soft_lattice_;
   double voxel_length_;    // the mean of its edges. unit: world
+  double shortest_edge_;   // the same
   double longest_sample_;  // along any axis. unit: world
   std::int64_t ghosts_;
 };
@@ -100,8 +103,8 @@ struct SlabCell {
   SlabFrame::Bounds bounds;
 };
 
-/// The cells of the brick that the transfer function shows. cost: a look at each cell's range; for a cubic also at the
-/// voxels of cells beside one that is shown.
+/// The cells of the brick that the transfer function shows, front to back. cost: a look at each cell's range; for a
+/// cubic also at the voxels of cells beside one that is shown.
 std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block);
 
 }  // namespace kiln

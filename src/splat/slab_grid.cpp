@@ -121,6 +121,11 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
   const glm::dvec3 spacing = drawn.spacing();
   // A voxel of a coarser level is as much thicker.
   const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
+  if (zoned.on_rays) {
+    out.on_rays = true;
+    out.thickness = std::max(kThinnest / scale, drawn.shortestEdge() * zoned.sample_distance);
+    return out;
+  }
   const double wanted = spacingFor(drawn.shortestEdge() * scale, steepness, zoned.sample_distance);
   double widest = 0, least_refined = kLargestRefinement;
   for (int axis = 0; axis < 3; ++axis) {
@@ -169,7 +174,7 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
       zone.near = near;
       zone.far = near + width;
       // About as thick as a pixel is wide in the middle of the zone.
-      const double wanted = zone.thickness * (near + 0.5 * width) / near;
+      const double wanted = (zone.on_rays ? 1 : (near + 0.5 * width) / near) * zone.thickness;
       zone.slabs = std::max(1, static_cast<int>(std::lround(width / wanted)));
       zone.thickness = width / zone.slabs;
       out.push_back(zone);

@@ -23,7 +23,8 @@ struct SlabZone {
   double near = 0, far = 0;  // depths [near, far). unit: world, along the view
   double thickness = 1;      // of a slab: slab s of the zone is near + [s, s + 1) * thickness
   int slabs = 0;
-  int level = 0;  // of the pyramid
+  int level = 0;         // of the pyramid
+  bool on_rays = false;  // samples are where pixels' rays meet slabs' middles: then the rest says nothing
   std::array<Refinement, 3> refinement;
   /// Of blocks of voxels that are soft (SampleTable::soft), which have a whole number of samples of either; the same
   /// where nothing would be saved.
@@ -60,6 +61,7 @@ struct ZonedVolume {
   double steepness = std::numeric_limits<double>::infinity();  // steepnessOf, of level 0
   SoftSamples soft = SoftSamples::kNever;
   double sample_distance = kSampleDistance;  // Sampling's
+  bool on_rays = false;                      // Sampling's
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

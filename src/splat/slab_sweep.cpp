@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "splat/finish_sample.h"
 #include "splat/join_volumes.h"
 #include "splat/label_samples.h"
 #include "splat/lay_sheet.h"
@@ -312,37 +313,24 @@ class Sweep {
     const SlabFrame& f = *frames_[unit.volume];
     const float depth = (details.view.z - l.near) * l.slabs_per_depth;
     m_.volumes[unit.volume].waiting_aovs.add(static_cast<std::size_t>(slab - begin_)) =
-        aovSample(s, slab, depth, l.spread, normalOf(f, details, unit.lo));
+        aovSample(s, slab, depth, l.spread, finishedNormal(f.look(), siteOf(details, unit.lo)));
   }
 
-  static glm::vec3 normalOf(const SlabFrame& f, const SampleDetails& details, const VoxelCoord& lo) {
-    const SampleLook& look = f.look();
-    const glm::vec3* const face = look.clip->cutGradient(indexOf(details, lo));
-    return face != nullptr ? look.shader.normalOnCut(*face, details.view)
-                           : look.shader.normal(details.gradient, details.view);
-  }
-
-  static glm::dvec3 indexOf(const SampleDetails& details, const VoxelCoord& lo) {
-    return glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset);
+  static SampleSite siteOf(const SampleDetails& details, const VoxelCoord& lo) {
+    return {glm::dvec3(lo.x, lo.y, lo.z) + glm::dvec3(details.offset), glm::dvec3(details.view), details.gradient};
   }
 
   // Shades, modulates and clips a sample by itself, which is so many voxels long; false where it is clipped.
   static bool finish(const SlabFrame& f, SlabSample& s, const SampleDetails& details, const VoxelCoord& lo,
                      const glm::dvec3& edges) {
     const SampleLook& look = f.look();
-    const glm::dvec3 index = indexOf(details, lo);
-    const auto share = static_cast<float>(look.clip->shareOf(index, edges));
+    const SampleSite site = siteOf(details, lo);
+    const auto share = static_cast<float>(look.clip->shareOf(site.index, edges));
     if (!(share > 0)) return false;
     s.front *= share, s.back *= share;
-    const Material material{s.r, s.g, s.b, details.tau};
-    const glm::vec3* const face = look.clip->cutGradient(index);
-    const glm::dvec3 view(details.view);
-    const Color color =
-        face != nullptr ? look.shader.onCut(material, *face, view) : look.shader(material, details.gradient, view);
+    const Color color = finishedColor(look, {s.r, s.g, s.b, details.tau}, site);
     s.r = color.r, s.g = color.g, s.b = color.b;
-    const float tau =
-        look.gradient_opacity.active() ? look.gradient_opacity(details.tau, details.gradient) : details.tau;
-    s.opacity = -std::expm1(-tau * details.ray);
+    s.opacity = -std::expm1(-finishedExtinction(look, details.tau, site) * details.ray);
     return true;
   }
 

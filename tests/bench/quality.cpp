@@ -55,7 +55,9 @@ Options parsed(int argc, char** argv) {
   app.add_option("--projections", o.projections)->check(CLI::IsMember(o.projections))->capture_default_str();
   app.add_option("--px-per-voxel", o.px_per_voxel)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--size", o.size, "pixels along each side")->capture_default_str();
-  app.add_option("--lattice", o.lattice)->check(CLI::IsMember({"pixel", "voxel"}))->capture_default_str();
+  app.add_option("--lattice", o.lattice)
+      ->check(CLI::IsMember(std::vector<std::string>(kLatticeNames.begin(), kLatticeNames.end())))
+      ->capture_default_str();
   app.add_option("--interpolation", o.interpolation)->check(CLI::IsMember(names))->capture_default_str();
   app.add_option("--reference-interpolation", o.reference_interpolation, "that of --interpolation if not given")
       ->check(CLI::IsMember(names));
@@ -121,7 +123,8 @@ class Studio {
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
     request.sample_distance = options_.sample_distance;
-    request.lattice = options_.lattice == "pixel" ? Lattice::kPixel : Lattice::kVoxel;
+    request.lattice = static_cast<Lattice>(std::find(kLatticeNames.begin(), kLatticeNames.end(), options_.lattice) -
+                                           kLatticeNames.begin());
     request.interpolation = interpolationNamed(options_.interpolation);
     request.samples = samplesFor(camera);
     FrameStatistics statistics;

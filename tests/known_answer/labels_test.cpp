@@ -24,7 +24,7 @@ TEST(LabelPictures, ASlabHasItsClosedForm) {
     return z < 14 ? 200 : z < 26 ? 3 : 7;
   });
   const auto store = makeStore(volume, "slab", 16, true);
-  for (const Lattice lattice : kLattices) {
+  for (const Lattice lattice : kLabelLattices) {
     for (const double opacity : {0.01, 0.05, 0.2}) {
       FrameRequest request;
       setLattice(request, lattice);

@@ -312,7 +312,7 @@ TEST_P(Zoom, DoesNotPop) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lattices, Zoom,
-                         ::testing::Combine(::testing::Values(Lattice::kPixel, Lattice::kVoxel),
+                         ::testing::Combine(::testing::ValuesIn(kLattices),
                                             ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
 
 }  // namespace

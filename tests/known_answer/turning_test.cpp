@@ -96,9 +96,10 @@ class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
     const std::string name = scene + ", " + nameOf(lattice) + " lattice, " + nameOf(projection);
     const Popping popping = poppingOf(turning, request, name.c_str());
     // Compositing splat by splat depends on the order of visiting: where that flips, the picture pops.
-    const bool pops = lattice == Lattice::kVoxel;
-    EXPECT_LT(popping.mean_ratio, pops ? 6 : 1.15) << name;
-    EXPECT_LT(popping.largest_ratio, pops ? 25 : 1.3) << name;
+    // One ray a pixel flickers at edges.
+    const double mean = lattice == Lattice::kVoxel ? 6 : lattice == Lattice::kRay ? 1.7 : 1.15;
+    EXPECT_LT(popping.mean_ratio, mean) << name;
+    EXPECT_LT(popping.largest_ratio, lattice == Lattice::kVoxel ? 25 : mean + 0.15) << name;
     EXPECT_GT(popping.mean_ratio, 0.7) << name;
   }
 };

@@ -109,7 +109,7 @@ TEST_P(Labels, WhatNoRangeHoldsIsNotRead) {
   EXPECT_EQ(statistics.bricks_read, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Lattices, Labels, ::testing::ValuesIn(kLattices),
+INSTANTIATE_TEST_SUITE_P(Lattices, Labels, ::testing::ValuesIn(kLabelLattices),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
 }  // namespace

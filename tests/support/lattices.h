@@ -1,4 +1,4 @@
-// The lattices that the renderer splats, for tests that hold for every one of them.
+// The lattices that the renderer draws, for tests that hold for every one of them.
 #pragma once
 
 #include "render/render_frame.h"
@@ -6,7 +6,10 @@
 
 namespace kiln::test {
 
-inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel};
+inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel, Lattice::kRay};
+
+/// Those that draw labels.
+inline constexpr Lattice kLabelLattices[] = {Lattice::kPixel, Lattice::kVoxel};
 
 inline void setLattice(FrameRequest& request, Lattice lattice) { request.lattice = lattice; }
 

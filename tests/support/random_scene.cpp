@@ -184,10 +184,8 @@ CameraSpec specOf(const Camera& camera) {
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold) {
   FrameRequest request;
   request.lattice = lattice;
-  if (lattice == Lattice::kPixel) {
-    request.interpolation = scene.interpolation;
-    request.sample_distance = scene.sample_distance;
-  }
+  if (lattice == Lattice::kPixel) request.interpolation = scene.interpolation;
+  if (lattice != Lattice::kVoxel) request.sample_distance = scene.sample_distance;
   request.view = scene.view;
   request.transfer_function = scene.transfer_function;
   request.shading = scene.shading;

@@ -481,7 +481,10 @@ void addRender(CLI::App& app, Context& context) {
       "what a pixel shows: composite (default), the light that the volume sends; mip, minip or average, "
       "the greatest, least or mean value behind it, in the transfer function's colours (grey over the "
       "range of values or --window, if --tf names none)");
-  command->add_option("--lattice", a->lattice, "pixel or voxel");
+  command->add_option(
+      "--lattice", a->lattice,
+      "where samples are: pixel (default; splatted, smooth edges), ray (on pixels' rays: several times as fast, "
+      "hard edges) or voxel (the voxels alone, as Lee and Ihm have it)");
   command->add_option("--interpolation", a->interpolation,
                       "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
                       "(smooth, keeps the voxels' values)");

@@ -129,17 +129,21 @@ def _bench_scan(volume, kiln, arguments, report, folder):
         for name, points in volume.functions().items():
             ours = kiln.draw(store, volume, points, projection)
             farther = kiln.draw(store, volume, points, projection, sampleDistance=FARTHER)
+            rays = kiln.draw(store, volume, points, projection, lattice="ray")
             seconds, first, picture = vtk.draw(views, points, True)
             report.compare(volume, projection, name, ours, (seconds, picture), ("pixel", "VTK"))
             report.compare(volume, projection, name, farther, (seconds, picture), (f"pixel, {FARTHER}", "VTK"))
+            report.compare(volume, projection, name, rays, (seconds, picture), ("ray", "VTK"))
             truth = vtk.truth(views[len(views) // 2], points)
-            held = {"Kiln, pixel": ours[1], f"Kiln, pixel, {FARTHER}": farther[1], "VTK": picture}
+            held = {"Kiln, pixel": ours[1], f"Kiln, pixel, {FARTHER}": farther[1], "Kiln, ray": rays[1], "VTK": picture}
             if projection != "orthographic":
                 report.quality(held, truth)
                 continue
             seconds, classify, normals, picture = volpack.draw(views, points)
             voxel = kiln.draw(store, volume, points, projection, lattice="voxel", threads=1)
             report.compare(volume, projection, name, voxel, (seconds, picture), ("voxel, 1 thr", "VolPack, 1 thr"))
+            one = kiln.draw(store, volume, points, projection, lattice="ray", threads=1)
+            report.compare(volume, projection, name, one, (seconds, picture), ("ray, 1 thr", "VolPack, 1 thr"))
             report.quality({**held, "Kiln, voxel": voxel[1], "VolPack": picture}, truth)
             print(f"{'':25} VolPack classifies in {1e3 * classify:.0f} ms, makes normals in {1e3 * normals:.0f} ms; VTK's "
                   f"first frame {1e3 * first:.0f} ms")

@@ -1,0 +1,736 @@
+#include "splat/cast_cells.h"
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "splat/finish_sample.h"
+#include "splat/slab_layer.h"
+#include "splat/unit_load.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/cast_cells.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "splat/sample_math-inl.h"
+
+#ifndef KILN_SPLAT_CAST_CELLS_ONCE
+#define KILN_SPLAT_CAST_CELLS_ONCE
+namespace kiln {
+namespace {
+
+// Edge of what is read for a cell, and from plane to plane of it. unit: voxels.
+constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
+
+// A cell in a tile.
+struct CellInput {
+  const float* values = nullptr;  // loadUnit's
+  glm::vec3 lo, hi;               // its faces. unit: voxels from the anchor
+  PixelRect rect;                 // what of the tile it may be seen in
+  bool at_end = false;            // of the volume
+  bool in_pairs = false;          // whether two samples may be one, twice as long
+  bool gaps = false;              // whether there may be NaN among its voxels
+};
+
+// Samples that go through a cell's steps together, at the most; and room for what vectors go beyond.
+constexpr std::size_t kLanes = 16, kMostSamples = 512, kRoom = kMostSamples + 2 * kLanes;
+
+// What is known of them, for one cell after the other.
+struct CellSamples {
+  // Of each sample that was found: its code, which voxels it is between, how far, and the values around it along x.
+  alignas(64) std::int32_t code[kRoom], offset[kRoom];
+  alignas(64) float fraction[3][kRoom], pair[2 * kRoom];
+  // Of each that is kept: which of them it is, its place in the table, and so on.
+  alignas(64) std::int32_t index[kRoom];
+  alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
+  // The same, where samples are finished one by one.
+  alignas(64) float slope[3][kRoom], index_place[3][kRoom];
+  // Of each that closed its pixel.
+  struct Closed {
+    std::int32_t pixel;
+    float alpha;
+  };
+  Closed closed[kRoom];
+};
+
+// What it did to them.
+struct CellOutput {
+  std::array<std::uint64_t, kSweepEdge> closed{};  // a bit a pixel of the rectangle
+  std::uint64_t samples = 0;
+};
+
+}  // namespace
+}  // namespace kiln
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+using D2 = hn::CappedTag<float, 2>;
+using D4 = hn::CappedTag<float, 4>;
+
+// One cell, in steps that each go through many samples, so that vectors are full and no sample waits for what was done
+// to the one before: places are found where samples may show something; their values are interpolated and classified;
+// those that do show something hide each other, one after the other; what is seen of them is lit. kGaps: whether
+// voxels may be NaN.
+template <bool kGaps>
+class CellCaster {
+ public:
+  CellCaster(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile, float opaque_at,
+             CellSamples& samples, CellOutput& out)
+      : r_(rays),
+        frame_(frame),
+        l_(frame.lattice()),
+        in_(in),
+        tile_(tile),
+        opaque_at_(opaque_at),
+        finishes_(frame.detailed()),
+        derives_(finishes_ || tile.aovs.any()),
+        s_(samples),
+        out_(out) {}
+
+  void run() {
+    if (!findShown()) return;
+    for (int y = in_.rect.y0; y < in_.rect.y1; ++y) {
+      const glm::vec3 fy(static_cast<float>(y) + r_.centre_y);
+      const glm::vec3 place = r_.place.centre + fy * r_.place.along_y, step = r_.step.centre + fy * r_.step.along_y;
+      for (int x = in_.rect.x0; x < in_.rect.x1; x += static_cast<int>(hn::Lanes(D()))) findPlaces(x, y, place, step);
+    }
+    castFound();
+  }
+
+ private:
+  // A sample's code: its pixel, x + 2^6 y from the rectangle's corner; 2^12 times its slab; and whether it is two.
+  static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;
+  static_assert(1 << kPixelBits == kSweepEdge);
+  static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
+
+  // Marks which of the cell's voxels, each with its neighbours along y and z, have samples that may show something;
+  // false where none has. Sets the box around them.
+  HWY_INLINE bool findShown() {
+    for (int a = 0; a < 3; ++a) lo_[a] = in_.lo[a], hi_[a] = in_.hi[a];
+    if (kGaps) {
+      shown_.fill((1 << kUnitVoxels) - 1);
+      return true;
+    }
+    rangeOfRows();
+    std::uint32_t any = 0;
+    int first[3] = {0, 4, 4}, last[3] = {0, -1, -1};
+    for (int z = 0; z < 4; ++z) {
+      for (int y = 0; y < 4; ++y) {
+        const auto i = static_cast<std::size_t>(z * 4 + y);
+        const std::uint32_t bits = shownInRow(i);
+        shown_[i] = static_cast<std::int32_t>(bits);
+        any |= bits;
+        if (bits == 0) continue;
+        first[1] = std::min(first[1], y), last[1] = std::max(last[1], y);
+        first[2] = std::min(first[2], z), last[2] = std::max(last[2], z);
+      }
+    }
+    if (any == 0) return false;
+    first[0] = std::countr_zero(any), last[0] = std::bit_width(any);
+    for (int a = 1; a < 3; ++a) first[a] *= 2, last[a] = 2 * last[a] + 2;
+    for (int a = 0; a < 3; ++a) {
+      lo_[a] = in_.lo[a] + static_cast<float>(first[a]);
+      hi_[a] = std::min(in_.hi[a], in_.lo[a] + static_cast<float>(last[a]));
+    }
+    return true;
+  }
+
+  // Of each column of two rows of voxels, and those around them that their samples interpolate.
+  HWY_INLINE void rangeOfRows() {
+    const D d;
+    for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(d)) {
+      V least[5][5], most[5][5];
+      for (int z = 0; z < 5; ++z) {
+        for (int y = 0; y < 5; ++y) {
+          const float* const row = in_.values + ((2 * z + 1) * kReadEdge + 2 * y + 1) * kUnitSamples + x;
+          const V a = hn::Load(d, row), b = hn::Load(d, row + kUnitSamples);
+          const V e = hn::Load(d, row + kPlane), f = hn::Load(d, row + kPlane + kUnitSamples);
+          least[z][y] = hn::Min(hn::Min(a, b), hn::Min(e, f));
+          most[z][y] = hn::Max(hn::Max(a, b), hn::Max(e, f));
+        }
+      }
+      for (int z = 0; z < 4; ++z) {
+        for (int y = 0; y < 4; ++y) {
+          hn::Store(hn::Min(hn::Min(least[z][y], least[z][y + 1]), hn::Min(least[z + 1][y], least[z + 1][y + 1])), d,
+                    &least_[z * 4 + y][x]);
+          hn::Store(hn::Max(hn::Max(most[z][y], most[z][y + 1]), hn::Max(most[z + 1][y], most[z + 1][y + 1])), d,
+                    &most_[z * 4 + y][x]);
+        }
+      }
+    }
+  }
+
+  HWY_INLINE std::uint32_t shownInRow(std::size_t row) const {
+    const D d;
+    std::uint32_t bits = 0;
+    for (std::size_t x = 0; x < kUnitVoxels; x += hn::Lanes(d)) {
+      const auto at = [&](const float* of, std::size_t dx) { return hn::LoadU(d, of + x + dx + kUnitMargin - 1); };
+      const V lo = hn::Min(at(least_[row], 0), hn::Min(at(least_[row], 1), at(least_[row], 2)));
+      const V hi = hn::Max(at(most_[row], 0), hn::Max(at(most_[row], 1), at(most_[row], 2)));
+      bits |= bitsOf(visible(entryOf(lo), entryOf(hi))) << x;
+    }
+    return bits & ((1 << kUnitVoxels) - 1);
+  }
+
+  // Where a value is in the table.
+  HWY_INLINE V entryOf(V value) const {
+    const D d;
+    return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
+  }
+  // Whether there is, or may be, extinction between two places of the table.
+  HWY_INLINE M visible(V lo, V hi) const {
+    const D d;
+    return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
+  }
+
+  // Where samples of a vector of pixels of row y, from x on, may show something. Each lane goes along its own ray.
+  HWY_INLINE void findPlaces(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
+    const D d;
+    const DI di;
+    const V fx = hn::Add(hn::Iota(d, static_cast<float>(x)), hn::Set(d, r_.centre_x));
+    const auto along = [&](float row, float slope) { return hn::Add(hn::Set(d, row), hn::Mul(fx, hn::Set(d, slope))); };
+    V place[3], step[3];
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (int a = 0; a < 3; ++a) {
+      place[a] = along(row_place[a], r_.place.along_x[a]);
+      step[a] = along(row_step[a], r_.step.along_x[a]);
+      cut(place[a], step[a], lo_[a], hi_[a], enter, leave);
+      place[a] = hn::Sub(place[a], hn::Set(d, in_.lo[a]));
+    }
+    const V middle = hn::Set(d, r_.middle), one = hn::Set(d, 1.0f);
+    const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
+    const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
+    const V first = slab(enter);
+    V t = hn::Sub(first, middle), end = hn::Sub(slab(leave), middle);
+    const int count = std::min(static_cast<int>(hn::Lanes(d)), in_.rect.x1 - x);
+    M going = hn::And(hn::Lt(t, end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
+    if (hn::AllFalse(d, going)) return;
+    const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
+    for (int i = 0; i < count; ++i) alpha_[i] = pixels[4 * i + 3];
+    going = hn::And(going, hn::Ne(hn::Load(d, alpha_), one));
+    end = hn::IfThenElse(going, end, hn::Set(d, -kFar));
+    VI code = hn::Add(hn::Iota(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits)),
+                      hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
+    while (!hn::AllFalse(d, going)) {
+      V at = t, advance = one;
+      VI taken = code;
+      if (in_.in_pairs) {
+        // Slabs 2 n and 2 n + 1, where both are in the cell.
+        const VI odd = hn::And(code, hn::Set(di, 1 << kSlabBits));
+        const M pair = hn::And(hn::RebindMask(d, hn::Eq(odd, hn::Zero(di))), hn::Lt(hn::Add(t, one), end));
+        at = hn::Add(t, hn::IfThenElseZero(pair, hn::Set(d, 0.5f)));
+        advance = hn::Add(one, hn::IfThenElseZero(pair, one));
+        taken = hn::Add(code, hn::IfThenElseZero(hn::RebindMask(di, pair), hn::Set(di, kPair)));
+      }
+      VI voxel[3];
+      for (int a = 0; a < 3; ++a) {
+        const VI whole = hn::ConvertTo(di, hn::Add(place[a], hn::Mul(at, step[a])));
+        voxel[a] = hn::Min(hn::Max(whole, hn::Zero(di)), hn::Set(di, kUnitVoxels - 1));
+      }
+      const VI row = hn::Add(hn::ShiftLeft<2>(hn::ShiftRight<1>(voxel[2])), hn::ShiftRight<1>(voxel[1]));
+      const VI bit = hn::And(hn::Shr(shownOf(row), voxel[0]), hn::Set(di, 1));
+      const auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
+      hn::StoreU(hn::Compress(taken, may), di, s_.code + count_);
+      count_ += hn::CountTrue(di, may);
+      if (count_ >= kMostSamples) castFound();
+      t = hn::Add(t, advance);
+      code = hn::Add(code, hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, advance)));
+      going = hn::Lt(t, end);
+    }
+  }
+
+  HWY_INLINE VI shownOf(VI row) const {
+    const DI di;
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    return hn::TableLookupLanes(hn::Load(di, shown_.data()), hn::IndicesFromVec(di, row));
+#else
+    return hn::GatherIndex(di, shown_.data(), row);
+#endif
+  }
+
+  // Leaves what of rays is between two planes across an axis. unit: slabs from the middle one.
+  static HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) {
+    const D d;
+    const V along = hn::IfThenElse(hn::Eq(step, hn::Zero(d)), hn::Set(d, 1 / kFar), step);
+    const V inverse = hn::Div(hn::Set(d, 1.0f), along);
+    const V at_lo = hn::Mul(hn::Sub(hn::Set(d, lo), place), inverse);
+    const V at_hi = hn::Mul(hn::Sub(hn::Set(d, hi), place), inverse);
+    enter = hn::Max(enter, hn::Min(at_lo, at_hi));
+    leave = hn::Min(leave, hn::Max(at_lo, at_hi));
+  }
+  static constexpr float kFar = 1e30f;
+
+  // Samples by their codes: pixels from the image's centre, slabs from the middle one, and of how many slabs they are.
+  struct Where {
+    V x, y, t, slabs;
+  };
+  HWY_INLINE Where whereIs(VI code) const {
+    const D d;
+    const DI di;
+    const VI mask = hn::Set(di, kSweepEdge - 1);
+    const auto at = [&](VI whole, int first, float centre) {
+      return hn::Add(hn::ConvertTo(d, hn::Add(whole, hn::Set(di, first))), hn::Set(d, centre));
+    };
+    const VI slab = hn::ShiftRight<kSlabBits>(hn::And(code, hn::Set(di, kPair - 1)));
+    const M pair = hn::RebindMask(d, hn::Gt(code, hn::Set(di, kPair - 1)));
+    return {at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
+            at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
+            hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
+            hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
+  }
+  // In the order of findPlaces, so that a sample is where it was found.
+  HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
+    const D d;
+    const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
+    return hn::Add(row, hn::Mul(w.x, hn::Set(d, l.along_x[axis])));
+  }
+  // unit: voxels from the anchor.
+  HWY_INLINE V placeOf(int axis, const Where& w, float from) const {
+    const D d;
+    return hn::Add(hn::Sub(linear(r_.place, axis, w), hn::Set(d, from)), hn::Mul(w.t, linear(r_.step, axis, w)));
+  }
+  HWY_INLINE Sight sightOf(const Where& w) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f), per_pixel = hn::Set(d, 1 / l_.focal);
+    const V u = hn::Mul(w.x, per_pixel), v = hn::Mul(w.y, per_pixel);
+    if (!l_.perspective) return {u, v, one};
+    return {u, v, hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(u, u), hn::Mul(v, v))))};
+  }
+  // Of the n-th of `index_` and those after it.
+  HWY_INLINE VI codesAt(std::size_t n, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) lane_code_[i] = s_.code[s_.index[n + i]];
+    return hn::Load(DI(), lane_code_);
+  }
+
+  HWY_NOINLINE void castFound() {
+    placeAll();
+    interpolateAll();
+    classifyAll();
+    attenuateAll();
+    blendAll();
+    lightAll();
+    count_ = 0;
+  }
+
+  // Which voxels each is between, and how far.
+  void placeAll() {
+    const D d;
+    const DI di;
+    for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
+      const Where w = whereIs(hn::Load(di, s_.code + n));
+      // From the second voxel that was read, half a voxel before the cell, on.
+      VI voxel[3];
+      for (int a = 0; a < 3; ++a) {
+        const V at = hn::Add(placeOf(a, w, in_.lo[a]), hn::Set(d, 0.5f));
+        // Rounding may put it beyond the cell.
+        const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
+        voxel[a] = hn::ConvertTo(di, inside);
+        hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
+      }
+      const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kUnitSamples)));
+      const VI first = hn::Set(di, (kPlane + kUnitSamples + 1) * (kUnitMargin - 1));
+      hn::Store(hn::Add(hn::Add(row, voxel[0]), first), di, s_.offset + n);
+    }
+  }
+
+  // Of each, the values before and after it along x.
+  void interpolateAll() {
+    const D2 d;
+    for (std::size_t n = 0; n < count_; ++n) {
+      const float* const at = in_.values + s_.offset[n];
+      const auto y = hn::Set(d, s_.fraction[1][n]), z = hn::Set(d, s_.fraction[2][n]);
+      for (std::size_t i = 0; i < 2; i += hn::Lanes(d)) {
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto near = mix(d, row(0, 0), row(1, 0), y), far = mix(d, row(0, 1), row(1, 1), y);
+        hn::Store(mix(d, near, far, z), d, s_.pair + 2 * n + i);
+      }
+    }
+  }
+
+  // Keeps those that show something, by their indices.
+  void classifyAll() {
+    const D d;
+    const DI di;
+    kept_ = 0;
+    for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
+      V before, after;
+      hn::LoadInterleaved2(d, s_.pair + 2 * n, before, after);
+      const V value = mix(d, before, after, hn::Load(d, s_.fraction[0] + n)), entry = entryOf(value);
+      const VI index = hn::Iota(di, static_cast<int>(n));
+      M shows = hn::And(visible(entry, entry), hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_)))));
+      if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
+      hn::StoreU(hn::Compress(index, hn::RebindMask(di, shows)), di, s_.index + kept_);
+      hn::StoreU(hn::Compress(entry, shows), d, s_.entry + kept_);
+      kept_ += hn::CountTrue(d, shows);
+    }
+  }
+
+  // Their opacities.
+  void attenuateAll() {
+    const D d;
+    const DI di;
+    for (std::size_t n = 0; n < kept_; ++n)
+      std::memcpy(s_.pair + 2 * n, l_.extinctions + static_cast<std::int32_t>(s_.entry[n]), 2 * sizeof(float));
+    const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      const V entry = hn::Load(d, s_.entry + n);
+      V here, next;
+      hn::LoadInterleaved2(d, s_.pair + 2 * n, here, next);
+      const V between = hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry)));
+      V tau = hn::Add(here, hn::Mul(between, hn::Sub(next, here)));
+      V length = hn::Set(d, l_.thickness);
+      if (asks) {
+        const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
+        const Where w = whereIs(codesAt(n, count));
+        length = hn::Mul(hn::Mul(length, sightOf(w).oblique), in_.at_end ? partOf(w) : w.slabs);
+        if (derives_) tau = finishTau(n, count, w, tau);
+      }
+      hn::Store(opacityOf(d, hn::Mul(tau, length)), d, s_.opacity + n);
+    }
+  }
+
+  // What of its slabs lies in the volume. The first and the last sample stand for what is beside them, too: those that
+  // findPlaces, whose words these are, has as the first and the last.
+  HWY_INLINE V partOf(const Where& w) const {
+    const D d;
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (int a = 0; a < 3; ++a)
+      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.volume_lo[a], r_.volume_hi[a], enter, leave);
+    const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
+    const V own = hn::Mul(w.slabs, half), near = hn::Sub(hn::Add(w.t, half), own),
+            far = hn::Sub(hn::Add(w.t, own), half);
+    const auto slab = [&](V at) { return hn::Sub(hn::Ceil(hn::Add(at, middle)), middle); };
+    const V begin = hn::Set(d, static_cast<float>(r_.first) - r_.middle);
+    const V end = hn::Set(d, static_cast<float>(r_.end) - r_.middle - 1);
+    const auto either = [](M m, M yes, M no) { return hn::Or(hn::And(m, yes), hn::AndNot(m, no)); };
+    const M first = either(hn::Le(near, begin), hn::Gt(enter, hn::Set(d, r_.before)), hn::Le(near, slab(enter)));
+    const M last =
+        either(hn::Ge(far, end), hn::Le(leave, hn::Set(d, r_.after)), hn::Ge(hn::Add(far, one), slab(leave)));
+    return hn::Add(hn::IfThenElse(first, hn::Sub(w.t, enter), own), hn::IfThenElse(last, hn::Sub(leave, w.t), own));
+  }
+
+  // What kernels do not know: sites are kept for colours, and extinctions are what is left of them.
+  HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const Where& w, V tau) {
+    const D d;
+    const Vector slope = gradients(n, count);
+    hn::StoreU(slope.x, d, s_.slope[0] + n);
+    hn::StoreU(slope.y, d, s_.slope[1] + n);
+    hn::StoreU(slope.z, d, s_.slope[2] + n);
+    for (int a = 0; a < 3; ++a) hn::StoreU(placeOf(a, w, 0), d, s_.index_place[a] + n);
+    if (!finishes_) return tau;
+    alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
+    hn::Store(tau, d, taus);
+    hn::Store(w.slabs, d, slabs);
+    for (int a = 0; a < 3; ++a) hn::Store(linear(r_.step, a, w), d, steps[a]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SampleSite site = siteOf(n + i);
+      const glm::dvec3 edges = glm::dvec3(std::abs(steps[0][i]), std::abs(steps[1][i]), std::abs(steps[2][i])) *
+                               static_cast<double>(slabs[i]);
+      const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, edges));
+      taus[i] = share * finishedExtinction(frame_.look(), taus[i], site);
+    }
+    return hn::Load(d, taus);
+  }
+
+  SampleSite siteOf(std::size_t n) const {
+    SampleSite out;
+    for (int a = 0; a < 3; ++a)
+      out.index[a] = static_cast<double>(r_.anchor[a]) + static_cast<double>(s_.index_place[a][n]);
+    out.gradient = {s_.slope[0][n], s_.slope[1][n], s_.slope[2][n]};
+    if (!std::isfinite(out.gradient.x + out.gradient.y + out.gradient.z)) out.gradient = glm::vec3(0);
+    out.view = frame_.projector().viewOfIndex(out.index);
+    return out;
+  }
+
+  // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, and what it is multiplied
+  // by. A pixel that reaches the threshold is closed; its colours are divided by its alpha when they are all there.
+  void blendAll() {
+    std::size_t seen = 0;
+    closed_count_ = 0;
+    for (std::size_t n = 0; n < kept_; ++n) {
+      const std::int32_t pixel = s_.code[s_.index[n]] & kPixel;
+      float& alpha = pixelOf(pixel)[3];
+      if (alpha == 1.0f || !(s_.opacity[n] > 0)) continue;
+      const float before = alpha, weight = (1 - before) * s_.opacity[n];
+      alpha = before + weight;
+      const bool closes = alpha >= opaque_at_;
+      s_.index[seen] = s_.index[n], s_.entry[seen] = s_.entry[n], s_.weight[seen] = weight;
+      if (derives_) {
+        for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
+        if (tile_.aovs.any()) addAovs(seen, pixel, before, weight, s_.opacity[n], closes);
+      }
+      ++seen;
+      if (!closes) continue;
+      s_.closed[closed_count_++] = {pixel, alpha};
+      alpha = 1.0f;
+      out_.closed[static_cast<std::size_t>(pixel >> kPixelBits)] |= std::uint64_t{1} << (pixel & (kSweepEdge - 1));
+    }
+    kept_ = seen;
+    out_.samples += seen;
+  }
+
+  HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
+    const SampleSite site = siteOf(n);
+    const SlabZone& zone = frame_.zone();
+    SlabLayer layer;
+    layer.before = before;
+    layer.added = weight;
+    layer.closes = closes;
+    layer.opacity = opacity;
+    layer.filled = 1;
+    layer.turn = 0;
+    layer.place = 0;
+    layer.middle = site.view.z;
+    layer.thickness = (s_.code[s_.index[n]] >= kPair ? 2 : 1) * zone.thickness;
+    const glm::vec3 normal = finishedNormal(frame_.look(), site);
+    for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
+    addLayer(layer, tile_.aovs,
+             tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits)));
+  }
+
+  // Adds the light of what is seen.
+  void lightAll() {
+    const D d;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) light(n, std::min(kept_ - n, hn::Lanes(d)));
+    for (std::size_t i = 0; i < closed_count_; ++i) {
+      float* const pixel = pixelOf(s_.closed[i].pixel);
+      for (int c = 0; c < 3; ++c) pixel[c] /= s_.closed[i].alpha;
+    }
+  }
+
+  HWY_INLINE void light(std::size_t n, std::size_t count) {
+    const D d;
+    const D4 d4;
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const float entry = s_.entry[n + lane];
+      const auto whole = static_cast<std::int32_t>(entry);
+      const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
+      const auto t = hn::Set(d4, entry - static_cast<float>(whole));
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
+        const auto a = hn::LoadU(d4, at + i);
+        hn::Store(hn::Add(a, hn::Mul(t, hn::Sub(hn::LoadU(d4, at + 4 + i), a))), d4, rows_[0] + 4 * lane + i);
+      }
+    }
+    if (finishes_) finishColors(n, count);
+    const VI code = codesAt(n, count);
+    V red, green, blue, unused;
+    hn::LoadInterleaved4(d, rows_[0], red, green, blue, unused);
+    if (l_.light.phong) {
+      V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
+      lightOn(d, l_.light, l_.perspective, gradients(n, count), sightOf(whereIs(code)), matte, gloss);
+      const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+      red = lit(red), green = lit(green), blue = lit(blue);
+    }
+    const V weight = hn::Load(d, s_.weight + n);
+    hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue), hn::Zero(d), d,
+                          rows_[0]);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      float* const to = pixelOf(lane_code_[lane] & kPixel);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4))
+        hn::StoreU(hn::Add(hn::LoadU(d4, to + i), hn::Load(d4, rows_[0] + 4 * lane + i)), d4, to + i);
+    }
+  }
+
+  HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      float* const rgba = rows_[0] + 4 * lane;
+      const Color color = finishedColor(frame_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + lane));
+      rgba[0] = color.r, rgba[1] = color.g, rgba[2] = color.b;
+    }
+  }
+
+  // Central differences, interpolated, of the n-th of `index_` and those after it. Of each, four voxels along x at a
+  // time. unit: value per voxel.
+  HWY_INLINE Vector gradients(std::size_t n, std::size_t count) {
+    const D d;
+    const D4 d4;
+    alignas(64) float fraction_x[kLanes];
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const auto index = static_cast<std::size_t>(s_.index[n + lane]);
+      const float* const at = in_.values + s_.offset[index] - 1;
+      fraction_x[lane] = s_.fraction[0][index];
+      const auto y = hn::Set(d4, s_.fraction[1][index]), z = hn::Set(d4, s_.fraction[2][index]);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto of_row = [&](int dy) { return mix(d4, row(dy, 0), row(dy, 1), z); };
+        const auto along_z = [&](int dy) {
+          return mix(d4, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
+        };
+        const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
+        hn::Store(mix(d4, here, next, y), d4, rows_[1] + 4 * lane + i);
+        hn::Store(mix(d4, hn::Sub(next, before), hn::Sub(after, here), y), d4, rows_[2] + 4 * lane + i);
+        hn::Store(mix(d4, along_z(0), along_z(1), y), d4, rows_[3] + 4 * lane + i);
+      }
+    }
+    const V x = hn::Load(d, fraction_x), half = hn::Set(d, 0.5f);
+    V before, here, next, after, y_here, y_next, z_here, z_next, unused, other;
+    hn::LoadInterleaved4(d, rows_[1], before, here, next, after);
+    hn::LoadInterleaved4(d, rows_[2], unused, y_here, y_next, other);
+    hn::LoadInterleaved4(d, rows_[3], unused, z_here, z_next, other);
+    return {hn::Mul(half, mix(d, hn::Sub(next, before), hn::Sub(after, here), x)),
+            hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
+  }
+
+  // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
+    const Vec out = hn::Add(a, hn::Mul(t, hn::Sub(b, a)));
+    if constexpr (kGaps) return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, out);
+    return out;
+  }
+
+  HWY_INLINE static unsigned bitsOf(M mask) {
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(D(), mask, bits);
+    return bits[0] | unsigned{bits[1]} << 8;
+  }
+
+  float* pixelOf(std::int32_t pixel) const {
+    return tile_.rgba +
+           4 * tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
+  }
+
+  const RaySlabs& r_;
+  const SlabFrame& frame_;
+  const UnitLattice& l_;
+  const CellInput& in_;
+  const TilePixels& tile_;
+  const float opaque_at_;
+  const bool finishes_;  // whether samples are lit, cut and made less opaque one by one
+  const bool derives_;   // whether that, or their places and gradients are asked for
+  CellSamples& s_;
+  CellOutput& out_;
+  float lo_[3], hi_[3];  // of what may show something
+  std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
+  alignas(64) std::array<std::int32_t, 16> shown_;  // bit x of word 4 (z / 2) + y / 2: voxels of the cell
+  alignas(64) float least_[16][kUnitSamples + kLanes] = {}, most_[16][kUnitSamples + kLanes] = {};
+  // Of the vector in turn.
+  alignas(64) float alpha_[kLanes] = {}, rows_[4][4 * kLanes] = {};
+  alignas(64) std::int32_t lane_code_[kLanes] = {};
+};
+
+void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
+              float opaque_at, CellSamples& samples, CellOutput& out) {
+  if (in.gaps)
+    CellCaster<true>(rays, frame, in, tile, opaque_at, samples, out).run();
+  else
+    CellCaster<false>(rays, frame, in, tile, opaque_at, samples, out).run();
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(castCell);
+
+namespace {
+
+// Rows of a brick lie far from each other: a cell's are asked for before they are needed.
+void fetch(const BrickBlock& block, const VoxelBox& cell) {
+  const VoxelBox box = intersection(dilated(cell, kUnitMargin), block.extent);
+  const auto bytes = static_cast<std::int64_t>(sizeOf(block.type));
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      const std::byte* const row = block.data<std::byte>() + bytes * block.offsetOf({box.lo.x, y, z});
+      hwy::Prefetch(row);
+      hwy::Prefetch(row + bytes * (box.hi.x - box.lo.x) - 1);
+    }
+  }
+}
+
+struct SeenCell {
+  const SlabCell* cell = nullptr;
+  PixelRect rect;
+};
+
+class Casting {
+ public:
+  Casting(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile,
+          Visibility& visibility, float opaque_at, SplatCounts& counts)
+      : rays_(rays),
+        frame_(frame),
+        block_(block),
+        tile_(tile),
+        visibility_(visibility),
+        opaque_at_(opaque_at),
+        counts_(counts) {}
+
+  // One cell is fetched while the one before it is cast.
+  void run(std::span<const SlabCell> cells) {
+    SeenCell due;
+    for (const SlabCell& cell : cells) {
+      const SeenCell next{&cell, intersection(cell.bounds.rect, tile_.rect)};
+      if (next.rect.empty() || hidden(next.rect)) continue;
+      fetch(block_, cell.box);
+      cast(due);
+      due = next;
+    }
+    cast(due);
+  }
+
+ private:
+  bool hidden(const PixelRect& rect) {
+    const bool out = visibility_.hidden(rect);
+    ++counts_.nodes_tested;
+    counts_.nodes_hidden += out ? 1 : 0;
+    return out;
+  }
+
+  void cast(const SeenCell& seen) {
+    if (seen.cell == nullptr || visibility_.hidden(seen.rect)) return;
+    const VoxelBox& box = seen.cell->box;
+    alignas(64) float values[kReadEdge * kPlane + kUnitSamples];
+    CellInput in;
+    SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
+    in.values = values;
+    for (int a = 0; a < 3; ++a) {
+      const bool last = box.hi[a] == frame_.dims()[a];
+      in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 0.5f;
+      in.hi[a] = last ? rays_.volume_hi[a] : static_cast<float>(box.hi[a] - rays_.anchor[a]) - 0.5f;
+      in.at_end = in.at_end || last || box.lo[a] == 0;
+    }
+    in.rect = seen.rect;
+    in.gaps = range.gaps;
+    in.in_pairs = frame_.inPairs(range);
+    CellOutput out;
+    HWY_DYNAMIC_DISPATCH(castCell)(rays_, frame_, in, tile_, opaque_at_, samples_, out);
+    counts_.visited += out.samples, counts_.splats += out.samples;
+    counts_.changed = counts_.changed || out.samples > 0;
+    for (int y = 0; y < in.rect.height(); ++y) {
+      for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)
+        visibility_.close(in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
+    }
+  }
+
+  const RaySlabs& rays_;
+  const SlabFrame& frame_;
+  const BrickBlock& block_;
+  const TilePixels& tile_;
+  Visibility& visibility_;
+  const float opaque_at_;
+  SplatCounts& counts_;
+  CellSamples samples_{};
+};
+
+}  // namespace
+
+void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+               const TilePixels& tile, Visibility& visibility, float opaque_at, SplatCounts& counts) {
+  Casting(rays, frame, block, tile, visibility, opaque_at, counts).run(cells);
+}
+
+}  // namespace kiln
+#endif

@@ -1,0 +1,20 @@
+// The kernel of `--lattice ray`: the samples where pixels' rays meet slabs, cell after cell of a brick in one tile.
+// Each sample is in one cell and fills its pixel of its slab by itself. Cells come front to back, so that a pixel has
+// its samples in the order of their depths, and nothing waits. One implementation in Highway for every instruction set,
+// as in splat/refine_unit.h.
+#pragma once
+
+#include <span>
+
+#include "splat/ray_slabs.h"
+#include "splat/slab_frame.h"
+
+namespace kiln {
+
+/// Adds what the cells show to the tile. requires: all in front of them, as pixels' rays see it, has been added; `rays`
+/// and `frame` are of one zone on rays, `block` of its level; `cells` are its interesting ones, front to back; the tile
+/// is at most kSweepEdge pixels wide and high. Of `opaque_at` SplatFrame says what it is.
+void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+               const TilePixels& tile, Visibility& visibility, float opaque_at, SplatCounts& counts);
+
+}  // namespace kiln

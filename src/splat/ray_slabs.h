@@ -1,0 +1,35 @@
+// Where pixels' rays meet the slabs of a zone, in a level's index space and in floats, which is enough for samples and
+// takes half of a vector. Whoever asks on which side of a plane a slab of a pixel lies asks in the same words, whatever
+// cell, brick or tile it asks for, so that each slab of a pixel is in one cell and in no other.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "splat/projector.h"
+#include "splat/slab_grid.h"
+#include "splat/splat_cell.h"
+
+namespace kiln {
+
+/// The middle of slab k on the ray of pixel (x, y) is at place + (k - middle) · step, of which each is what `of` says.
+/// Pixels are counted from the image's centre, places from the voxel `anchor`. unit: voxels.
+struct RaySlabs {
+  /// A vector that is linear over the image.
+  struct Linear {
+    glm::vec3 centre{0}, along_x{0}, along_y{0};
+  };
+
+  /// Of the i-th of a frame's zones. requires: `projector` is of the zone's level, `dims` its voxels.
+  RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
+           const EndVoxels& ends);
+
+  VoxelCoord anchor;
+  Linear place, step;
+  float middle = 0;
+  int first = 0, end = 0;            // the slabs that are not too near to the eye
+  float before, after;               // where the slabs beside them are, of other zones. unit: slabs from the middle one
+  float centre_x = 0, centre_y = 0;  // what is added to a pixel's number
+  glm::vec3 volume_lo, volume_hi;    // where the volume ends, from the anchor
+};
+
+}  // namespace kiln

@@ -1,0 +1,155 @@
+// Samples on rays, known from loops that say where they are and nothing of cells, bricks or vectors; and the same bits
+// from every instruction set.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "frame/frame_levels.h"
+#include "splat/pixel_slabs.h"
+#include "splat/slab_grid.h"
+#include "support/drawing.h"
+#include "support/random_scene.h"
+#include "support/reference_field.h"
+#include "support/reference_renderer.h"
+#include "support/scalar_kernels.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kRaySize{70, 61};
+
+// Of floats some are NaN.
+DenseVolume someHead(VoxelType type) {
+  DenseVolume out = head({{38, 45, 33}, type, anisotropicAffine()}, usualRange(type));
+  if (type != VoxelType::f32) return out;
+  for (std::int64_t i = 0; i < 200; ++i)
+    out.set(2 + 7 * i % 33, 3 + 11 * i % 39, 2 + 5 * i % 28, std::numeric_limits<float>::quiet_NaN());
+  return out;
+}
+
+FrameRequest rayRequest(const DenseVolume& volume, Projection projection) {
+  FrameRequest out;
+  out.lattice = Lattice::kRay;
+  out.level = 0;
+  out.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, projection), kRaySize);
+  const ValueRange range = volume.range();
+  const auto at = [&](double part) { return range.lo + part * (range.hi - range.lo); };
+  out.transfer_function.unit = volume.geometry.meanSpacing();
+  out.transfer_function.points = {
+      {at(0.1), {1, 0.7, 0.5}, 0}, {at(0.3), {1, 0.7, 0.5}, 0.2}, {at(0.6), {1, 1, 0.8}, 0.7}};
+  return out;
+}
+
+// What of a ray is in the volume. unit: depth.
+std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
+  std::array<double, 2> out{-1e30, 1e30};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = (-0.5 - ray.base()[axis]) / ray.slope()[axis];
+    const double b = (static_cast<double>(dims[axis]) - 0.5 - ray.base()[axis]) / ray.slope()[axis];
+    out = {std::max(out[0], std::min(a, b)), std::min(out[1], std::max(a, b))};
+  }
+  return out;
+}
+
+// One after the other, in doubles. The first and the last sample are as long as the volume reaches.
+std::array<double, 4> compositedAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store,
+                                      int x, int y) {
+  const FrameLevels levels(store.manifest(), 0, request.view, ProjectedArea::kBox, {});
+  const Projector& projector = levels.projector(0);
+  ZonedVolume zoned{&store.manifest(), projector.nearDepth()};
+  zoned.sample_distance = request.sample_distance;
+  zoned.on_rays = true;
+  const ReferenceField field(volume, Interpolation::kLinear);
+  const PixelRay ray(projector, x, y);
+  const std::array<double, 2> inside = depthsInside(ray, volume.geometry.dims);
+  std::vector<std::array<double, 2>> slabs;
+  for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
+    for (int slab = 0; slab < zone.slabs; ++slab) {
+      const double near = zone.near + slab * zone.thickness, middle = near + 0.5 * zone.thickness;
+      if (middle >= inside[0] && middle < inside[1]) slabs.push_back({near, near + zone.thickness});
+    }
+  }
+  const glm::dvec2 across = (glm::dvec2(x + 0.5, y + 0.5) - projector.centre()) / projector.focal();
+  const double oblique = projector.perspective() ? std::sqrt(1 + glm::dot(across, across)) : 1;
+  std::array<double, 4> out{};
+  for (std::size_t i = 0; i < slabs.size(); ++i) {
+    const double value = field.at(ray.base() + 0.5 * (slabs[i][0] + slabs[i][1]) * ray.slope());
+    if (std::isnan(value)) continue;
+    const double near = i == 0 ? inside[0] : slabs[i][0], far = i + 1 == slabs.size() ? inside[1] : slabs[i][1];
+    const Classified c = request.transfer_function.at(value);
+    const double tau = extinctionOf(c.opacity, request.transfer_function.unitIn(volume.geometry.meanSpacing()));
+    const double weight = (1 - out[3]) * -std::expm1(-tau * (far - near) * oblique);
+    for (std::size_t channel = 0; channel < 3; ++channel) out[channel] += weight * c.color[static_cast<int>(channel)];
+    out[3] += weight;
+  }
+  return out;
+}
+
+TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
+    const DenseVolume volume = someHead(type);
+    const auto path = makeStore(volume, "head", 16);
+    const StoreReader store(path);
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      FrameRequest request = rayRequest(volume, projection);
+      request.shading.phong = false;
+      request.opacity_threshold = 1;
+      request.sample_distance = 0.75;  // so far apart that no two are one
+      const Image image = draw(path, request);
+      double largest = 0, brightest = 0;
+      for (int y = 0; y < image.height; y += 2) {
+        for (int x = y % 4 / 2; x < image.width; x += 2) {
+          const std::array<double, 4> alone = compositedAlone(volume, request, store, x, y);
+          for (int c = 0; c < 4; ++c)
+            largest = std::max(largest, std::abs(alone[static_cast<std::size_t>(c)] - double{image.pixel(x, y)[c]}));
+          brightest = std::max(brightest, alone[3]);
+        }
+      }
+      EXPECT_LT(largest, 1e-3) << nameOf(type);
+      EXPECT_GT(brightest, 0.9);
+    }
+  }
+}
+
+TEST(RayLattice, IsTheSameOnEveryInstructionSet) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32}) {
+    const DenseVolume volume = someHead(type);
+    const auto store = makeStore(volume, "head", 32);
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      FrameRequest request = rayRequest(volume, projection);
+      request.shading.specular = 0.3;
+      const Image best = draw(store, request);
+      EXPECT_TRUE(showsSomething(best));
+      onEveryInstructionSet([&](std::int64_t) { EXPECT_TRUE(equalBits(best, draw(store, request))); });
+    }
+  }
+}
+
+// Where pairs of samples are one, pictures are nearly those of all samples.
+TEST(RayLattice, TwoSamplesAreOneWhereThatShowsLittle) {
+  const DenseVolume volume = fill({{48, 48, 48}, VoxelType::u8}, [](auto x, auto y, auto z) {
+    return 40 + x + (std::hypot(x - 24.0, y - 24.0, z - 24.0) < 9 ? 150 : 0);
+  });
+  const auto store = makeStore(volume, "soft", 16);
+  FrameRequest request;
+  request.lattice = Lattice::kRay;
+  request.level = 0;
+  Camera camera = cameraFrom(volume.geometry, {0.3, -1, 0.2}, Projection::kOrthographic);
+  camera.height = kRaySize.height / 1.5;  // half a voxel is more than half a pixel
+  request.view = resolve(camera, kRaySize);
+  request.transfer_function = {1, {{30, {1, 0.6, 0.4}, 0.01}, {100, {1, 0.6, 0.4}, 0.03}, {200, {1, 1, 0.9}, 0.8}}};
+  FrameStatistics in_pairs, all;
+  const Image few = draw(store, request, 1ull << 30, &in_pairs);
+  request.transfer_function.gradient_opacity = {{0, 1}, {1, 1}};  // takes nothing away, but might
+  const Image many = draw(store, request, 1ull << 30, &all);
+  EXPECT_LT(in_pairs.voxels_splats, 7 * all.voxels_splats / 10);
+  double largest = 0;
+  for (std::size_t i = 0; i < few.rgba.size(); ++i)
+    largest = std::max(largest, std::abs(double{few.rgba[i]} - double{many.rgba[i]}));
+  EXPECT_LT(largest, 0.01);
+}
+
+}  // namespace
+}  // namespace kiln::test
