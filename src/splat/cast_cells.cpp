@@ -39,6 +39,7 @@ struct CellInput {
 
 // Samples that go through a cell's steps together, at the most; and room for what vectors go beyond.
 constexpr std::size_t kLanes = 16, kMostSamples = 512, kRoom = kMostSamples + 2 * kLanes;
+constexpr std::size_t kLit = 4 * kLanes;  // that are lit together
 
 // What is known of them, for one cell after the other.
 struct CellSamples {
@@ -50,6 +51,14 @@ struct CellSamples {
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
   // The same, where samples are finished one by one.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
+  // Of rows of the cell's voxels, two by two along y and z, the range of each column.
+  alignas(64) float least[16][kUnitSamples + kLanes], most[16][kUnitSamples + kLanes];
+  // Of a vector of pixels, or of samples.
+  alignas(64) float alpha[kLanes];
+  alignas(64) std::int32_t lane_code[kLanes];
+  // Of samples that are lit together.
+  alignas(64) std::int32_t lit_code[kLit];
+  alignas(64) float fraction_x[kLit], rows[4][4 * kLit];
   // Of each that closed its pixel.
   struct Closed {
     std::int32_t pixel;
@@ -161,9 +170,9 @@ class CellCaster {
       for (int z = 0; z < 4; ++z) {
         for (int y = 0; y < 4; ++y) {
           hn::Store(hn::Min(hn::Min(least[z][y], least[z][y + 1]), hn::Min(least[z + 1][y], least[z + 1][y + 1])), d,
-                    &least_[z * 4 + y][x]);
+                    &s_.least[z * 4 + y][x]);
           hn::Store(hn::Max(hn::Max(most[z][y], most[z][y + 1]), hn::Max(most[z + 1][y], most[z + 1][y + 1])), d,
-                    &most_[z * 4 + y][x]);
+                    &s_.most[z * 4 + y][x]);
         }
       }
     }
@@ -174,8 +183,8 @@ class CellCaster {
     std::uint32_t bits = 0;
     for (std::size_t x = 0; x < kUnitVoxels; x += hn::Lanes(d)) {
       const auto at = [&](const float* of, std::size_t dx) { return hn::LoadU(d, of + x + dx + kUnitMargin - 1); };
-      const V lo = hn::Min(at(least_[row], 0), hn::Min(at(least_[row], 1), at(least_[row], 2)));
-      const V hi = hn::Max(at(most_[row], 0), hn::Max(at(most_[row], 1), at(most_[row], 2)));
+      const V lo = hn::Min(at(s_.least[row], 0), hn::Min(at(s_.least[row], 1), at(s_.least[row], 2)));
+      const V hi = hn::Max(at(s_.most[row], 0), hn::Max(at(s_.most[row], 1), at(s_.most[row], 2)));
       bits |= bitsOf(visible(entryOf(lo), entryOf(hi))) << x;
     }
     return bits & ((1 << kUnitVoxels) - 1);
@@ -215,8 +224,8 @@ class CellCaster {
     M going = hn::And(hn::Lt(t, end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
     if (hn::AllFalse(d, going)) return;
     const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
-    for (int i = 0; i < count; ++i) alpha_[i] = pixels[4 * i + 3];
-    going = hn::And(going, hn::Ne(hn::Load(d, alpha_), one));
+    for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * i + 3];
+    going = hn::And(going, hn::Ne(hn::Load(d, s_.alpha), one));
     end = hn::IfThenElse(going, end, hn::Set(d, -kFar));
     VI code = hn::Add(hn::Iota(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits)),
                       hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
@@ -307,8 +316,8 @@ class CellCaster {
   }
   // Of the n-th of `index_` and those after it.
   HWY_INLINE VI codesAt(std::size_t n, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) lane_code_[i] = s_.code[s_.index[n + i]];
-    return hn::Load(DI(), lane_code_);
+    for (std::size_t i = 0; i < count; ++i) s_.lane_code[i] = s_.code[s_.index[n + i]];
+    return hn::Load(DI(), s_.lane_code);
   }
 
   HWY_NOINLINE void castFound() {
@@ -421,7 +430,8 @@ class CellCaster {
   // What kernels do not know: sites are kept for colours, and extinctions are what is left of them.
   HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const Where& w, V tau) {
     const D d;
-    const Vector slope = gradients(n, count);
+    findSlopes(n, count);
+    const Vector slope = slopesAt(0);
     hn::StoreU(slope.x, d, s_.slope[0] + n);
     hn::StoreU(slope.y, d, s_.slope[1] + n);
     hn::StoreU(slope.z, d, s_.slope[2] + n);
@@ -459,16 +469,16 @@ class CellCaster {
     for (std::size_t n = 0; n < kept_; ++n) {
       const std::int32_t pixel = s_.code[s_.index[n]] & kPixel;
       float& alpha = pixelOf(pixel)[3];
-      if (alpha == 1.0f || !(s_.opacity[n] > 0)) continue;
+      // Nothing where the pixel is closed: no branch, as nobody can tell which samples are behind such pixels.
       const float before = alpha, weight = (1 - before) * s_.opacity[n];
       alpha = before + weight;
-      const bool closes = alpha >= opaque_at_;
+      const bool closes = (alpha >= opaque_at_) & (before != 1.0f);
       s_.index[seen] = s_.index[n], s_.entry[seen] = s_.entry[n], s_.weight[seen] = weight;
       if (derives_) {
         for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
-        if (tile_.aovs.any()) addAovs(seen, pixel, before, weight, s_.opacity[n], closes);
+        if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, s_.opacity[n], closes);
       }
-      ++seen;
+      seen += weight > 0 ? 1 : 0;
       if (!closes) continue;
       s_.closed[closed_count_++] = {pixel, alpha};
       alpha = 1.0f;
@@ -497,10 +507,10 @@ class CellCaster {
              tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits)));
   }
 
-  // Adds the light of what is seen.
+  // Adds the light of what is seen, some vectors at a time: what is done to single samples is on its way long before a
+  // vector of them is asked for.
   void lightAll() {
-    const D d;
-    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) light(n, std::min(kept_ - n, hn::Lanes(d)));
+    for (std::size_t n = 0; n < kept_; n += kLit) light(n, std::min(kept_ - n, kLit));
     for (std::size_t i = 0; i < closed_count_; ++i) {
       float* const pixel = pixelOf(s_.closed[i].pixel);
       for (int c = 0; c < 3; ++c) pixel[c] /= s_.closed[i].alpha;
@@ -510,54 +520,56 @@ class CellCaster {
   HWY_INLINE void light(std::size_t n, std::size_t count) {
     const D d;
     const D4 d4;
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const float entry = s_.entry[n + lane];
+    for (std::size_t i = 0; i < count; ++i) {
+      s_.lit_code[i] = s_.code[s_.index[n + i]];
+      const float entry = s_.entry[n + i];
       const auto whole = static_cast<std::int32_t>(entry);
       const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
       const auto t = hn::Set(d4, entry - static_cast<float>(whole));
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
-        const auto a = hn::LoadU(d4, at + i);
-        hn::Store(hn::Add(a, hn::Mul(t, hn::Sub(hn::LoadU(d4, at + 4 + i), a))), d4, rows_[0] + 4 * lane + i);
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
+        const auto here = hn::LoadU(d4, at + c);
+        hn::Store(hn::Add(here, hn::Mul(t, hn::Sub(hn::LoadU(d4, at + 4 + c), here))), d4, s_.rows[0] + 4 * i + c);
       }
     }
     if (finishes_) finishColors(n, count);
-    const VI code = codesAt(n, count);
-    V red, green, blue, unused;
-    hn::LoadInterleaved4(d, rows_[0], red, green, blue, unused);
-    if (l_.light.phong) {
-      V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
-      lightOn(d, l_.light, l_.perspective, gradients(n, count), sightOf(whereIs(code)), matte, gloss);
-      const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
-      red = lit(red), green = lit(green), blue = lit(blue);
+    if (l_.light.phong) findSlopes(n, count);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      V red, green, blue, unused;
+      hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
+      if (l_.light.phong) {
+        V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
+        const Sight sight = sightOf(whereIs(hn::Load(DI(), s_.lit_code + i)));
+        lightOn(d, l_.light, l_.perspective, slopesAt(i), sight, matte, gloss);
+        const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+        red = lit(red), green = lit(green), blue = lit(blue);
+      }
+      const V weight = hn::LoadU(d, s_.weight + n + i);
+      hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue), hn::Zero(d), d,
+                            s_.rows[0] + 4 * i);
     }
-    const V weight = hn::Load(d, s_.weight + n);
-    hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue), hn::Zero(d), d,
-                          rows_[0]);
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      float* const to = pixelOf(lane_code_[lane] & kPixel);
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4))
-        hn::StoreU(hn::Add(hn::LoadU(d4, to + i), hn::Load(d4, rows_[0] + 4 * lane + i)), d4, to + i);
+    for (std::size_t i = 0; i < count; ++i) {
+      float* const to = pixelOf(s_.lit_code[i] & kPixel);
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
+        hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
     }
   }
 
   HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      float* const rgba = rows_[0] + 4 * lane;
-      const Color color = finishedColor(frame_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + lane));
+    for (std::size_t i = 0; i < count; ++i) {
+      float* const rgba = s_.rows[0] + 4 * i;
+      const Color color = finishedColor(frame_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + i));
       rgba[0] = color.r, rgba[1] = color.g, rgba[2] = color.b;
     }
   }
 
-  // Central differences, interpolated, of the n-th of `index_` and those after it. Of each, four voxels along x at a
-  // time. unit: value per voxel.
-  HWY_INLINE Vector gradients(std::size_t n, std::size_t count) {
-    const D d;
+  // Central differences of the n-th of `index` and those after it, up to kLit: interpolated along y and z, of four
+  // voxels along x at a time.
+  HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
     const D4 d4;
-    alignas(64) float fraction_x[kLanes];
     for (std::size_t lane = 0; lane < count; ++lane) {
       const auto index = static_cast<std::size_t>(s_.index[n + lane]);
       const float* const at = in_.values + s_.offset[index] - 1;
-      fraction_x[lane] = s_.fraction[0][index];
+      s_.fraction_x[lane] = s_.fraction[0][index];
       const auto y = hn::Set(d4, s_.fraction[1][index]), z = hn::Set(d4, s_.fraction[2][index]);
       for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
         const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
@@ -566,16 +578,21 @@ class CellCaster {
           return mix(d4, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
         };
         const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
-        hn::Store(mix(d4, here, next, y), d4, rows_[1] + 4 * lane + i);
-        hn::Store(mix(d4, hn::Sub(next, before), hn::Sub(after, here), y), d4, rows_[2] + 4 * lane + i);
-        hn::Store(mix(d4, along_z(0), along_z(1), y), d4, rows_[3] + 4 * lane + i);
+        hn::Store(mix(d4, here, next, y), d4, s_.rows[1] + 4 * lane + i);
+        hn::Store(mix(d4, hn::Sub(next, before), hn::Sub(after, here), y), d4, s_.rows[2] + 4 * lane + i);
+        hn::Store(mix(d4, along_z(0), along_z(1), y), d4, s_.rows[3] + 4 * lane + i);
       }
     }
-    const V x = hn::Load(d, fraction_x), half = hn::Set(d, 0.5f);
+  }
+
+  // Of the i-th of these and those after it, interpolated along x, too. unit: value per voxel.
+  HWY_INLINE Vector slopesAt(std::size_t i) const {
+    const D d;
+    const V x = hn::Load(d, s_.fraction_x + i), half = hn::Set(d, 0.5f);
     V before, here, next, after, y_here, y_next, z_here, z_next, unused, other;
-    hn::LoadInterleaved4(d, rows_[1], before, here, next, after);
-    hn::LoadInterleaved4(d, rows_[2], unused, y_here, y_next, other);
-    hn::LoadInterleaved4(d, rows_[3], unused, z_here, z_next, other);
+    hn::LoadInterleaved4(d, s_.rows[1] + 4 * i, before, here, next, after);
+    hn::LoadInterleaved4(d, s_.rows[2] + 4 * i, unused, y_here, y_next, other);
+    hn::LoadInterleaved4(d, s_.rows[3] + 4 * i, unused, z_here, z_next, other);
     return {hn::Mul(half, mix(d, hn::Sub(next, before), hn::Sub(after, here), x)),
             hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
   }
@@ -612,10 +629,6 @@ class CellCaster {
   float lo_[3], hi_[3];  // of what may show something
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
   alignas(64) std::array<std::int32_t, 16> shown_;  // bit x of word 4 (z / 2) + y / 2: voxels of the cell
-  alignas(64) float least_[16][kUnitSamples + kLanes] = {}, most_[16][kUnitSamples + kLanes] = {};
-  // Of the vector in turn.
-  alignas(64) float alpha_[kLanes] = {}, rows_[4][4 * kLanes] = {};
-  alignas(64) std::int32_t lane_code_[kLanes] = {};
 };
 
 void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,

@@ -142,8 +142,6 @@ def _bench_scan(volume, kiln, arguments, report, folder):
             seconds, classify, normals, picture = volpack.draw(views, points)
             voxel = kiln.draw(store, volume, points, projection, lattice="voxel", threads=1)
             report.compare(volume, projection, name, voxel, (seconds, picture), ("voxel, 1 thr", "VolPack, 1 thr"))
-            one = kiln.draw(store, volume, points, projection, lattice="ray", threads=1)
-            report.compare(volume, projection, name, one, (seconds, picture), ("ray, 1 thr", "VolPack, 1 thr"))
             report.quality({**held, "Kiln, voxel": voxel[1], "VolPack": picture}, truth)
             print(f"{'':25} VolPack classifies in {1e3 * classify:.0f} ms, makes normals in {1e3 * normals:.0f} ms; VTK's "
                   f"first frame {1e3 * first:.0f} ms")
