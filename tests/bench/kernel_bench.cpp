@@ -18,6 +18,7 @@
 #include "render/frame_drawing.h"
 #include "scene/framing.h"
 #include "scene/presets.h"
+#include "splat/cast_cells.h"
 #include "splat/unit_load.h"
 #include "support/scalar_kernels.h"
 #include "support/scalar_voxels.h"
@@ -40,20 +41,21 @@ fs::path madeStore() {
   return out;
 }
 
-FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
+FrameRequest requestFor(const StoreReader& store, Interpolation interpolation, Lattice lattice) {
   FrameRequest out;
   const ImageSize size{kPicture, kPicture};
   out.view = resolve(frameVolume(store.manifest().geometry(), defaultFraming(), size), size);
   out.transfer_function = presetFor("ct-skin", store.manifest());
   out.interpolation = interpolation;
+  out.lattice = lattice;
   out.level = 0;
   return out;
 }
 
 // One brick as a frame has it, and units of it that the transfer function shows.
 struct Scene {
-  explicit Scene(const StoreReader& store, Interpolation interpolation)
-      : request(requestFor(store, interpolation)),
+  explicit Scene(const StoreReader& store, Interpolation interpolation, Lattice lattice = Lattice::kPixel)
+      : request(requestFor(store, interpolation, lattice)),
         plan({&store}, request),
         block(store.read({0, {0, 0, 0}})),
         zones(plan.pixel->cellsOf(block)),
@@ -99,8 +101,13 @@ struct Scene {
   std::vector<VoxelCoord> units;
 };
 
-const Scene& scene(Interpolation interpolation = Interpolation::kLinear) {
+const StoreReader& benchStore() {
   static const StoreReader store(madeStore());
+  return store;
+}
+
+const Scene& scene(Interpolation interpolation = Interpolation::kLinear) {
+  const StoreReader& store = benchStore();
   static const Scene linear(store, Interpolation::kLinear), cubic(store, Interpolation::kCubic);
   return interpolation == Interpolation::kLinear ? linear : cubic;
 }
@@ -228,6 +235,25 @@ void laySlab(benchmark::State& state) {
   report(state, state.iterations() * 64, 2 * (16 + 16 + 4 + 1), 30);
 }
 
+// Items are samples on rays that are seen, of all that are found in a brick's cells: 32 voxels, two entries of the
+// table and a pixel are read, the pixel is written; interpolation, gradient and light take some 210 operations.
+void castBrick(benchmark::State& state) {
+  const OnTarget on(state);
+  static const Scene s(benchStore(), Interpolation::kLinear, Lattice::kRay);
+  constexpr PixelRect kTile{96, 96, 96 + kSweepEdge, 96 + kSweepEdge};
+  std::int64_t samples = 0;
+  for (auto _ : state) {
+    Image image(kSweepEdge, kSweepEdge);
+    const auto visibility = makeVisibility({}, s.request.view.size, 0);
+    TilePixels tile;
+    tile.rect = kTile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kSweepEdge;
+    SplatCounts counts;
+    castCells(*s.fullest.rays, s.frame, s.block, s.fullest.cells, tile, *visibility, 0.998f, counts);
+    samples += static_cast<std::int64_t>(counts.splats);
+  }
+  report(state, samples, 4 * 32 + 32 + 2 * 16, 210);
+}
+
 // A cell's voxels, all of them opaque enough to be seen, at 1.5 pixels a voxel in perspective.
 struct VoxelScene {
   explicit VoxelScene(const Scene& s)
@@ -336,6 +362,7 @@ void registerAll() {
   onTargets("refine/cubic,classify,gradient,shade", refining(Interpolation::kCubic, kShaded, 260), false);
   onTargets("footprints", footprints, true);
   onTargets("lay", laySlab, true);
+  onTargets("castBrick", castBrick, false);
   onTargets("voxels/project", projectBatch, true);
   onTargets("voxels/lay", layBatch, true);
   for (const VisibilityMethod method : {VisibilityMethod::kNone, VisibilityMethod::kMask})
