@@ -41,7 +41,7 @@ struct CellInput {
 constexpr std::size_t kLanes = 16, kMostSamples = 512, kRoom = kMostSamples + 2 * kLanes;
 constexpr std::size_t kLit = 4 * kLanes;  // that are lit together
 
-// What is known of them, for one cell after the other.
+// What is known of them, for one cell after the other. Beyond the last one vectors read anything, and use none of it.
 struct CellSamples {
   // Of each sample that was found: its code, which voxels it is between, how far, and the values around it along x.
   alignas(64) std::int32_t code[kRoom], offset[kRoom];
@@ -120,6 +120,7 @@ class CellCaster {
   static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;
   static_assert(1 << kPixelBits == kSweepEdge);
   static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
+  static_assert((kMostRaySlabs << kSlabBits) <= kPair);
 
   // Marks which of the cell's voxels, each with its neighbours along y and z, have samples that may show something;
   // false where none has. Sets the box around them.
@@ -735,7 +736,7 @@ class Casting {
   Visibility& visibility_;
   const float opaque_at_;
   SplatCounts& counts_;
-  CellSamples samples_{};
+  CellSamples samples_;
 };
 
 }  // namespace

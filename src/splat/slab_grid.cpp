@@ -155,6 +155,8 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
   const std::array<double, 2> depths = depthsOf(volume.manifest->geometry(), view);
   if (view.projection == Projection::kOrthographic) {
     SlabZone zone = latticeAt(view.focal_px, volume, level);
+    // Four more are beside the volume.
+    if (zone.on_rays) zone.thickness = std::max(zone.thickness, (depths[1] - depths[0]) / (kMostRaySlabs - 6));
     zone.near = (std::floor(depths[0] / zone.thickness) - 2) * zone.thickness;
     zone.slabs = static_cast<int>(std::ceil((depths[1] - zone.near) / zone.thickness)) + 2;
     zone.far = zone.near + zone.slabs * zone.thickness;
@@ -175,7 +177,8 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
       zone.far = near + width;
       // About as thick as a pixel is wide in the middle of the zone.
       const double wanted = (zone.on_rays ? 1 : (near + 0.5 * width) / near) * zone.thickness;
-      zone.slabs = std::max(1, static_cast<int>(std::lround(width / wanted)));
+      const double slabs = std::min(width / wanted, zone.on_rays ? double{kMostRaySlabs} : 1e9);
+      zone.slabs = std::max(1, static_cast<int>(std::lround(slabs)));
       zone.thickness = width / zone.slabs;
       out.push_back(zone);
     }

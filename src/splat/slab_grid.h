@@ -44,6 +44,9 @@ struct SlabZone {
   }
 };
 
+/// Slabs of a zone on rays, at the most: in views of larger volumes they are thicker.
+inline constexpr int kMostRaySlabs = 1 << 17;
+
 /// Whether soft voxels have samples of their own: never; where the others need not be more for it, so that a block has
 /// a whole number of them; or anyway.
 enum class SoftSamples { kNever, kWhereFree, kAnyway };
