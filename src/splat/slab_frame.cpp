@@ -219,8 +219,8 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
            : at.extent();
   if (zone_.on_rays) {
     // Pixels whose centres are in it, and rounding.
-    const auto first = [](double at) { return floorOf(at - 0.51); };
-    const auto end = [](double at) { return floorOf(at - 0.49) + 1; };
+    const auto first = [](double px) { return floorOf(px - 0.51); };
+    const auto end = [](double px) { return floorOf(px - 0.49) + 1; };
     out.rect = {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
     out.last = zone_.slabs - 1;
     return out;
