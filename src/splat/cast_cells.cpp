@@ -17,7 +17,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "splat/sample_math-inl.h"
+#include "splat/interval-inl.h"
 
 #ifndef KILN_SPLAT_CAST_CELLS_ONCE
 #define KILN_SPLAT_CAST_CELLS_ONCE
@@ -126,7 +126,8 @@ class CellCaster {
   // false where none has. Sets the box around them.
   HWY_INLINE bool findShown() {
     for (int a = 0; a < 3; ++a) lo_[a] = in_.lo[a], hi_[a] = in_.hi[a];
-    if (kGaps) {
+    // An interval reaches beyond what a sample interpolates.
+    if (kGaps || l_.integral != nullptr) {
       shown_.fill((1 << kUnitVoxels) - 1);
       return true;
     }
@@ -376,12 +377,57 @@ class CellCaster {
       hn::LoadInterleaved2(d, s_.pair + 2 * n, before, after);
       const V value = mix(d, before, after, hn::Load(d, s_.fraction[0] + n)), entry = entryOf(value);
       const VI index = hn::Iota(di, static_cast<int>(n));
-      M shows = hn::And(visible(entry, entry), hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_)))));
+      M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
       if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
+      if (l_.integral != nullptr) {
+        const V tau = meanExtinctionOf(n, value, entry, shows);
+        shows = hn::And(shows, hn::Gt(tau, hn::Zero(d)));
+        hn::StoreU(hn::Compress(tau, shows), d, s_.opacity + kept_);
+      } else {
+        shows = hn::And(shows, visible(entry, entry));
+      }
       hn::StoreU(hn::Compress(index, hn::RebindMask(di, shows)), di, s_.index + kept_);
       hn::StoreU(hn::Compress(entry, shows), d, s_.entry + kept_);
       kept_ += hn::CountTrue(d, shows);
     }
+  }
+
+  // Of the n-th sample and those after it, at these places of the table.
+  HWY_NOINLINE V meanExtinctionOf(std::size_t n, V value, V entry, M alive) {
+    const D d;
+    const D4 d4;
+    const std::size_t count = std::min(count_ - n, hn::Lanes(d));
+    // Rows through the sample along x, and those a voxel before and after it along y and z.
+    enum { kHere, kBeforeY, kAfterY, kBeforeZ, kAfterZ, kRows };
+    alignas(64) float rows[kRows][4 * kLanes] = {};
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const float* const at = in_.values + s_.offset[n + lane] - 1;
+      const auto y = hn::Set(d4, s_.fraction[1][n + lane]), z = hn::Set(d4, s_.fraction[2][n + lane]);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto through = [&](int dy, int dz) {
+          return mix(d4, mix(d4, row(dy, dz), row(dy, dz + 1), z), mix(d4, row(dy + 1, dz), row(dy + 1, dz + 1), z), y);
+        };
+        hn::Store(through(0, 0), d4, rows[kHere] + 4 * lane + i);
+        hn::Store(through(-1, 0), d4, rows[kBeforeY] + 4 * lane + i);
+        hn::Store(through(1, 0), d4, rows[kAfterY] + 4 * lane + i);
+        hn::Store(through(0, -1), d4, rows[kBeforeZ] + 4 * lane + i);
+        hn::Store(through(0, 1), d4, rows[kAfterZ] + 4 * lane + i);
+      }
+    }
+    const V x = hn::Load(d, s_.fraction[0] + n);
+    const auto of = [&](int row, std::size_t first) {
+      V v[4];
+      hn::LoadInterleaved4(d, rows[row], v[0], v[1], v[2], v[3]);
+      return mix(d, v[first], v[first + 1], x);
+    };
+    const V before[3] = {of(kHere, 0), of(kBeforeY, 1), of(kBeforeZ, 1)};
+    const V after[3] = {of(kHere, 2), of(kAfterY, 1), of(kAfterZ, 1)};
+    const V place = hn::IfThenElseZero(alive, entry);
+    const VI whole = hn::ConvertTo(DI(), place);
+    const V here = hn::GatherIndex(d, l_.extinctions, whole), next = hn::GatherIndex(d, l_.extinctions + 1, whole);
+    const V at_point = hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, whole)), hn::Sub(next, here)));
+    return meanExtinction(d, l_, intervalOf(d, value, before, after), place, alive, at_point);
   }
 
   // Their opacities.
@@ -397,6 +443,7 @@ class CellCaster {
       hn::LoadInterleaved2(d, s_.pair + 2 * n, here, next);
       const V between = hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry)));
       V tau = hn::Add(here, hn::Mul(between, hn::Sub(next, here)));
+      if (l_.integral != nullptr) tau = hn::Load(d, s_.opacity + n);
       V length = hn::Set(d, l_.thickness);
       if (asks) {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));

@@ -106,7 +106,7 @@ class Refiner {
     V tau = hn::Zero(d);
     if (knowsTau()) {
       tau = extinctionAt(hn::IfThenElseZero(alive, place));
-      if (l_.integral != nullptr) tau = meanExtinction(field_.within(i, j, k), place, alive, tau);
+      if (l_.integral != nullptr) tau = meanExtinction(d, l_, field_.interval(i, j, k), place, alive, tau);
       alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
       if (hn::AllFalse(d, alive)) return;
     }
@@ -357,36 +357,6 @@ class Refiner {
     const VI entry = hn::ConvertTo(DI(), place);
     const V here = hn::GatherIndex(d, l_.extinctions, entry), next = hn::GatherIndex(d, l_.extinctions + 1, entry);
     return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
-  }
-
-  // The mean extinction of what a voxel of a coarser level stands for, half of it above its value and half below. A
-  // thin skin would else be lost between the values on its two sides.
-  template <class Within>
-  V meanExtinction(const Within& values, V place, M alive, V at_point) const {
-    const D d;
-    const V scale = hn::Set(d, l_.table_scale), last = hn::Set(d, l_.table_last);
-    const V reach = hn::Mul(values.reach, scale);
-    alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
-    const auto placeOf = [&](V value) { return hn::Min(hn::Max(hn::Mul(value, scale), hn::Zero(d)), last); };
-    const V own = hn::IfThenElseZero(alive, place);
-    // A smoothed value may itself be beyond them.
-    const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(values.least))));
-    const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(values.most))));
-    const V to_own = integralTo(own);
-    const auto mean = [&](V integral, V width) {
-      const M wide = hn::Ge(width, hn::Set(d, l_.least_interval));
-      return hn::IfThenElse(wide, hn::Div(integral, hn::IfThenElse(wide, width, hn::Set(d, 1.0f))), at_point);
-    };
-    const V upper = mean(hn::Sub(integralTo(hi), to_own), hn::Sub(hi, own));
-    const V lower = mean(hn::Sub(to_own, integralTo(lo)), hn::Sub(own, lo));
-    return hn::Mul(hn::Set(d, 0.5f), hn::Add(upper, lower));
-  }
-  V integralTo(V place) const {
-    const D d;
-    const DI di;
-    const VI entry = hn::ConvertTo(di, place);
-    const V a = hn::GatherIndex(d, l_.integral, entry), b = hn::GatherIndex(d, l_.integral + 1, entry);
-    return hn::Add(a, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a)));
   }
 
   // The vector in turn, for those of its samples that are kept.

@@ -102,7 +102,7 @@ UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& r
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
   out.gaps = table.hasGaps();
-  if (zone.level > 0 && !zone.refined() && !out.labels) out.integral = table.integral();
+  if (zone.intervals && !out.labels) out.integral = table.integral();
   out.least_interval = table.leastInterval();
   if (zone.on_rays) out.voxels = {kUnitVoxels, kUnitVoxels, kUnitVoxels};
   out.light = plainLight(look.shading, look.gradient_noise, projector);

@@ -123,6 +123,7 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
   const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
   if (zoned.on_rays) {
     out.on_rays = true;
+    out.intervals = out.level > 0 && drawn.shortestEdge() * scale < kCoarseSpacing - 1e-9;
     out.thickness = std::max(kThinnest / scale, drawn.shortestEdge() * zoned.sample_distance);
     return out;
   }
@@ -135,6 +136,7 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
     widest = std::max(widest, edge / refinement.ofVoxel());
     least_refined = std::min(least_refined, refinement.ofVoxel());
   }
+  out.intervals = out.level > 0 && !out.refined();
   out.sigma_px = std::max(kSigma * widest, kLeastSigma);
   setSoft(zoned, spacing * scale, out);
   const double beside = least_refined - 1;

@@ -31,6 +31,8 @@ struct SlabZone {
   std::array<Refinement, 3> soft_refinement;
   double sigma_px = 0.3, soft_sigma_px = 0.3;  // of a footprint
   float erosion = 0;                           // of pixels at edges, at most: splat/coverage.h
+  /// Whether samples stand for the values of a voxel that is smaller than a pixel and hides finer ones.
+  bool intervals = false;
   /// Whether there are samples between voxels.
   bool refined() const { return refinement != std::array<Refinement, 3>{}; }
   bool judgesBlocks() const { return soft_refinement != refinement; }

@@ -12,8 +12,8 @@
 
 #include <cstddef>
 
+#include "splat/interval-inl.h"
 #include "splat/refine_unit.h"
-#include "splat/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -58,29 +58,14 @@ class UnitVoxels {
   const float* row(int y, int z) const { return u_.values + (z * height_ + y) * kUnitSamples; }
 
  public:
-  // What values a voxel holds, of a vector of voxels from (i, j, k) on: they go `reach` above and below its own, half a
-  // voxel's length of gradient, so that those of voxels on a slope follow upon each other; but not beyond the values of
-  // its six neighbours. A gradient alone would go beyond where a slope ends, and find bone under every skin.
-  // requires: samples that are voxels. unit: values.
-  struct Within {
-    V reach, least, most;
-  };
-  Within within(int i, int j, int k) const {
+  // What a vector of voxels from (i, j, k) on stand for. requires: samples that are voxels.
+  Interval interval(int i, int j, int k) const {
     const D d;
     const int y = j + kUnitMargin, z = k + kUnitMargin;
     const auto at = [&](int dx, int dy, int dz) { return hn::LoadU(d, row(y + dy, z + dz) + i + kUnitMargin + dx); };
-    const V own = at(0, 0, 0);
-    V least = own, most = own, squared = hn::Zero(d);
-    const auto add = [&](V before, V after) {
-      const V twice = hn::Sub(after, before);
-      squared = hn::Add(squared, hn::Mul(twice, twice));
-      least = hn::Min(least, hn::Min(before, after));
-      most = hn::Max(most, hn::Max(before, after));
-    };
-    add(at(-1, 0, 0), at(1, 0, 0));
-    add(at(0, -1, 0), at(0, 1, 0));
-    add(at(0, 0, -1), at(0, 0, 1));
-    return {hn::Mul(hn::Set(d, 0.25f), hn::Sqrt(squared)), least, most};
+    const V before[3] = {at(-1, 0, 0), at(0, -1, 0), at(0, 0, -1)};
+    const V after[3] = {at(1, 0, 0), at(0, 1, 0), at(0, 0, 1)};
+    return intervalOf(d, at(0, 0, 0), before, after);
   }
 
  protected:

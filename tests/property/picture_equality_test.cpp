@@ -21,15 +21,13 @@ constexpr ImageSize kEqualSize{150, 117};  // neither is a multiple of a tile
 // Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr std::int64_t kSmallestBrick = 16;
-constexpr int kAllQuickScenes = 2;
+constexpr int kQuickScenes = 1;  // of each lattice
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox};
 #else
 constexpr std::int64_t kSmallestBrick = 8;
-constexpr int kAllQuickScenes = 10;
+constexpr int kQuickScenes = 5;
 constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 #endif
-
-constexpr int kQuickScenes = kAllQuickScenes / static_cast<int>(std::size(kLattices));
 
 // A brick's apron holds every sample that its pixels need where voxels are at least this large; of smaller ones a frame
 // takes a coarser level, if the store has one. unit: pixels.
