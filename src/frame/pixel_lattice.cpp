@@ -59,15 +59,18 @@ std::uint64_t PixelLattice::cellBytes(std::int64_t brick_size) {
 void PixelLattice::drawTile(const BrickBlock& block, const std::vector<ZoneCells>& zones, const TilePixels& tile,
                             Visibility& visibility, bool test_samples, float opaque_at, SplatCounts& counts) {
   const TileSpan span(block.key, tile.rect, counts);
+  const std::vector<TilePixels> squares = squaresOf(tile, sweep_px_);
+  if (!rays_.empty()) {
+    for (const ZoneCells& zone : zones) {
+      for (const TilePixels& square : squares)
+        castCells(*zone.rays, *zone.frame, block, zone.cells, square, visibility, opaque_at, counts);
+    }
+    return;
+  }
   pool_.lend([&](SweepMemory& memory) {
-    const std::vector<TilePixels> squares = squaresOf(tile, sweep_px_);
     std::vector<const SlabCell*> touching;
     for (const ZoneCells& zone : zones) {
       for (const TilePixels& square : squares) {
-        if (zone.rays != nullptr) {
-          castCells(*zone.rays, *zone.frame, block, zone.cells, square, visibility, opaque_at, counts);
-          continue;
-        }
         touching.clear();
         for (const SlabCell& cell : zone.cells) {
           if (!intersection(cell.bounds.rect, square.rect).empty()) touching.push_back(&cell);

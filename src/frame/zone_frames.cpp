@@ -46,7 +46,7 @@ bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_
   if (!frame.interesting(entry.support)) return false;
   const VoxelBox volume = boxOf(frame.dims()), reach = intersection(dilated(core, frame.ghosts()), volume);
   const auto passes = [&](const VoxelBox& samples) {
-    if (frame.look().clip->classify(samples) == ClipRegion::Overlap::kOutside) return false;
+    if (frame.cutOff(samples)) return false;
     const SlabFrame::Bounds bounds = frame.boundsOf(samples);
     return !bounds.empty() && test(bounds.rect);
   };

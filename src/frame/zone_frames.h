@@ -1,4 +1,4 @@
-// What the pixel lattice makes of a volume for each zone of slabs, and which bricks show anything there: the same
+// What is made of a volume for each zone of slabs, also on rays, and which bricks show anything there: the same
 // whether a volume is drawn alone or with others.
 #pragma once
 

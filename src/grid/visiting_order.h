@@ -48,14 +48,14 @@ class VisitingOrder {
     return out;
   }
 
-  /// Writes the voxels first … first+count-1 of one axis in front-to-back order, as offsets from `first`.
-  /// Nested loops over the three axes' orders visit a cell front to back. requires: count <= 255.
-  void axisOrder(int axis, std::int64_t first, int count, std::uint8_t* offsets) const {
+  /// Writes the `count` voxels of one axis from `first` on in front-to-back order, by their number; or cells, `edge`
+  /// voxels long. Nested loops over the three axes' orders visit a box front to back. requires: count <= 255.
+  void axisOrder(int axis, std::int64_t first, int count, std::uint8_t* offsets, std::int64_t edge = 1) const {
     // [0, split) is the eye's own voxel and those before it, and descends; [split, count) lies beyond and ascends.
     int split = vector_[axis] < 0 ? count : 0;
     if (!parallel_) {
       split = 0;
-      while (split < count && static_cast<double>(first + split) - 0.5 <= vector_[axis]) ++split;
+      while (split < count && static_cast<double>(first + split * edge) - 0.5 <= vector_[axis]) ++split;
     }
     int n = 0;
     for (int i = split - 1; i >= 0; --i) offsets[n++] = static_cast<std::uint8_t>(i);

@@ -27,7 +27,7 @@ struct FramePlan {
 
   FrameLevels levels;
   Classifier classifier;
-  // Of these at most one; with none it is the voxel lattice.
+  // Of these at most one, `pixel` also for rays; with none it is the voxel lattice.
   std::optional<PixelLattice> pixel;
   std::optional<ValueProjection> projection;
   std::optional<VolumeMix> mix;
@@ -79,7 +79,7 @@ class FrameDrawing {
   struct DueBrick {
     std::shared_ptr<const BrickBlock> block;
     PixelRect rect;
-    std::vector<PixelLattice::ZoneCells> zones;  // of the pixel lattice
+    std::vector<PixelLattice::ZoneCells> zones;  // not of the voxel lattice
     SplatFrame frame;                            // of the voxel lattice
     SplatCounts counts;
   };

@@ -30,6 +30,8 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
     requireLevel(*store, request.level);
     requireLattice(request.lattice, store->manifest().volume_class, store->path());
   }
+  if (request.lattice == Lattice::kRay && (!request.volumes.empty() || request.clipping.part || request.deep))
+    throw Error(ErrorCode::kUsage, "--lattice ray: several volumes, parts and deep images have the pixel lattice");
   requireInterpolation(request.lattice, request.interpolation);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
   requireSampleDistance(request.lattice, request.mode, request.sample_distance);

@@ -83,7 +83,7 @@ struct RenderStatistics {
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
   std::uint64_t shared_reads_bytes = 0;                 // of brick files that ranks send one another
   std::uint64_t trace_bytes = 0;                        // of the trace, where one is kept
-  std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of the pixel lattice: what is set aside, and what was needed
+  std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of slabs: what is set aside, and what sweeps have needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
   std::vector<RankStatistics> ranks;  // where there are several

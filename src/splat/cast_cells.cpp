@@ -30,7 +30,8 @@ constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kU
 // A cell in a tile.
 struct CellInput {
   const float* values = nullptr;  // loadUnit's
-  glm::vec3 lo, hi;               // its faces. unit: voxels from the anchor
+  glm::vec3 lo;                   // its corner. unit: voxels from the anchor
+  glm::dvec3 corner, end;         // the same in index space, and where it ends
   PixelRect rect;                 // what of the tile it may be seen in
   bool at_end = false;            // of the volume
   bool in_pairs = false;          // whether two samples may be one, twice as long
@@ -70,7 +71,7 @@ struct CellSamples {
 // What it did to them.
 struct CellOutput {
   std::array<std::uint64_t, kSweepEdge> closed{};  // a bit a pixel of the rectangle
-  std::uint64_t samples = 0;
+  std::uint64_t shown = 0, samples = 0;            // that show something, and that are seen
 };
 
 }  // namespace
@@ -125,7 +126,7 @@ class CellCaster {
   // Marks which of the cell's voxels, each with its neighbours along y and z, have samples that may show something;
   // false where none has. Sets the box around them.
   HWY_INLINE bool findShown() {
-    for (int a = 0; a < 3; ++a) lo_[a] = in_.lo[a], hi_[a] = in_.hi[a];
+    for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
     // An interval reaches beyond what a sample interpolates.
     if (kGaps || l_.integral != nullptr) {
       shown_.fill((1 << kUnitVoxels) - 1);
@@ -149,8 +150,8 @@ class CellCaster {
     first[0] = std::countr_zero(any), last[0] = std::bit_width(any);
     for (int a = 1; a < 3; ++a) first[a] *= 2, last[a] = 2 * last[a] + 2;
     for (int a = 0; a < 3; ++a) {
-      lo_[a] = in_.lo[a] + static_cast<float>(first[a]);
-      hi_[a] = std::min(in_.hi[a], in_.lo[a] + static_cast<float>(last[a]));
+      lo_[a] = r_.faceAt(a, in_.corner[a] + first[a]);
+      hi_[a] = r_.faceAt(a, std::min(in_.end[a], in_.corner[a] + last[a]));
     }
     return true;
   }
@@ -268,15 +269,20 @@ class CellCaster {
 #endif
   }
 
-  // Leaves what of rays is between two planes across an axis. unit: slabs from the middle one.
-  static HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) {
+  // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
+  // upper side of one that it runs in. unit: slabs from the middle one.
+  HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) const {
     const D d;
-    const V along = hn::IfThenElse(hn::Eq(step, hn::Zero(d)), hn::Set(d, 1 / kFar), step);
-    const V inverse = hn::Div(hn::Set(d, 1.0f), along);
-    const V at_lo = hn::Mul(hn::Sub(hn::Set(d, lo), place), inverse);
-    const V at_hi = hn::Mul(hn::Sub(hn::Set(d, hi), place), inverse);
-    enter = hn::Max(enter, hn::Min(at_lo, at_hi));
-    leave = hn::Min(leave, hn::Max(at_lo, at_hi));
+    const V zero = hn::Zero(d), far = hn::Set(d, kFar), below = hn::Set(d, lo), above = hn::Set(d, hi);
+    const M along = hn::Lt(hn::Abs(step), hn::Set(d, 1 / kFar));
+    const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(along, hn::Set(d, 1.0f), step));
+    // Places from where faces are told.
+    const V from = l_.perspective ? zero : place, eye = l_.perspective ? hn::Set(d, r_.eye) : zero;
+    const V at_lo = hn::Add(hn::Mul(hn::Sub(below, from), inverse), eye);
+    const V at_hi = hn::Add(hn::Mul(hn::Sub(above, from), inverse), eye);
+    const V inside = hn::IfThenElse(hn::And(hn::Le(below, from), hn::Lt(from, above)), far, hn::Neg(far));
+    enter = hn::Max(enter, hn::IfThenElse(along, hn::Neg(inside), hn::Min(at_lo, at_hi)));
+    leave = hn::Min(leave, hn::IfThenElse(along, inside, hn::Max(at_lo, at_hi)));
   }
   static constexpr float kFar = 1e30f;
 
@@ -316,7 +322,7 @@ class CellCaster {
     if (!l_.perspective) return {u, v, one};
     return {u, v, hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(u, u), hn::Mul(v, v))))};
   }
-  // Of the n-th of `index_` and those after it.
+  // Of the n-th of `index` and those after it.
   HWY_INLINE VI codesAt(std::size_t n, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) s_.lane_code[i] = s_.code[s_.index[n + i]];
     return hn::Load(DI(), s_.lane_code);
@@ -461,7 +467,8 @@ class CellCaster {
     const D d;
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
     for (int a = 0; a < 3; ++a)
-      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.volume_lo[a], r_.volume_hi[a], enter, leave);
+      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.faceAt(a, -0.5), r_.faceAt(a, r_.volume_hi[a]), enter,
+          leave);
     const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
     const V own = hn::Mul(w.slabs, half), near = hn::Sub(hn::Add(w.t, half), own),
             far = hn::Sub(hn::Add(w.t, own), half);
@@ -491,8 +498,9 @@ class CellCaster {
     for (int a = 0; a < 3; ++a) hn::Store(linear(r_.step, a, w), d, steps[a]);
     for (std::size_t i = 0; i < count; ++i) {
       const SampleSite site = siteOf(n + i);
-      const glm::dvec3 edges = glm::dvec3(std::abs(steps[0][i]), std::abs(steps[1][i]), std::abs(steps[2][i])) *
-                               static_cast<double>(slabs[i]);
+      // Along an axis that its ray does not follow it has next to no length, but one.
+      glm::dvec3 edges(1e-6);
+      for (int a = 0; a < 3; ++a) edges[a] += static_cast<double>(std::abs(steps[a][i]) * slabs[i]);
       const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, edges));
       taus[i] = share * finishedExtinction(frame_.look(), taus[i], site);
     }
@@ -514,6 +522,7 @@ class CellCaster {
   void blendAll() {
     std::size_t seen = 0;
     closed_count_ = 0;
+    out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
       const std::int32_t pixel = s_.code[s_.index[n]] & kPixel;
       float& alpha = pixelOf(pixel)[3];
@@ -551,8 +560,7 @@ class CellCaster {
     layer.thickness = (s_.code[s_.index[n]] >= kPair ? 2 : 1) * zone.thickness;
     const glm::vec3 normal = finishedNormal(frame_.look(), site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
-    addLayer(layer, tile_.aovs,
-             tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits)));
+    addLayer(layer, tile_.aovs, pixelPlace(pixel));
   }
 
   // Adds the light of what is seen, some vectors at a time: what is done to single samples is on its way long before a
@@ -659,10 +667,10 @@ class CellCaster {
     return bits[0] | unsigned{bits[1]} << 8;
   }
 
-  float* pixelOf(std::int32_t pixel) const {
-    return tile_.rgba +
-           4 * tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
+  std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
+    return tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
   }
+  float* pixelOf(std::int32_t pixel) const { return tile_.rgba + 4 * pixelPlace(pixel); }
 
   const RaySlabs& r_;
   const SlabFrame& frame_;
@@ -674,7 +682,7 @@ class CellCaster {
   const bool derives_;   // whether that, or their places and gradients are asked for
   CellSamples& s_;
   CellOutput& out_;
-  float lo_[3], hi_[3];  // of what may show something
+  float lo_[3], hi_[3];  // faces around what may show something, as RaySlabs::faceAt has them
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
   alignas(64) std::array<std::int32_t, 16> shown_;  // bit x of word 4 (z / 2) + y / 2: voxels of the cell
 };
@@ -760,7 +768,8 @@ class Casting {
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == frame_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 0.5f;
-      in.hi[a] = last ? rays_.volume_hi[a] : static_cast<float>(box.hi[a] - rays_.anchor[a]) - 0.5f;
+      in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
+      in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
       in.at_end = in.at_end || last || box.lo[a] == 0;
     }
     in.rect = seen.rect;
@@ -768,7 +777,7 @@ class Casting {
     in.in_pairs = frame_.inPairs(range);
     CellOutput out;
     HWY_DYNAMIC_DISPATCH(castCell)(rays_, frame_, in, tile_, opaque_at_, samples_, out);
-    counts_.visited += out.samples, counts_.splats += out.samples;
+    counts_.visited += out.shown, counts_.splats += out.samples;
     counts_.changed = counts_.changed || out.samples > 0;
     for (int y = 0; y < in.rect.height(); ++y) {
       for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)

@@ -25,9 +25,10 @@ RaySlabs::RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Proj
     step.centre[axis] = static_cast<float>(row.z * zone.thickness);
     step.along_x[axis] = static_cast<float>(row.x * of_step * per_pixel);
     step.along_y[axis] = static_cast<float>(row.y * of_step * per_pixel);
-    volume_lo[axis] = static_cast<float>(-0.5 - from);
-    volume_hi[axis] = static_cast<float>(static_cast<double>(dims[axis]) - 1.5 + ends.part[axis] - from);
+    volume_hi[axis] = static_cast<double>(dims[axis]) - 1.5 + ends.part[axis];
+    faces_from[axis] = projector.perspective() ? row.w : from;
   }
+  eye = static_cast<float>(-depth / zone.thickness);
   if (projector.perspective()) first = zone.slabFrom(projector.nearDepth());
   const auto beside = [&](const SlabZone& other) { return static_cast<float>(0.5 * other.thickness / zone.thickness); };
   before = static_cast<float>(first) - 1 - middle, after = static_cast<float>(end) - middle;

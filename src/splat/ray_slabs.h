@@ -23,13 +23,20 @@ struct RaySlabs {
   RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
            const EndVoxels& ends);
 
+  /// The coordinate `at` of a face across an axis, as rays are asked about it: from the eye where they begin there,
+  /// else from the anchor. Both in doubles, so that a ray that runs in a face, or nearly so, is on one side of it all
+  /// the way.
+  float faceAt(int axis, double at) const { return static_cast<float>(at - faces_from[axis]); }
+
   VoxelCoord anchor;
+  glm::dvec3 faces_from;
+  float eye = 0;  // in perspective, the slab from the middle in which the eye is
   Linear place, step;
   float middle = 0;
   int first = 0, end = 0;            // the slabs that are not too near to the eye
   float before, after;               // where the slabs beside them are, of other zones. unit: slabs from the middle one
   float centre_x = 0, centre_y = 0;  // what is added to a pixel's number
-  glm::vec3 volume_lo, volume_hi;    // where the volume ends, from the anchor
+  glm::dvec3 volume_hi;              // where the volume ends, which begins at -1/2
 };
 
 }  // namespace kiln

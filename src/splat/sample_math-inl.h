@@ -1,4 +1,4 @@
-// What kernels of both lattices compute of their samples, a vector of them at a time: exponentials, and the light of a
+// What kernels of all lattices compute of their samples, a vector of them at a time: exponentials, and the light of a
 // headlight. Without fused or approximate operations: every instruction set gives the same bits. Compiled once for each
 // instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_SAMPLE_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)

@@ -104,7 +104,6 @@ UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& r
   out.gaps = table.hasGaps();
   if (zone.intervals && !out.labels) out.integral = table.integral();
   out.least_interval = table.leastInterval();
-  if (zone.on_rays) out.voxels = {kUnitVoxels, kUnitVoxels, kUnitVoxels};
   out.light = plainLight(look.shading, look.gradient_noise, projector);
   out.light.phong = out.light.phong && !detailed;
   return out;
@@ -141,19 +140,6 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
       for (int i = std::max(x - 1, 0); i <= last(x); ++i) out.include(supports.at(i, j, k));
     }
   }
-  return out;
-}
-
-// The cells of a brick along an axis, front to back: nested loops over the three axes' visit them so.
-std::vector<int> frontToBack(const Projector& projector, int axis, std::int64_t first, int count) {
-  int split = projector.indexRow(axis).z < 0 ? count : 0;
-  if (projector.perspective()) {
-    split = 0;
-    while (split < count && static_cast<double>(first + split * kCellSize) - 0.5 <= projector.indexRow(axis).w) ++split;
-  }
-  std::vector<int> out;
-  for (int i = split - 1; i >= 0; --i) out.push_back(i);
-  for (int i = split; i < count; ++i) out.push_back(i);
   return out;
 }
 
@@ -196,6 +182,11 @@ bool SlabFrame::soft(const VoxelBox& block, const SampledRange& range) const {
   return table_.soft(range.values, voxel_length_, ends);
 }
 
+bool SlabFrame::cutOff(const VoxelBox& samples) const {
+  // A sample on a ray lies across faces, and up to half of it may be inside whose middle is not.
+  return look_.clip->classify(zone_.on_rays ? dilated(samples, 1) : samples) == ClipRegion::Overlap::kOutside;
+}
+
 bool SlabFrame::inPairs(const SampledRange& range) const {
   if (range.gaps || look_.gradient_opacity.active()) return false;
   // What is not soft has several samples a voxel for a reason.
@@ -219,8 +210,11 @@ SlabFrame::Bounds SlabFrame::boundsOf(const VoxelBox& box) const {
            : at.extent();
   if (zone_.on_rays) {
     // Pixels whose centres are in it, and rounding.
-    const auto first = [](double px) { return floorOf(px - 0.51); };
-    const auto end = [](double px) { return floorOf(px - 0.49) + 1; };
+    // Places on rays are floats.
+    const double wide = std::max(seen.x1 - seen.x0, seen.y1 - seen.y0);
+    const double slack = 0.01 + wide * std::ldexp(static_cast<double>(std::max({dims_.x, dims_.y, dims_.z})), -22);
+    const auto first = [&](double px) { return floorOf(px - 0.5 - slack); };
+    const auto end = [&](double px) { return floorOf(px - 0.5 + slack) + 1; };
     out.rect = {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
     out.last = zone_.slabs - 1;
     return out;
@@ -245,20 +239,25 @@ std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock&
   std::vector<SlabCell> out;
   const VoxelBox reach = intersection(dilated(block.core, frame.ghosts()), boxOf(frame.dims()));
   const int n = block.supports.edge();
-  // A cubic reaches a voxel farther than the supports that come with a brick.
-  const bool cubic = frame.lattice().interpolation != Interpolation::kLinear;
-  std::array<std::vector<int>, 3> order;
-  for (int a = 0; a < 3; ++a)
-    order[static_cast<std::size_t>(a)] = frontToBack(frame.projector(), a, block.core.lo[a] - kCellSize, n);
+  // A cubic, and what a sample between the voxels of a coarser level stands for, reach a voxel farther than the
+  // supports that come with a brick.
+  const UnitLattice& l = frame.lattice();
+  const bool farther = l.interpolation != Interpolation::kLinear || (frame.zone().on_rays && l.integral != nullptr);
+  std::array<std::vector<std::uint8_t>, 3> order;
+  for (int a = 0; a < 3; ++a) {
+    std::vector<std::uint8_t>& along = order[static_cast<std::size_t>(a)];
+    along.resize(static_cast<std::size_t>(n));
+    frame.projector().order().axisOrder(a, block.core.lo[a] - kCellSize, n, along.data(), kCellSize);
+  }
   for (const int z : order[2]) {
     for (const int y : order[1]) {
       for (const int x : order[0]) {
         const bool near = frame.interesting(block.supports.at(x, y, z));
-        if (!near && !(cubic && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
+        if (!near && !(farther && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, reach), {}};
-        if (cell.box.empty() || frame.look().clip->classify(cell.box) == ClipRegion::Overlap::kOutside) continue;
+        if (cell.box.empty() || frame.cutOff(cell.box)) continue;
         const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
         if (!near && !frame.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
         cell.bounds = frame.boundsOf(cell.box);

@@ -57,6 +57,8 @@ class SlabFrame {
   /// Whether a block of voxels (softBlock) has the samples of `softLattice`, which then interpolate `range`. requires:
   /// a soft lattice.
   bool soft(const VoxelBox& block, const SampledRange& range) const;
+  /// Whether nothing of the samples in the voxels' cubes is in the clip region.
+  bool cutOff(const VoxelBox& samples) const;
   /// On rays: whether two samples of a cell may be one, twice as long, that interpolate `range`.
   bool inPairs(const SampledRange& range) const;
   const SampleLook& look() const { return look_; }

@@ -157,7 +157,7 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
   const std::array<double, 2> depths = depthsOf(volume.manifest->geometry(), view);
   if (view.projection == Projection::kOrthographic) {
     SlabZone zone = latticeAt(view.focal_px, volume, level);
-    // Four more are beside the volume.
+    // Up to six more are beside it.
     if (zone.on_rays) zone.thickness = std::max(zone.thickness, (depths[1] - depths[0]) / (kMostRaySlabs - 6));
     zone.near = (std::floor(depths[0] / zone.thickness) - 2) * zone.thickness;
     zone.slabs = static_cast<int>(std::ceil((depths[1] - zone.near) / zone.thickness)) + 2;

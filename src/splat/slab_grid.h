@@ -1,4 +1,4 @@
-// The slabs of a frame (DESIGN §6): image-parallel layers half a pixel to one pixel thick, the same for all bricks and
+// The slabs of a frame (DESIGN §6): image-parallel layers half a pixel thick or more, the same for all bricks and
 // tiles. Their thickness, the pyramid's level and its refinement follow depth by zones. An orthographic view has one
 // zone; in perspective a zone is an eighth of an octave of depth, so that the zone of a depth is read off its bits, and
 // within a zone all is uniform. Level and refinements are thus decided by depth alone: where two of them meet, they

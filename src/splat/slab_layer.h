@@ -12,7 +12,7 @@ struct SlabLayer {
   float before = 0, added = 0;  // the pixel's alpha, and what the slab adds to it, not closed yet
   bool closes = false;          // whether the pixel is closed now
   float filled = 0;             // what of the slab samples fill, from 0 to 1
-  float turn = 0.5f;            // from which filling on a slab covers half the pixel, one half or more
+  float turn = 0.5f;            // from which filling on a slab covers half the pixel, one half or more; 0 on rays
   float opacity = 0;            // of what they fill
   float place = 0;              // its mean depth, from the slab's middle. unit: slabs
   double middle = 0;            // the depth of the slab's middle. unit: world

@@ -1,4 +1,4 @@
-// A tile of the picture, as both lattices' kernels draw into it.
+// A tile of the picture, as the kernels of all lattices draw into it.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct TilePixels {
   PixelRect rect;
   float* rgba = nullptr;
   std::ptrdiff_t stride = 0;
-  CoveredPixel* covered = nullptr;  // null in the voxel lattice
+  CoveredPixel* covered = nullptr;  // null but in the pixel lattice
   AovPixels aovs;
   DeepSamples* deep = nullptr;  // of the whole picture's pixels; null where nobody asked
   EdgeLayers* edges = nullptr;  // the same

@@ -113,6 +113,64 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
   }
 }
 
+// An eye on the face between two cells, and rays in that face: on one side of it all the way, whatever the bricks.
+TEST(RayLattice, RaysInAFaceAreOnOneSideOfIt) {
+  const DenseVolume volume = head({{48, 48, 48}, VoxelType::u8}, usualRange(VoxelType::u8));
+  FrameRequest request = rayRequest(volume, Projection::kPerspective);
+  request.shading.phong = false;
+  request.opacity_threshold = 1;
+  request.sample_distance = 0.75;
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    Camera camera;
+    camera.projection = projection;
+    camera.eye = {23.5, -60, 23.5}, camera.target = {23.5, 23.5, 23.5}, camera.up = {0, 0, 1};
+    camera.fov_deg = 40, camera.height = 61;
+    request.view = resolve(camera, {61, 61});
+    const auto path = makeStore(volume, "bricks_of_16", 16);
+    const StoreReader store(path);
+    const Image image = draw(path, request);
+    for (int i = 0; i < image.width; ++i) {
+      for (const auto& [x, y] : {std::pair(30, i), {i, 30}}) {
+        const std::array<double, 4> alone = compositedAlone(volume, request, store, x, y);
+        for (int c = 0; c < 4; ++c)
+          EXPECT_NEAR(alone[static_cast<std::size_t>(c)], double{image.pixel(x, y)[c]}, 1e-3) << x << " " << y;
+      }
+    }
+    for (const std::int64_t brick : {32, 64}) {
+      const auto other = makeStore(volume, "bricks_of_" + std::to_string(brick), brick);
+      EXPECT_TRUE(equalBits(image, draw(other, request))) << brick;
+    }
+  }
+}
+
+// Rays in a face of a region, too: nothing is more than what is there.
+TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
+  const DenseVolume volume = fill({{48, 48, 48}, VoxelType::u8}, [](auto...) { return 100; });
+  const auto store = makeStore(volume, "uniform", 16);
+  constexpr double kTau = 0.02;
+  FrameRequest request;
+  request.lattice = Lattice::kRay;
+  request.level = 0;
+  request.shading.phong = false;
+  request.opacity_threshold = 1;
+  request.transfer_function = {1, {{100, glm::dvec3(1), -std::expm1(-kTau)}}};
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.eye = {23.5, -60, 23.5}, camera.target = {23.5, 23.5, 23.5}, camera.up = {0, 0, 1}, camera.height = 61;
+  request.view = resolve(camera, {61, 61});
+  for (const std::int64_t first : {8, 11}) {
+    request.clipping.region = VoxelBox{{24, first, 0}, {48, 32, 48}};  // faces on cells' and within them
+    const Image image = draw(store, request);
+    const double depth = kTau * static_cast<double>(32 - first);
+    for (int x = 0; x < 61; ++x) {
+      const double found = -std::log1p(-double{image.pixel(x, 30)[3]});
+      EXPECT_LE(found, depth * 1.001) << x;
+      if (x > 31 && x < 54) EXPECT_NEAR(found, depth, depth * 1e-3) << x;
+      if (x < 29) EXPECT_EQ(found, 0) << x;
+    }
+  }
+}
+
 TEST(RayLattice, IsTheSameOnEveryInstructionSet) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32}) {
     const DenseVolume volume = someHead(type);

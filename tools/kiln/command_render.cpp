@@ -491,7 +491,7 @@ void addRender(CLI::App& app, Context& context) {
   command
       ->add_option("--sample-distance", a->sample_distance,
                    "between samples, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, and in any "
-                   "case half a pixel to a pixel")
+                   "case half a pixel at the least, and a pixel at the most but on rays")
       ->type_name("VOXELS");
   command->add_option("--level", a->level,
                       "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
