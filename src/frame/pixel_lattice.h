@@ -1,6 +1,6 @@
-// `--lattice pixel` and `ray`: what of which level is drawn where. Samples of the pixel lattice are no more than a pixel
-// apart everywhere and no less than 7/16 of one, where the volume has a level for it; on rays levels are the same. All is
-// decided by depth, in zones of slabs (splat/slab_grid.h).
+// `--lattice pixel` and `ray`: what of which level is drawn where. Samples of the pixel lattice are no more than a
+// pixel apart everywhere and no less than 7/16 of one, where the volume has a level for it; on rays levels are the
+// same. All is decided by depth, in zones of slabs (splat/slab_grid.h).
 #pragma once
 
 #include <memory>

@@ -100,8 +100,8 @@ class FramePainter {
 /// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
 /// brick that the cache skips is drawn as nothing. Of several volumes, `store` is the first and the cache is of all.
 /// `progress` hears how far each part is, one after the other (render/frame_progress.h).
-/// throws: what BrickCache::get throws, Error kCancelled, kUsage (lattice, level, crop, samples, interpolation, distance of
-/// samples), kBudget where the cache has no room for the bricks of several volumes that meet in a tile.
+/// throws: what BrickCache::get throws, Error kCancelled, kUsage (lattice, level, crop, samples, interpolation,
+/// distance of samples), kBudget where the cache has no room for the bricks of several volumes that meet in a tile.
 Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 
