@@ -36,6 +36,12 @@ double spacingFor(double edge_px, double steepness, double distance) {
   const double own = std::clamp(edge_px * distance, kLeastSpacing, std::min(most, kMagnifiedSpacing));
   return steepness <= kSoft ? std::max(own, softSpacing(edge_px, distance)) : own;
 }
+// On rays there is a rim as wide as a step round each slope where it begins, which shows where it is wider than a pixel
+// and than a part of a voxel. unit: pixels.
+double raySpacingFor(double edge_px, double distance) {
+  const double most = std::max(kMagnifiedSpacing, edge_px / kMagnified) * (distance / kSampleDistance);
+  return std::min(edge_px * distance, most);
+}
 // From which spacing on a coarser level's voxels are refined: below, each stands for all values that it may hide (the
 // interval that the sweep classifies), which a refined sample does not. unit: pixels.
 constexpr double kCoarseSpacing = 1;
@@ -124,7 +130,7 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
   if (zoned.on_rays) {
     out.on_rays = true;
     out.intervals = out.level > 0 && drawn.shortestEdge() * scale < kCoarseSpacing - 1e-9;
-    out.thickness = std::max(kThinnest / scale, drawn.shortestEdge() * zoned.sample_distance);
+    out.thickness = std::max(kThinnest, raySpacingFor(drawn.shortestEdge() * scale, zoned.sample_distance)) / scale;
     return out;
   }
   const double wanted = spacingFor(drawn.shortestEdge() * scale, steepness, zoned.sample_distance);
