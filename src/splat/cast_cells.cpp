@@ -17,7 +17,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "splat/interval-inl.h"
+#include "splat/classify-inl.h"
 
 #ifndef KILN_SPLAT_CAST_CELLS_ONCE
 #define KILN_SPLAT_CAST_CELLS_ONCE
@@ -188,16 +188,11 @@ class CellCaster {
       const auto at = [&](const float* of, std::size_t dx) { return hn::LoadU(d, of + x + dx + kUnitMargin - 1); };
       const V lo = hn::Min(at(s_.least[row], 0), hn::Min(at(s_.least[row], 1), at(s_.least[row], 2)));
       const V hi = hn::Max(at(s_.most[row], 0), hn::Max(at(s_.most[row], 1), at(s_.most[row], 2)));
-      bits |= bitsOf(visible(entryOf(lo), entryOf(hi))) << x;
+      bits |= bitsOf(visible(placeOf(d, l_, lo), placeOf(d, l_, hi))) << x;
     }
     return bits & ((1 << kUnitVoxels) - 1);
   }
 
-  // Where a value is in the table.
-  HWY_INLINE V entryOf(V value) const {
-    const D d;
-    return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
-  }
   // Whether there is, or may be, extinction between two places of the table.
   HWY_INLINE M visible(V lo, V hi) const {
     const D d;
@@ -311,7 +306,7 @@ class CellCaster {
     return hn::Add(row, hn::Mul(w.x, hn::Set(d, l.along_x[axis])));
   }
   // unit: voxels from the anchor.
-  HWY_INLINE V placeOf(int axis, const Where& w, float from) const {
+  HWY_INLINE V indexOf(int axis, const Where& w, float from) const {
     const D d;
     return hn::Add(hn::Sub(linear(r_.place, axis, w), hn::Set(d, from)), hn::Mul(w.t, linear(r_.step, axis, w)));
   }
@@ -347,7 +342,7 @@ class CellCaster {
       // From the second voxel that was read, half a voxel before the cell, on.
       VI voxel[3];
       for (int a = 0; a < 3; ++a) {
-        const V at = hn::Add(placeOf(a, w, in_.lo[a]), hn::Set(d, 0.5f));
+        const V at = hn::Add(indexOf(a, w, in_.lo[a]), hn::Set(d, 0.5f));
         // Rounding may put it beyond the cell.
         const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
         voxel[a] = hn::ConvertTo(di, inside);
@@ -381,7 +376,7 @@ class CellCaster {
     for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
       V before, after;
       hn::LoadInterleaved2(d, s_.pair + 2 * n, before, after);
-      const V value = mix(d, before, after, hn::Load(d, s_.fraction[0] + n)), entry = entryOf(value);
+      const V value = mix(d, before, after, hn::Load(d, s_.fraction[0] + n)), entry = placeOf(d, l_, value);
       const VI index = hn::Iota(di, static_cast<int>(n));
       M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
       if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
@@ -430,9 +425,7 @@ class CellCaster {
     const V before[3] = {of(kHere, 0), of(kBeforeY, 1), of(kBeforeZ, 1)};
     const V after[3] = {of(kHere, 2), of(kAfterY, 1), of(kAfterZ, 1)};
     const V place = hn::IfThenElseZero(alive, entry);
-    const VI whole = hn::ConvertTo(DI(), place);
-    const V here = hn::GatherIndex(d, l_.extinctions, whole), next = hn::GatherIndex(d, l_.extinctions + 1, whole);
-    const V at_point = hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, whole)), hn::Sub(next, here)));
+    const V at_point = extinctionAt(d, l_, place);
     return meanExtinction(d, l_, intervalOf(d, value, before, after), place, alive, at_point);
   }
 
@@ -490,7 +483,7 @@ class CellCaster {
     hn::StoreU(slope.x, d, s_.slope[0] + n);
     hn::StoreU(slope.y, d, s_.slope[1] + n);
     hn::StoreU(slope.z, d, s_.slope[2] + n);
-    for (int a = 0; a < 3; ++a) hn::StoreU(placeOf(a, w, 0), d, s_.index_place[a] + n);
+    for (int a = 0; a < 3; ++a) hn::StoreU(indexOf(a, w, 0), d, s_.index_place[a] + n);
     if (!finishes_) return tau;
     alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
     hn::Store(tau, d, taus);
@@ -737,7 +730,7 @@ class Casting {
         opaque_at_(opaque_at),
         counts_(counts) {}
 
-  // One cell is fetched while the one before it is cast.
+  // One cell is fetched while the one before it is cast, which may hide it.
   void run(std::span<const SlabCell> cells) {
     SeenCell due;
     for (const SlabCell& cell : cells) {
@@ -763,7 +756,7 @@ class Casting {
     const VoxelBox& box = seen.cell->box;
     alignas(64) float values[kReadEdge * kPlane + kUnitSamples];
     CellInput in;
-    SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
+    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
     in.values = values;
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == frame_.dims()[a];

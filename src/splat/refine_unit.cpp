@@ -96,8 +96,7 @@ class Refiner {
     alive = hn::And(alive, hn::RebindMask(d, hn::And(hn::Gt(lane, hn::Set(di, u_.first[0] - 1)),
                                                      hn::Lt(lane, hn::Set(di, u_.end[0])))));
 
-    const V place =
-        hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l_.table_scale)), hn::Zero(d)), hn::Set(d, l_.table_last));
+    const V place = placeOf(d, l_, value);
     if (l_.integral == nullptr) {
       alive = hn::And(
           alive, hn::And(hn::Gt(place, hn::Set(d, l_.visible_after)), hn::Lt(place, hn::Set(d, l_.visible_before))));
@@ -105,7 +104,7 @@ class Refiner {
     }
     V tau = hn::Zero(d);
     if (knowsTau()) {
-      tau = extinctionAt(hn::IfThenElseZero(alive, place));
+      tau = extinctionAt(d, l_, hn::IfThenElseZero(alive, place));
       if (l_.integral != nullptr) tau = meanExtinction(d, l_, field_.interval(i, j, k), place, alive, tau);
       alive = hn::And(alive, hn::Gt(tau, hn::Zero(d)));
       if (hn::AllFalse(d, alive)) return;
@@ -350,13 +349,6 @@ class Refiner {
 #else
     return hn::GatherIndex(D(), numbers.data(), index);
 #endif
-  }
-
-  HWY_INLINE V extinctionAt(V place) const {
-    const D d;
-    const VI entry = hn::ConvertTo(DI(), place);
-    const V here = hn::GatherIndex(d, l_.extinctions, entry), next = hn::GatherIndex(d, l_.extinctions + 1, entry);
-    return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
   }
 
   // The vector in turn, for those of its samples that are kept.

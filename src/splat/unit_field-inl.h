@@ -12,7 +12,7 @@
 
 #include <cstddef>
 
-#include "splat/interval-inl.h"
+#include "splat/classify-inl.h"
 #include "splat/refine_unit.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -165,8 +165,12 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
     for (int x = 0; x < 61; ++x) {
       const double found = -std::log1p(-double{image.pixel(x, 30)[3]});
       EXPECT_LE(found, depth * 1.001) << x;
-      if (x > 31 && x < 54) EXPECT_NEAR(found, depth, depth * 1e-3) << x;
-      if (x < 29) EXPECT_EQ(found, 0) << x;
+      if (x > 31 && x < 54) {
+        EXPECT_NEAR(found, depth, depth * 1e-3) << x;
+      }
+      if (x < 29) {
+        EXPECT_EQ(found, 0) << x;
+      }
     }
   }
 }

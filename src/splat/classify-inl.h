@@ -1,10 +1,10 @@
-// What a sample of a coarser level stands for: the values that it may hide, and their mean extinction. Compiled once
-// for each instruction set; hence no #pragma once.
-#if defined(KILN_SPLAT_INTERVAL_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_INTERVAL_INL_H
-#undef KILN_SPLAT_INTERVAL_INL_H
+// Classification of interpolated values, a vector at a time: where they are in the table, their extinction, and that of
+// the values that a sample of a coarser level may hide. Compiled once for each instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_CLASSIFY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_CLASSIFY_INL_H
+#undef KILN_SPLAT_CLASSIFY_INL_H
 #else
-#define KILN_SPLAT_INTERVAL_INL_H
+#define KILN_SPLAT_CLASSIFY_INL_H
 #endif
 
 #include <hwy/highway.h>
@@ -17,9 +17,21 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// They go `reach` above and below the sample's own, half a voxel's length of gradient, so that those of voxels on a
-// slope follow upon each other; but not beyond the values of its six neighbours, a voxel away. A gradient alone would
-// go beyond where a slope ends, and find bone under every skin. unit: values.
+// Where a value, less the table's offset, is in the table.
+HWY_INLINE V placeOf(D d, const UnitLattice& l, V value) {
+  return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l.table_scale)), hn::Zero(d)), hn::Set(d, l.table_last));
+}
+
+HWY_INLINE V extinctionAt(D d, const UnitLattice& l, V place) {
+  const VI entry = hn::ConvertTo(DI(), place);
+  const V here = hn::GatherIndex(d, l.extinctions, entry), next = hn::GatherIndex(d, l.extinctions + 1, entry);
+  return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
+}
+
+// The values that a sample of a coarser level stands for. They go `reach` above and below the sample's own, half a
+// voxel's length of gradient, so that those of voxels on a slope follow upon each other; but not beyond the values of
+// its six neighbours, a voxel away. A gradient alone would go beyond where a slope ends, and find bone under every
+// skin. unit: values.
 struct Interval {
   V reach, least, most;
 };
@@ -45,14 +57,12 @@ HWY_INLINE V integralTo(D d, const UnitLattice& l, V place) {
 // Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.
 // `place` is the value's in the table, `at_point` the extinction there. requires: l.integral.
 HWY_INLINE V meanExtinction(D d, const UnitLattice& l, const Interval& values, V place, M alive, V at_point) {
-  const V scale = hn::Set(d, l.table_scale), last = hn::Set(d, l.table_last);
-  const V reach = hn::Mul(values.reach, scale);
+  const V reach = hn::Mul(values.reach, hn::Set(d, l.table_scale));
   alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
-  const auto placeOf = [&](V value) { return hn::Min(hn::Max(hn::Mul(value, scale), hn::Zero(d)), last); };
   const V own = hn::IfThenElseZero(alive, place);
   // A smoothed value may itself be beyond them.
-  const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(values.least))));
-  const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(values.most))));
+  const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(d, l, values.least))));
+  const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(d, l, values.most))));
   const V to_own = integralTo(d, l, own);
   const auto mean = [&](V integral, V width) {
     const M wide = hn::Ge(width, hn::Set(d, l.least_interval));
