@@ -89,21 +89,22 @@ AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y) {
   return out.from(std::ptrdiff_t{y} * image.width + x);
 }
 
-void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Image& image, int row) {
+void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& image, int row) {
   if (!aovs.any()) return;
   const glm::mat3 world_from_view = glm::transpose(glm::mat3(view.view_from_world));
-  parallelFor(static_cast<std::size_t>(sub_pixels.height / edge), [&](std::size_t i) {
+  const int edge = from.edge;
+  parallelFor(static_cast<std::size_t>(from.rows), [&](std::size_t i) {
     const int y = static_cast<int>(i);
     for (int x = 0; x < image.width; ++x) {
       Gathered pixel;
       for (int j = 0; j < edge * edge; ++j) {
-        const int from_x = edge * x + j % edge, from_y = edge * y + j / edge;
-        pixel.add(aovPixels(aovs, sub_pixels, from_x, from_y), sub_pixels.pixel(from_x, from_y)[3]);
+        const int from_x = from.x + edge * x + j % edge, from_y = from.y + edge * y + j / edge;
+        pixel.add(aovPixels(aovs, from.image, from_x, from_y), from.image.pixel(from_x, from_y)[3]);
       }
       pixel.put(world_from_view, aovPixels(aovs, image, x, row + y));
       if (aovs.value)
         valuePlane(aovs, image)[std::ptrdiff_t{row + y} * image.width + x] =
-            meanValue(valuePlane(aovs, sub_pixels), sub_pixels.width, edge, edge * x, edge * y);
+            meanValue(valuePlane(aovs, from.image), from.image.width, edge, from.x + edge * x, from.y + edge * y);
     }
   });
 }

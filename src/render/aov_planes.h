@@ -23,8 +23,15 @@ AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y);
 /// The plane of values, or null where `aovs` has none. requires: as above.
 float* valuePlane(const Aovs& aovs, Image& image);
 
-/// Writes into the image's rows from `row` on what the sums of edge × edge sub-pixels, alpha among them, come to.
-/// `sub_pixels` may be `image` itself where `edge` is 1. requires: both have the planes of `aovs`; no background.
-void putAovs(const Aovs& aovs, const View& view, Image& sub_pixels, int edge, Image& image, int row);
+/// Rows of pixels in an image of their sub-pixels: `rows` of them, the first one's edge × edge sub-pixels from (x, y)
+/// on.
+struct SubPixels {
+  Image& image;
+  int edge, x, y, rows;
+};
+
+/// Writes into the image's rows from `row` on what the sums of each pixel's sub-pixels, alpha among them, come to.
+/// Theirs may be `image` itself where a pixel is one. requires: both have the planes of `aovs`; no background.
+void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& image, int row);
 
 }  // namespace kiln

@@ -29,12 +29,11 @@ bool testsSamples(const VisibilityOptions& options) {
          options.method != VisibilityMethod::kQuadtree;
 }
 
-// Without what depends on a brick's level.
-SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier, Visibility& visibility) {
+// Without what depends on a brick's level, and on what is drawn already.
+SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier) {
   SplatFrame out;
   out.classifier = &classifier;
   out.opaque_at = static_cast<float>(request.opacity_threshold);
-  out.visibility = &visibility;
   out.test_samples = testsSamples(request.visibility);
   return out;
 }
@@ -127,16 +126,25 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       request_(request),
       progress_(progress),
       plan_(cache.stores(), request),
-      visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
-      frame_(splatFrameOf(request, plan_.classifier, *visibility_)),
+      frame_(splatFrameOf(request, plan_.classifier)),
       before_(cache.counts()),
       drawn_together_(drawnTogether(request)) {
+  forget();
   std::size_t levels = 0;
   for (const StoreReader* const one : cache.stores()) levels = std::max(levels, one->manifest().levels.size());
   statistics_.levels.assign(request.volumes.empty() ? store.manifest().levels.size() : levels, {});
 }
 
+void FrameDrawing::forget() {
+  if (!drawn_) return;
+  drawn_ = false;
+  visibility_.reset();
+  visibility_ = makeVisibility(visibilityOf(request_), request_.view.size, request_.tile_px);
+  frame_.visibility = visibility_.get();
+}
+
 Image FrameDrawing::draw(const PixelRect& pixels) {
+  drawn_ = true;
   Image image = emptyImage(pixels, request_.aovs);
   if (plan_.projection)
     project(pixels, image);

@@ -51,8 +51,10 @@ class FrameDrawing {
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
 
   /// The pixels of `pixels`, without background, their planes as sums (splat/aov_pixels.h). requires: not empty, in the
-  /// picture, no pixel drawn before. throws: as renderFrame.
+  /// picture, no pixel drawn since `forget`. throws: as renderFrame.
   Image draw(const PixelRect& pixels);
+  /// That pixels are opaque: they may be drawn again.
+  void forget();
   /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
   FrameStatistics finish();
 
@@ -105,8 +107,9 @@ class FrameDrawing {
   const FrameRequest& request_;
   Progress& progress_;
   FramePlan plan_;
+  bool drawn_ = true;  // whether `visibility_` is to be made
   std::unique_ptr<Visibility> visibility_;
-  const SplatFrame frame_;  // without what depends on a level
+  SplatFrame frame_;  // without what depends on a level
   const CacheCounts before_;
   FrameStatistics statistics_;
   SplatCounts counts_;

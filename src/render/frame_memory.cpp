@@ -15,6 +15,7 @@
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
+#include "render/pixel_filter.h"
 #include "splat/coverage.h"
 #include "splat/projected_values.h"
 
@@ -86,9 +87,15 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
   return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
-std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, int edge, int rows) {
-  return static_cast<std::uint64_t>(edge * drawn.width()) *
-         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height())) * drawnPixelBytes(job);
+PixelFilter filterOf(const RenderJob& job) {
+  const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
+  return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama);
+}
+
+std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, const PixelFilter& filter, int rows) {
+  const int edge = filter.edge(), beside = 2 * filter.reach();
+  return static_cast<std::uint64_t>(edge * drawn.width() + beside) *
+         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height()) + beside) * drawnPixelBytes(job);
 }
 
 // What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
@@ -104,12 +111,14 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
 
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job,
                         std::uint64_t brick_bytes) {
-  const int edge = subPixelsAlongEdge(job.picture.samples.value_or(1));
+  const PixelFilter filter = filterOf(job);
+  const int edge = filter.edge();
   const ImageSize& size = job.picture.size;
   FrameMemory out;
   const PixelRect drawn = drawnPixels(size, job.picture.crop);
   const std::uint64_t pixels = drawn.count();
-  out.image = pixels * (edge > 1 ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
+  const bool banded = !filter.inPlace(drawn, size);
+  out.image = pixels * (banded ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
   if (drawsDeep(job)) out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
   const bool edges = drawsPart(job.picture) && drawsSlabs(job);
   if (edges) out.edges = out.least_edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
@@ -129,7 +138,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   out.brick = brick_bytes;
   out.several = !job.volumes.empty();
   out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
-  if (edge > 1) out.band = out.least_band = bandBytes(job, drawn, edge, out.band_px);
+  if (banded) out.band = out.least_band = bandBytes(job, drawn, filter, out.band_px);
   if (drawsSlabs(job) || castsRays(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
@@ -146,11 +155,11 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
     out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   }
-  if (edge > 1) {
+  if (banded) {
     const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() - out.band + out.brick);
-    while (out.band_px < edge * drawn.height() && bandBytes(job, drawn, edge, 2 * out.band_px) <= share)
+    while (out.band_px < edge * drawn.height() && bandBytes(job, drawn, filter, 2 * out.band_px) <= share)
       out.band_px *= 2;
-    out.band = bandBytes(job, drawn, edge, out.band_px);
+    out.band = bandBytes(job, drawn, filter, out.band_px);
   }
   return out;
 }
@@ -173,7 +182,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             "of index, {} of slabs, {}{} {})",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                             formatBytes(memory.image + memory.face),
-                            part(memory.least_band, "a band of sub-pixels (--samples)") +
+                            part(memory.least_band, "a band of samples (--samples)") +
                                 part(memory.deep, "deep samples (--deep-samples)") +
                                 part(memory.least_edges, "a part's edges (--part)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),

@@ -16,7 +16,7 @@ namespace kiln {
 /// unit: bytes.
 struct FrameMemory {
   std::uint64_t image = 0;       // RGBA in floats and what goes with it, of the pixels that are drawn
-  std::uint64_t band = 0;        // of sub-pixels: as many rows as are drawn at a time; 0 where a pixel is one sample
+  std::uint64_t band = 0;        // of samples: as many rows as are drawn at a time; 0 where a pixel is its sample
   std::uint64_t face = 0;        // of a panorama: one of the faces that it is made of
   std::uint64_t deep = 0;        // samples of a deep image, as many a pixel as the user bounds them by
   std::uint64_t edges = 0;       // layers of a partial image's edges: up to a quarter of the budget

@@ -257,6 +257,14 @@ std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama) {
   return out;
 }
 
+FrameRequest faceOf(const FrameRequest& panorama, const View& face) {
+  FrameRequest out = panorama;
+  out.view = face;
+  out.background = {};
+  out.filters_rays = false;
+  return out;
+}
+
 std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const PixelRect& pixels) {
   const Faces faces(panorama);
   const Angles columns(pixels.x0, pixels.width(), panorama.centre_px.x, panorama.focal_px),
@@ -288,11 +296,9 @@ Image renderPanorama(const StoreReader& store, BrickCache& cache, const FrameReq
   const std::array<PixelRect, kPanoramaFaces> drawn_pixels = facePixels(request.view, pixels);
   statistics = {};
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    FrameRequest of_face = request;
-    of_face.view = faces[i];
     if (drawn_pixels[i].empty()) continue;
+    FrameRequest of_face = faceOf(request, faces[i]);
     of_face.crop = drawn_pixels[i];
-    of_face.background = {};
     FrameStatistics drawn;
     const Image image = renderFrame(store, cache, of_face, progress, drawn);
     panorama.add(i, DrawnFace(image, *of_face.crop));

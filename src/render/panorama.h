@@ -16,6 +16,8 @@ inline constexpr std::size_t kPanoramaFaces = 12;
 
 /// The faces' views: cameras in the panorama's eye.
 std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama);
+/// What draws a face. Its pixels, of rays, too, are samples: the panorama's are means of several.
+FrameRequest faceOf(const FrameRequest& panorama, const View& face);
 /// Of each face, the pixels that the panorama's `pixels` are made of; may be empty.
 std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const PixelRect& pixels);
 

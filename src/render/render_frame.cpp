@@ -13,6 +13,7 @@
 #include "render/background.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
+#include "render/pixel_filter.h"
 
 namespace kiln {
 namespace {
@@ -50,86 +51,85 @@ BusyTimes busySince(const BusyTimes& before) {
   return out;
 }
 
+PixelFilter filterOf(const FrameRequest& request) {
+  const bool rays = request.mode == Mode::kComposite && request.lattice == Lattice::kRay;
+  return PixelFilter(request.samples, rays && request.filters_rays);
+}
+
 // The frame whose pixels are the sub-pixels of the request's.
 FrameRequest ofSubPixels(FrameRequest request, int edge) {
   request.view = enlarged(request.view, edge);
   return request;
 }
 
-PixelRect subPixelsOf(const PixelRect& pixels, int edge) {
-  return {edge * pixels.x0, edge * pixels.y0, edge * pixels.x1, edge * pixels.y1};
-}
-
-// Writes the means of edge × edge sub-pixels into the image's rows from `row` on.
-void putMeans(const Image& sub_pixels, int edge, Image& image, int row) {
-  const Span span(Activity::kFinish);
-  const float share = 1.0f / static_cast<float>(edge * edge);
-  parallelFor(static_cast<std::size_t>(sub_pixels.height / edge), [&](std::size_t i) {
-    const int first = static_cast<int>(i);
-    for (int x = 0; x < image.width; ++x) {
-      float sum[4] = {};
-      for (int y = edge * first; y < edge * (first + 1); ++y) {
-        const float* const from = sub_pixels.pixel(edge * x, y);
-        for (int k = 0; k < 4 * edge; ++k) sum[k & 3] += from[k];
-      }
-      float* const pixel = image.pixel(x, row + first);
-      for (int channel = 0; channel < 4; ++channel) pixel[channel] = share * sum[channel];
-    }
-  });
-}
-
-// Bands of rows of sub-pixels end at borders of tiles, which are borders of pixels, too; pixels of one sample are one.
-std::vector<PixelRect> bandsOf(const PixelRect& sub_pixels, const FrameRequest& request) {
-  if (request.samples == 1) return {sub_pixels};
-  constexpr int kTile = kVisibilityTile;
-  const int step = std::max(request.band_px / kTile, 1) * kTile;
+// Bands of rows, in pixels, that are drawn one after the other. Those of sub-pixels end at borders of tiles, which are
+// borders of pixels, too.
+std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px) {
+  if (filter.inPlace(pixels, size)) return {pixels};
+  const int tile = kVisibilityTile / filter.edge();
+  const int step = std::max(band_px / kVisibilityTile, 1) * tile;
   std::vector<PixelRect> out;
-  PixelRect band = sub_pixels;
-  for (; band.y0 < sub_pixels.y1; band.y0 = band.y1) {
-    band.y1 = std::min(sub_pixels.y1, band.y0 / kTile * kTile + step);
+  PixelRect band = pixels;
+  for (; band.y0 < pixels.y1; band.y0 = band.y1) {
+    band.y1 = std::min(pixels.y1, band.y0 / tile * tile + step);
     out.push_back(band);
   }
   return out;
 }
 
-Image drawMeans(FrameDrawing& drawing, const PixelRect& pixels, int edge, const FrameRequest& request) {
+Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
+                   const FrameRequest& request) {
   Image image(pixels.width(), pixels.height());
   addAovPlanes(request.aovs, image);
-  for (const PixelRect& band : bandsOf(subPixelsOf(pixels, edge), request)) {
-    Image sub_pixels = drawing.draw(band);
-    const int row = band.y0 / edge - pixels.y0;
-    putMeans(sub_pixels, edge, image, row);
-    putAovs(request.aovs, request.view, sub_pixels, edge, image, row);
+  for (const PixelRect& band : bandsOf(pixels, request.view.size, filter, request.band_px)) {
+    const PixelRect drawn = filter.samplesOf(band, request.view.size);
+    // A band's last samples are parts of the next one's pixels, too.
+    if (filter.reach() > 0) drawing.forget();
+    Image samples = drawing.draw(drawn);
+    const int row = band.y0 - pixels.y0, edge = filter.edge();
+    filter.put(samples, band, image, row);
+    const Span span(Activity::kFinish);
+    const SubPixels from{samples, edge, edge * band.x0 - drawn.x0, edge * band.y0 - drawn.y0, band.height()};
+    putAovs(request.aovs, request.view, from, image, row);
   }
   return image;
 }
 
-Image drawPixels(FrameDrawing& drawing, const PixelRect& pixels, const FrameRequest& request) {
+Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
+                  const FrameRequest& request) {
   Image image = drawing.draw(pixels);
   const Span span(Activity::kFinish);
-  putAovs(request.aovs, request.view, image, 1, image, 0);
+  putAovs(request.aovs, request.view, {image, 1, 0, 0, image.height}, image, 0);
+  if (!filter.none()) filter.apply(image);
   return image;
 }
 
-// What is projected onto a plane, and its pixels.
+// What is projected onto a plane, in sub-pixels, and what of them is drawn at a time.
 struct DrawnPlane {
   FrameRequest request;
   PixelRect pixels;
+  std::vector<PixelRect> bands;
 };
 
-// Of a frame, in sub-pixels: itself; of a panorama, the faces that it is made of.
+// A frame that is one plane.
+DrawnPlane planeOf(const FrameRequest& request, const PixelRect& pixels) {
+  const PixelFilter filter = filterOf(request);
+  const ImageSize& size = request.view.size;
+  DrawnPlane out{ofSubPixels(request, filter.edge()), filter.samplesOf(pixels, size),
+                 bandsOf(pixels, size, filter, request.band_px)};
+  for (PixelRect& band : out.bands) band = filter.samplesOf(band, size);
+  return out;
+}
+
+// Of a frame: itself; of a panorama, the faces that it is made of.
 std::vector<DrawnPlane> planesOf(const FrameRequest& request) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  const int edge = subPixelsAlongEdge(request.samples);
-  if (request.view.projection != Projection::kEquirectangular)
-    return {{ofSubPixels(request, edge), subPixelsOf(pixels, edge)}};
+  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
   std::vector<DrawnPlane> out;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (drawn[i].empty()) continue;
-    out.push_back({request, drawn[i]});
-    out.back().request.view = faces[i];
+    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), drawn[i]));
   }
   return out;
 }
@@ -161,21 +161,18 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
   }
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planes) {
-    const std::vector<PixelRect> bands = bandsOf(plane.pixels, plane.request);
-    if (planes.size() == 1 && bands.size() == 1) return 0;
+    if (planes.size() == 1 && plane.bands.size() == 1) return 0;
     const FramePlan plan(stores, plane.request);
-    for (const PixelRect& band : bands) out += plan.stepsOf(band, plane.request.tile_px);
+    for (const PixelRect& band : plane.bands) out += plan.stepsOf(band, plane.request.tile_px);
   }
   return out;
 }
 
 std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
   requireRequest({&store}, request);
-  const int edge = subPixelsAlongEdge(request.samples);
-  const FrameRequest of_sub_pixels = ofSubPixels(request, edge);
+  const DrawnPlane plane = planeOf(request, drawnPixels(request.view.size, request.crop));
   BrickWalkCounts ignored;
-  return FramePlan({&store}, of_sub_pixels)
-      .bricks->inView(subPixelsOf(drawnPixels(request.view.size, request.crop), edge), ignored);
+  return FramePlan({&store}, plane.request).bricks->inView(plane.pixels, ignored);
 }
 
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
@@ -189,7 +186,7 @@ std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const
 }
 
 FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
-    : request_(request), of_sub_pixels_(ofSubPixels(request, subPixelsAlongEdge(request.samples))) {
+    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge())) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
@@ -208,8 +205,9 @@ FramePainter::~FramePainter() = default;
 Image FramePainter::draw(const PixelRect& pixels) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
-  const int edge = subPixelsAlongEdge(request_.samples);
-  Image image = edge == 1 ? drawPixels(*drawing_, pixels, request_) : drawMeans(*drawing_, pixels, edge, request_);
+  const PixelFilter filter = filterOf(request_);
+  Image image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_)
+                                                           : drawFiltered(*drawing_, pixels, filter, request_);
   {
     const Span span(Activity::kFinish);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);

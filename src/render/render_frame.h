@@ -39,8 +39,9 @@ struct FrameRequest {
   Interpolation interpolation = Interpolation::kLinear;
   double sample_distance = kSampleDistance;  // Sampling's
   std::optional<PixelRect> crop;             // these pixels of the whole picture are drawn; else all
-  int samples = 1;                           // sub-pixels whose mean a pixel is: 1, 4 or 16
-  Aovs aovs;                                 // what the image has planes of
+  int samples = 1;                           // sub-pixels of a pixel: 1, 4 or 16
+  bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
+  Aovs aovs;                      // what the image has planes of
   std::optional<DeepBound> deep;  // the image has deep samples, too; of light in the pixel lattice, samples == 1
   /// Of a part's pixels, what layers of edges take at most. unit: bytes.
   std::uint64_t edge_pixel_bytes = EdgeLayers::kMostPixelBytes;

@@ -89,7 +89,7 @@ struct Aovs {
 struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
-  std::optional<int> samples;     // sub-pixels whose mean a pixel is: 1, 4 or 16; else as scene/auto_samples.h has it
+  std::optional<int> samples;     // sub-pixels that a pixel is made of: 1, 4 or 16; else as scene/auto_samples.h has it
   Background background;
   Mode mode = Mode::kComposite;
   Aovs aovs;

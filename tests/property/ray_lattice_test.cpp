@@ -32,6 +32,7 @@ DenseVolume someHead(VoxelType type) {
 FrameRequest rayRequest(const DenseVolume& volume, Projection projection) {
   FrameRequest out;
   out.lattice = Lattice::kRay;
+  out.filters_rays = false;
   out.level = 0;
   out.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, projection), kRaySize);
   const ValueRange range = volume.range();
@@ -150,6 +151,7 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
   constexpr double kTau = 0.02;
   FrameRequest request;
   request.lattice = Lattice::kRay;
+  request.filters_rays = false;
   request.level = 0;
   request.shading.phong = false;
   request.opacity_threshold = 1;
@@ -181,6 +183,7 @@ TEST(RayLattice, IsTheSameOnEveryInstructionSet) {
     const auto store = makeStore(volume, "head", 32);
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
       FrameRequest request = rayRequest(volume, projection);
+      request.filters_rays = true;
       request.shading.specular = 0.3;
       const Image best = draw(store, request);
       EXPECT_TRUE(showsSomething(best));

@@ -1,5 +1,5 @@
-// A pixel of several samples is the mean of that many pixels of the same view in a larger image, whatever the bands of
-// rows, threads, bricks in memory and the crop. Known from the larger picture itself.
+// A pixel of several samples, unfiltered, is the mean of that many pixels of the same view in a larger image, whatever
+// the bands of rows, threads, bricks in memory and the crop. Known from the larger picture itself.
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -73,6 +73,7 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
   for (const std::uint64_t seed : {301, 302}) {
     FrameRequest request = requestFor(seed);
     request.samples = seed == 302 ? 16 : 4;
+    request.filters_rays = false;
     const int edge = subPixelsAlongEdge(request.samples);
     request.aovs.depth = request.samples == 4;
     FrameStatistics statistics, of_larger;
@@ -117,8 +118,9 @@ TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   EXPECT_GE(ample.band_px, 180);
   // Four floats, three of depth, three of a normal; by slabs also what they cover.
   const unsigned of_pixel = GetParam() == Lattice::kPixel ? 41 : 40;
-  EXPECT_EQ(ample.band, of_pixel * 200 * 180);
-  EXPECT_EQ(least.band, of_pixel * 200 * 64);
+  const unsigned beside = GetParam() == Lattice::kRay ? 2 : 0;
+  EXPECT_EQ(ample.band, of_pixel * (200 + beside) * (180 + beside));
+  EXPECT_EQ(least.band, of_pixel * (200 + beside) * (64 + beside));
   EXPECT_EQ(least.smallest(), ample.smallest());
   EXPECT_LE(least.besideBricks() + least.brick, job.speed.memory_bytes);
   Progress silent;

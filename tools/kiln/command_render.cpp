@@ -268,7 +268,7 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const FrameMemory& memory = cost.memory;
   fmt::print("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
              cost.files_in_view, formatBytes(cost.file_bytes_in_view),
-             memory.band > 0 ? ", once for each band of sub-pixels that finds them no longer in memory" : "");
+             memory.band > 0 ? ", once for each band of samples that finds them no longer in memory" : "");
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
              cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
@@ -441,7 +441,7 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
   command->add_option("--samples", a->samples,
-                      "sub-pixels whose mean a pixel is: 1, 4, 16, or auto (default), which takes more than one for "
+                      "sub-pixels that a pixel is made of: 1, 4, 16, or auto (default), which takes more than one for "
                       "small pictures of small voxels");
   command
       ->add_option(
@@ -483,8 +483,8 @@ void addRender(CLI::App& app, Context& context) {
       "range of values or --window, if --tf names none)");
   command->add_option(
       "--lattice", a->lattice,
-      "where samples are: pixel (default; splatted, smooth edges), ray (on pixels' rays: several times as fast, "
-      "hard edges) or voxel (the voxels alone, as Lee and Ihm have it)");
+      "where samples are: pixel (default; splatted, steadiest when turned), ray (on pixels' rays: several times as "
+      "fast) or voxel (the voxels alone, as Lee and Ihm have it)");
   command->add_option("--interpolation", a->interpolation,
                       "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
                       "(smooth, keeps the voxels' values)");

@@ -1,0 +1,169 @@
+#include "render/pixel_filter.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/span.h"
+#include "scene/render_job.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/pixel_filter.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// to[i] = the sum of weights[k] times what is `stride` k floats on.
+template <class D>
+HWY_INLINE void weigh(D d, const float* const* from, const float* weights, int taps, float* to) {
+  auto sum = hn::Mul(hn::LoadU(d, from[0]), hn::Set(d, weights[0]));
+  for (int k = 1; k < taps; ++k) sum = hn::Add(sum, hn::Mul(hn::LoadU(d, from[k]), hn::Set(d, weights[k])));
+  hn::StoreU(sum, d, to);
+}
+
+// Rows of samples to one, a float of each at a time. requires: `floats` a multiple of four.
+void weighRows(const float* const* rows, const float* weights, int taps, std::size_t floats, float* line) {
+  const hn::CappedTag<float, 16> d;
+  const hn::CappedTag<float, 4> d4;
+  const float* from[4];
+  std::size_t i = 0;
+  const auto step = [&](auto tag) {
+    for (int k = 0; k < taps; ++k) from[k] = rows[k] + i;
+    weigh(tag, from, weights, taps, line + i);
+    i += hn::Lanes(tag);
+  };
+  while (i + hn::Lanes(d) <= floats) step(d);
+  while (i < floats) step(d4);
+}
+
+// A row of samples to one of pixels, which are `edge` samples apart; the first one's first is at `line`.
+void weighColumns(const float* line, const float* weights, int taps, int edge, std::size_t pixels, float* to) {
+  const hn::CappedTag<float, 16> d;
+  const hn::CappedTag<float, 4> d4;
+  const float* from[4];
+  std::size_t i = 0;
+  const std::size_t floats = 4 * pixels;
+  const auto step = [&](auto tag) {
+    for (int k = 0; k < taps; ++k) from[k] = line + static_cast<std::size_t>(edge) * i + 4 * k;
+    weigh(tag, from, weights, taps, to + i);
+    i += hn::Lanes(tag);
+  };
+  // Pixels beside each other are so in memory only where each is a sample.
+  while (edge == 1 && i + hn::Lanes(d) <= floats) step(d);
+  while (i < floats) step(d4);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(weighRows);
+HWY_EXPORT(weighColumns);
+
+// Gaussians of 0.48 and 0.3 pixels, in parts of a power of two: their sums are 1 in floats, whatever their order. Of 16
+// rays a pixel the mean is as good.
+PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(samples)) {
+  if (of_rays && samples == 1) {
+    reach_ = 1;
+    weights_ = {3 / 32.0f, 26 / 32.0f, 3 / 32.0f};
+  } else if (of_rays && samples == 4) {
+    reach_ = 1;
+    weights_ = {1 / 32.0f, 15 / 32.0f, 15 / 32.0f, 1 / 32.0f};
+  } else {
+    std::fill_n(weights_.begin(), edge_, 1 / static_cast<float>(edge_));
+  }
+}
+
+PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size) const {
+  const PixelRect all{0, 0, edge_ * size.width, edge_ * size.height};
+  return intersection(
+      {edge_ * pixels.x0 - reach_, edge_ * pixels.y0 - reach_, edge_ * pixels.x1 + reach_, edge_ * pixels.y1 + reach_},
+      all);
+}
+
+// Makes rows of pixels, with a line of its own.
+class PixelFilter::Rows {
+ public:
+  /// `beside` samples of a row are before the first pixel's own.
+  Rows(const PixelFilter& filter, int samples, int beside)
+      : f_(filter), samples_(samples), beside_(beside), line_(4 * static_cast<std::size_t>(samples + 2 * f_.reach_)) {}
+
+  /// rows: the taps'.
+  void make(const float* const* rows, int pixels, float* to) {
+    const auto reach = static_cast<std::size_t>(f_.reach_);
+    float* const first = line_.data() + 4 * reach;
+    float* const end = first + 4 * static_cast<std::size_t>(samples_);
+    HWY_DYNAMIC_DISPATCH(weighRows)(rows, f_.weights_.data(), f_.taps(), static_cast<std::size_t>(end - first), first);
+    for (std::size_t i = 0; i < reach; ++i) {
+      std::copy_n(first, 4, line_.data() + 4 * i);
+      std::copy_n(end - 4, 4, end + 4 * i);
+    }
+    HWY_DYNAMIC_DISPATCH(weighColumns)
+    (line_.data() + std::ptrdiff_t{4} * beside_, f_.weights_.data(), f_.taps(), f_.edge_,
+     static_cast<std::size_t>(pixels), to);
+  }
+
+ private:
+  const PixelFilter& f_;
+  const int samples_, beside_;
+  std::vector<float> line_;  // a row of samples, at both ends once more as far as a pixel reaches
+};
+
+void PixelFilter::put(const Image& samples, const PixelRect& pixels, Image& image, int row) const {
+  const Span span(Activity::kFinish);
+  const int left = std::min(edge_ * pixels.x0, reach_), top = std::min(edge_ * pixels.y0, reach_);
+  constexpr int kRows = 16;  // at a time
+  parallelFor(static_cast<std::size_t>((pixels.height() + kRows - 1) / kRows), [&](std::size_t chunk) {
+    Rows rows(*this, samples.width, left);
+    const int first = kRows * static_cast<int>(chunk);
+    for (int y = first; y < std::min(first + kRows, pixels.height()); ++y) {
+      const float* from[kMostTaps];
+      for (int k = 0; k < taps(); ++k)
+        from[k] = samples.pixel(0, std::clamp(edge_ * y + top - reach_ + k, 0, samples.height - 1));
+      rows.make(from, pixels.width(), image.pixel(0, row + y));
+    }
+  });
+}
+
+void PixelFilter::apply(Image& image) const {
+  const Span span(Activity::kFinish);
+  constexpr int kRows = 16;
+  const int chunks = (image.height + kRows - 1) / kRows;
+  const auto floats = 4 * static_cast<std::size_t>(image.width);
+  const auto at = [&](std::vector<float>& rows, int i) { return rows.data() + static_cast<std::size_t>(i) * floats; };
+  // What a chunk changes that the next one, and the one before, still need.
+  std::vector<float> last(floats * static_cast<std::size_t>(chunks)), first(last.size());
+  for (int i = 0; i < chunks; ++i) {
+    std::copy_n(image.pixel(0, kRows * i), floats, at(first, i));
+    std::copy_n(image.pixel(0, std::min(kRows * (i + 1), image.height) - 1), floats, at(last, i));
+  }
+  parallelFor(static_cast<std::size_t>(chunks), [&](std::size_t chunk) {
+    const int i = static_cast<int>(chunk), end = std::min(kRows * (i + 1), image.height);
+    Rows rows(*this, image.width, 0);
+    std::vector<float> before(at(last, std::max(i - 1, 0)), at(last, std::max(i - 1, 0)) + floats), here(floats);
+    if (i == 0) std::copy_n(at(first, 0), floats, before.data());
+    for (int y = kRows * i; y < end; ++y) {
+      float* const row = image.pixel(0, y);
+      std::copy_n(row, floats, here.data());
+      const bool is_last = y + 1 == end;
+      const float* const after = !is_last ? image.pixel(0, y + 1) : i + 1 < chunks ? at(first, i + 1) : here.data();
+      const float* const from[kMostTaps] = {before.data(), here.data(), after};
+      rows.make(from, image.width, row);
+      before.swap(here);
+    }
+  });
+}
+
+}  // namespace kiln
+#endif

@@ -1,0 +1,178 @@
+// What pixels of rays are made of: known from a picture of the rays themselves, added up in doubles.
+#include "render/pixel_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "render/frame_memory.h"
+#include "support/drawing.h"
+#include "support/procedural.h"
+#include "support/random_scene.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kFilteredSize{75, 83};
+
+class RayPixels : public ::testing::TestWithParam<int> {
+ protected:
+  FrameRequest requestFor(Projection projection) const {
+    FrameRequest out;
+    out.lattice = Lattice::kRay;
+    out.level = 0;
+    out.samples = GetParam();
+    out.view = resolve(cameraFrom(volume_.geometry, {0.4, -1, 0.3}, projection), kFilteredSize);
+    const ValueRange range = volume_.range();
+    out.transfer_function.points = {{range.lo + 0.1 * (range.hi - range.lo), {1, 0.7, 0.5}, 0},
+                                    {range.lo + 0.3 * (range.hi - range.lo), {1, 1, 0.8}, 0.6}};
+    return out;
+  }
+  int edge() const { return subPixelsAlongEdge(GetParam()); }
+  // The rays that pixels are made of, a pixel each.
+  FrameRequest ofRays(FrameRequest request) const {
+    request.filters_rays = false;
+    request.samples = 1;
+    request.view = enlarged(request.view, edge());
+    return request;
+  }
+  // Of rays along a line, from one before the pixel on.
+  std::vector<double> weights() const {
+    if (edge() == 1) return {3 / 32.0, 26 / 32.0, 3 / 32.0};
+    if (edge() == 2) return {1 / 32.0, 15 / 32.0, 15 / 32.0, 1 / 32.0};
+    return {0, 0.25, 0.25, 0.25, 0.25, 0};
+  }
+
+  const DenseVolume volume_ = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
+  const std::filesystem::path store_ = makeStore(volume_, "filter", 16);
+};
+
+TEST_P(RayPixels, AreWeightedMeansOfTheRaysAroundThem) {
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    FrameRequest request = requestFor(projection);
+    request.view.centre_px += glm::dvec2(20.3, -17.8);  // over two of the picture's edges
+    const Image image = draw(store_, request), rays = draw(store_, ofRays(request));
+    const std::vector<double> w = weights();
+    double largest = 0, changed = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        double sum[4] = {};
+        for (std::size_t j = 0; j < w.size(); ++j) {
+          for (std::size_t i = 0; i < w.size(); ++i) {
+            const int from_x = std::clamp(edge() * x - 1 + static_cast<int>(i), 0, rays.width - 1);
+            const int from_y = std::clamp(edge() * y - 1 + static_cast<int>(j), 0, rays.height - 1);
+            for (int c = 0; c < 4; ++c) sum[c] += w[i] * w[j] * rays.pixel(from_x, from_y)[c];
+          }
+        }
+        for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(sum[c] - double{image.pixel(x, y)[c]}));
+        changed = std::max(changed, std::abs(sum[3] - double{rays.pixel(edge() * x, edge() * y)[3]}));
+      }
+    }
+    EXPECT_LT(largest, 1e-6);
+    EXPECT_GT(changed, 0.05);
+  }
+}
+
+TEST_P(RayPixels, WeighRaysByAGaussian) {
+  const std::vector<double> w = weights();
+  EXPECT_EQ(std::accumulate(w.begin(), w.end(), 0.0), 1.0);
+  const double sigma = edge() == 1 ? 0.48 : 0.3;
+  for (std::size_t i = 0; i < w.size() && edge() < 4; ++i) {
+    const auto of = [&](std::size_t k) {
+      const double off = (static_cast<double>(k) - 0.5) / edge() - 0.5;
+      return std::exp(-0.5 * off * off / (sigma * sigma));
+    };
+    double sum = 0;
+    for (std::size_t k = 0; k < w.size(); ++k) sum += of(k);
+    EXPECT_NEAR(w[i], of(i) / sum, 0.0025);
+  }
+}
+
+// Rays beside a piece are drawn with it, though another piece has drawn them.
+TEST_P(RayPixels, AreTheSameInPieces) {
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    FrameRequest request = requestFor(projection);
+    request.aovs = {true, true};
+    request.background = {{0.1, 0.2, 0.3, 0.5}, {0.7, 0, 0.1, 1}};
+    const Image whole = draw(store_, request);
+    request.band_px = 64;
+    EXPECT_TRUE(equalBits(whole, draw(store_, request))) << "bands";
+    for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
+      request.visibility.method = method;
+      const StoreReader reader(store_);
+      BrickCache cache(reader, 1ull << 30);
+      Progress silent;
+      FramePainter painter(reader, cache, request, silent);
+      for (const PixelRect& piece : {PixelRect{0, 40, 75, 83}, PixelRect{0, 0, 31, 40}, PixelRect{31, 0, 75, 40}}) {
+        EXPECT_TRUE(equalBits(partOf(whole, piece), painter.draw(piece))) << piece.x0 << " " << piece.y0;
+      }
+    }
+    const ThreadLimit one(1);
+    request.tile_px = 0;
+    request.crop = PixelRect{9, 13, 61, 44};
+    EXPECT_TRUE(equalBits(partOf(whole, *request.crop), draw(store_, request))) << "crop";
+  }
+}
+
+TEST_P(RayPixels, TellDepthsAndNormalsOfTheirOwnRays) {
+  FrameRequest request = requestFor(Projection::kPerspective);
+  request.aovs = {true, true};
+  const Image image = draw(store_, request);
+  request.filters_rays = false;
+  const Image unfiltered = draw(store_, request);
+  ASSERT_EQ(image.planes.size(), 5u);
+  for (std::size_t i = 0; i < image.planes.size(); ++i) EXPECT_EQ(image.planes[i].values, unfiltered.planes[i].values);
+  EXPECT_EQ(equalBits(image, unfiltered), GetParam() == 16);
+}
+
+TEST_P(RayPixels, OfAnOpaqueBodyAreOpaque) {
+  const DenseVolume volume = fill({{30, 30, 30}, VoxelType::u8}, [](auto...) { return 100; });
+  FrameRequest request = requestFor(Projection::kOrthographic);
+  request.transfer_function.points = {{50, glm::dvec3(0.5), 0.999}, {150, glm::dvec3(0.5), 0.999}};
+  request.view = resolve(cameraFrom(volume.geometry, {0, -1, 0}, Projection::kOrthographic), kFilteredSize);
+  const Image image = draw(makeStore(volume, "solid", 16), request);
+  for (int y = 25; y < 55; ++y) {
+    for (int x = 25; x < 50; ++x) EXPECT_EQ(image.pixel(x, y)[3], 1.0f) << x << " " << y;
+  }
+}
+
+// In place where the whole picture is drawn; else rays have an image of their own.
+TEST_P(RayPixels, AreCharged) {
+  RenderJob job;
+  job.volume = store_;
+  job.picture.size = kFilteredSize;
+  job.picture.lattice = Lattice::kRay;
+  job.picture.samples = GetParam();
+  const StoreReader store(store_);
+  const std::uint64_t e = static_cast<std::uint64_t>(edge()), beside = GetParam() == 16 ? 0 : 2;
+  EXPECT_EQ(frameMemory(store, job).band, e == 1 ? 0 : 16 * (75 * e + beside) * (83 * e + beside));
+  job.picture.crop = PixelRect{9, 13, 61, 44};
+  EXPECT_EQ(frameMemory(store, job).band, 16 * (52 * e + beside) * (31 * e + beside));
+  job.picture.lattice = Lattice::kPixel;
+  EXPECT_EQ(frameMemory(store, job).band, e == 1 ? 0 : 17 * 52 * e * 31 * e);
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, RayPixels, ::testing::Values(1, 4, 16));
+
+TEST(PixelFilter, KnowsWhichSamplesAPixelIsMadeOf) {
+  const PixelFilter one(1, true), four(4, true), means(16, true), none(1, false);
+  const ImageSize size{10, 8};
+  EXPECT_EQ(one.samplesOf({2, 3, 4, 5}, size), (PixelRect{1, 2, 5, 6}));
+  EXPECT_EQ(one.samplesOf({0, 3, 10, 8}, size), (PixelRect{0, 2, 10, 8}));
+  EXPECT_EQ(four.samplesOf({2, 3, 4, 5}, size), (PixelRect{3, 5, 9, 11}));
+  EXPECT_EQ(means.samplesOf({2, 3, 4, 5}, size), (PixelRect{8, 12, 16, 20}));
+  EXPECT_EQ(none.samplesOf({2, 3, 4, 5}, size), (PixelRect{2, 3, 4, 5}));
+  EXPECT_TRUE(one.inPlace({0, 0, 10, 8}, size));
+  EXPECT_FALSE(one.inPlace({0, 0, 10, 7}, size));
+  EXPECT_TRUE(none.inPlace({2, 3, 4, 5}, size));
+  EXPECT_FALSE(four.inPlace({0, 0, 10, 8}, size));
+  EXPECT_THROW(PixelFilter(9, true), Error);
+}
+
+}  // namespace
+}  // namespace kiln::test
