@@ -22,7 +22,7 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
     frames_.push_back(zoneFrame(zone, levels, table_, look));
     if (sampling.on_rays)
       rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
-                         levels.endVoxels(zone.level));
+                         levels.endVoxels(zone.level), sampling.quincunx);
   }
 }
 

@@ -25,7 +25,8 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
           steepnessOf(transfer_function, spacing, volume.range),
           soft,
           sampling.distance,
-          sampling.on_rays};
+          sampling.on_rays,
+          sampling.quincunx};
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

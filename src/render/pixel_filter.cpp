@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/span.h"
 #include "scene/render_job.h"
@@ -60,6 +61,21 @@ void weighColumns(const float* line, const float* weights, int taps, int edge, s
   while (i < floats) step(d4);
 }
 
+// Pixels of rays in quincunx: of each one's 4 x 4 sub-pixels, the first of which is at rows[..], those with rays, but
+// for two corners that are farther than a pixel.
+void weighQuincunx(const float* const* rows, std::size_t pixels, float* to) {
+  const hn::CappedTag<float, 4> d;
+  const auto near = hn::Set(d, 10 / 32.0f), far = hn::Set(d, 3 / 32.0f);
+  for (std::size_t n = 0; n < pixels; ++n) {
+    for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+      const auto at = [&](int row, std::size_t column) { return hn::LoadU(d, rows[row] + 8 * n + 4 * column + c); };
+      const auto own = hn::Add(at(1, 1), at(2, 2));
+      const auto beside = hn::Add(hn::Add(at(0, 2), at(1, 3)), hn::Add(at(2, 0), at(3, 1)));
+      hn::StoreU(hn::Add(hn::Mul(own, near), hn::Mul(beside, far)), d, to + 4 * n + c);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace kiln
@@ -70,13 +86,18 @@ namespace kiln {
 
 HWY_EXPORT(weighRows);
 HWY_EXPORT(weighColumns);
+HWY_EXPORT(weighQuincunx);
 
-// Gaussians of 0.48 and 0.3 pixels, in parts of a power of two: their sums are 1 in floats, whatever their order. Of 16
-// rays a pixel the mean is as good.
+// Gaussians of 0.48, 0.46 and 0.3 pixels, in parts of a power of two: their sums are 1 in floats, whatever their order.
+// Of 16 rays a pixel the mean is as good.
 PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(samples)) {
   if (of_rays && samples == 1) {
     reach_ = 1;
     weights_ = {3 / 32.0f, 26 / 32.0f, 3 / 32.0f};
+  } else if (samples == 2) {
+    if (!of_rays) throw Error(ErrorCode::kUsage, "--samples 2: only rays are two a pixel; choose 1, 4 or 16");
+    reach_ = 1;
+    quincunx_ = true;
   } else if (of_rays && samples == 4) {
     reach_ = 1;
     weights_ = {1 / 32.0f, 15 / 32.0f, 15 / 32.0f, 1 / 32.0f};
@@ -92,6 +113,13 @@ PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size)
       all);
 }
 
+namespace {
+
+// A sample beyond the picture's edge is the one as far within it.
+int mirrored(int i, int samples) { return i < 0 ? -i : i < samples ? i : 2 * samples - 2 - i; }
+
+}  // namespace
+
 // Makes rows of pixels, with a line of its own.
 class PixelFilter::Rows {
  public:
@@ -101,6 +129,7 @@ class PixelFilter::Rows {
 
   /// rows: the taps'.
   void make(const float* const* rows, int pixels, float* to) {
+    if (f_.quincunx_) return makeQuincunx(rows, pixels, to);
     const auto reach = static_cast<std::size_t>(f_.reach_);
     float* const first = line_.data() + 4 * reach;
     float* const end = first + 4 * static_cast<std::size_t>(samples_);
@@ -115,6 +144,29 @@ class PixelFilter::Rows {
   }
 
  private:
+  void makeQuincunx(const float* const* rows, int pixels, float* to) const {
+    // Pixels at the picture's sides have samples mirrored into it, so that those with rays stay those.
+    const auto make = [&](int first, int count) {
+      const float* from[kMostTaps];
+      for (int k = 0; k < kMostTaps; ++k) from[k] = rows[k] + 4 * (2 * first + beside_ - 1);
+      HWY_DYNAMIC_DISPATCH(weighQuincunx)(from, static_cast<std::size_t>(count), to + std::ptrdiff_t{4} * first);
+    };
+    const bool at_left = beside_ == 0, at_right = 2 * pixels + beside_ == samples_;
+    const int first = at_left ? 1 : 0, end = pixels - (at_right ? 1 : 0);
+    if (end > first) make(first, end - first);
+    for (const int x : {0, pixels - 1}) {
+      if (x >= first && x < end) continue;
+      float patch[kMostTaps][4 * kMostTaps];
+      const float* from[kMostTaps];
+      for (int k = 0; k < kMostTaps; ++k) {
+        for (int i = 0; i < kMostTaps; ++i)
+          std::copy_n(rows[k] + 4 * mirrored(2 * x + beside_ - 1 + i, samples_), 4, patch[k] + 4 * i);
+        from[k] = patch[k];
+      }
+      HWY_DYNAMIC_DISPATCH(weighQuincunx)(from, 1, to + std::ptrdiff_t{4} * x);
+    }
+  }
+
   const PixelFilter& f_;
   const int samples_, beside_;
   std::vector<float> line_;  // a row of samples, at both ends once more as far as a pixel reaches
@@ -129,8 +181,10 @@ void PixelFilter::put(const Image& samples, const PixelRect& pixels, Image& imag
     const int first = kRows * static_cast<int>(chunk);
     for (int y = first; y < std::min(first + kRows, pixels.height()); ++y) {
       const float* from[kMostTaps];
-      for (int k = 0; k < taps(); ++k)
-        from[k] = samples.pixel(0, std::clamp(edge_ * y + top - reach_ + k, 0, samples.height - 1));
+      for (int k = 0; k < taps(); ++k) {
+        const int at = edge_ * y + top - reach_ + k;
+        from[k] = samples.pixel(0, quincunx_ ? mirrored(at, samples.height) : std::clamp(at, 0, samples.height - 1));
+      }
       rows.make(from, pixels.width(), image.pixel(0, row + y));
     }
   });

@@ -1,6 +1,7 @@
 // What a pixel makes of the samples of its picture (sub-pixels): their mean, or of rays, each of which sees a point,
-// the mean of those in and around it by a Gaussian. The weights of rows and of columns are the same. One implementation
-// in Highway, without fused operations: all instruction sets give the same bits.
+// the mean of those in and around it by a Gaussian. The weights of rows and of columns are the same, but where two rays
+// a pixel are in quincunx (Sampling::quincunx). One implementation in Highway, without fused operations: all
+// instruction sets give the same bits.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@ namespace kiln {
 
 class PixelFilter {
  public:
-  /// `samples` a pixel: 1, 4 or 16. throws: Error kUsage where it is none of them.
+  /// `samples` a pixel: 1, 4 or 16, of rays also 2. throws: Error kUsage where it is none of them.
   PixelFilter(int samples, bool of_rays);
 
   /// Samples along a pixel's edge.
@@ -40,6 +41,7 @@ class PixelFilter {
   class Rows;
   int taps() const { return edge_ + 2 * reach_; }
   int edge_ = 1, reach_ = 0;
+  bool quincunx_ = false;
   std::array<float, kMostTaps> weights_{};  // of the samples along a line, from the first that is part of a pixel
 };
 

@@ -34,6 +34,7 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   if (request.lattice == Lattice::kRay && (!request.volumes.empty() || request.clipping.part || request.deep))
     throw Error(ErrorCode::kUsage, "--lattice ray: several volumes, parts and deep images have the pixel lattice");
   requireInterpolation(request.lattice, request.interpolation);
+  requireSamples(request.lattice, request.samples);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
   requireSampleDistance(request.lattice, request.mode, request.sample_distance);
   const int tile_px = request.tile_px;

@@ -45,7 +45,7 @@ constexpr JobKey kRootKeys[] = {
      R"({"type": "number", "minimum": 0.25, "maximum": 1, "description": "voxels between samples; more is faster"})"},
     {"level",
      R"({"description": "0 is finest", "anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 0, "maximum": 64}]})"},
-    {"samples", R"({"description": "sub-pixels that a pixel is made of", "enum": ["auto", 1, 4, 16]})"},
+    {"samples", R"({"description": "sub-pixels that a pixel is made of", "enum": ["auto", 1, 2, 4, 16]})"},
     {"skipDamaged", R"({"type": "boolean", "description": "draw bricks that cannot be read as nothing"})"},
     {"memory", R"({"description": "bytes, or an amount such as \"2G\"",
                    "anyOf": [{"type": "string", "pattern": "^[0-9.]+([KMGT](iB|B)?|B)?$"},

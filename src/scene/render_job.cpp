@@ -110,7 +110,7 @@ void readSamples(const JobObject& root, PictureOptions& picture) {
     root.choice("samples", kAuto);
   } else if (const auto samples = root.integer("samples", 1, 16)) {
     picture.samples = static_cast<int>(*samples);
-    if (!samplesKnown(*picture.samples)) root.refuse("samples", "auto, 1, 4 or 16");
+    if (!samplesKnown(*picture.samples)) root.refuse("samples", "auto, 1, 2, 4 or 16");
   }
 }
 
@@ -179,14 +179,21 @@ void putOutput(const fs::path& path, OutputOptions& output) {
   (isVideo(path) ? output.video.path : output.path) = path;
 }
 
-bool samplesKnown(int samples) { return samples == 1 || samples == 4 || samples == 16; }
+bool samplesKnown(int samples) { return samples == 1 || samples == 2 || samples == 4 || samples == 16; }
 
 bool oversamples(const PictureOptions& picture) { return picture.samples.value_or(1) != 1; }
 
 int subPixelsAlongEdge(int samples) {
   if (!samplesKnown(samples))
-    throw Error(ErrorCode::kUsage, fmt::format("--samples: expected 1, 4 or 16 a pixel, found {}", samples));
-  return samples == 1 ? 1 : samples == 4 ? 2 : 4;
+    throw Error(ErrorCode::kUsage, fmt::format("--samples: expected 1, 2, 4 or 16 a pixel, found {}", samples));
+  return samples == 1 ? 1 : samples <= 4 ? 2 : 4;
+}
+
+void requireSamples(Lattice lattice, int samples) {
+  if (samples == 2 && lattice != Lattice::kRay)
+    throw Error(ErrorCode::kUsage, fmt::format("--samples 2: --lattice {} has 1, 4 or 16 a pixel; choose one of them, "
+                                               "or --lattice ray",
+                                               nameIn(kLatticeNames, lattice)));
 }
 
 void requireInterpolation(Lattice lattice, Interpolation interpolation) {

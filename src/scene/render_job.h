@@ -89,7 +89,7 @@ struct Aovs {
 struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
-  std::optional<int> samples;     // sub-pixels that a pixel is made of: 1, 4 or 16; else as scene/auto_samples.h has it
+  std::optional<int> samples;  // sub-pixels that a pixel is made of: 1, 2, 4 or 16; else as scene/auto_samples.h has it
   Background background;
   Mode mode = Mode::kComposite;
   Aovs aovs;
@@ -111,10 +111,13 @@ struct PictureOptions {
 
 /// Whether somebody says that a pixel is more than one sample.
 bool oversamples(const PictureOptions& picture);
-/// Whether it is 1, 4 or 16.
+/// Whether it is 1, 2, 4 or 16.
 bool samplesKnown(int samples);
-/// Sub-pixels along a pixel's edge. throws: Error kUsage where `samples` is none of them.
+/// Sub-pixels along a pixel's edge; of two samples a pixel, half of them are left out. throws: Error kUsage where
+/// `samples` is none of these.
 int subPixelsAlongEdge(int samples);
+/// throws: Error kUsage where a pixel cannot have so many samples.
+void requireSamples(Lattice lattice, int samples);
 
 /// throws: Error kUsage where the lattice does not interpolate so.
 void requireInterpolation(Lattice lattice, Interpolation interpolation);

@@ -20,6 +20,9 @@ struct Sampling {
   double distance = kSampleDistance;
   /// Samples are where pixels' rays meet slabs, which are as thick as that, and half a pixel at the least.
   bool on_rays = false;
+  /// Of the view's pixels, only those whose column and row are both even or both odd have rays: they are halves of the
+  /// picture's pixels, two of four. Distances along rays are those of the picture's.
+  bool quincunx = false;
 };
 
 /// The level that is drawn where a world length of 1 is `scale` pixels: the coarsest whose voxels are no larger than

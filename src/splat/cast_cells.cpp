@@ -111,7 +111,8 @@ class CellCaster {
     for (int y = in_.rect.y0; y < in_.rect.y1; ++y) {
       const glm::vec3 fy(static_cast<float>(y) + r_.centre_y);
       const glm::vec3 place = r_.place.centre + fy * r_.place.along_y, step = r_.step.centre + fy * r_.step.along_y;
-      for (int x = in_.rect.x0; x < in_.rect.x1; x += static_cast<int>(hn::Lanes(D()))) findPlaces(x, y, place, step);
+      const int stride = r_.rayStride() * static_cast<int>(hn::Lanes(D()));
+      for (int x = r_.firstRay(in_.rect.x0, y); x < in_.rect.x1; x += stride) findPlaces(x, y, place, step);
     }
     castFound();
   }
@@ -199,11 +200,13 @@ class CellCaster {
     return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
   }
 
-  // Where samples of a vector of pixels of row y, from x on, may show something. Each lane goes along its own ray.
+  // Where samples of a vector of row y's rays, from pixel x on, may show something. Each lane goes along its own.
   HWY_INLINE void findPlaces(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
     const D d;
     const DI di;
-    const V fx = hn::Add(hn::Iota(d, static_cast<float>(x)), hn::Set(d, r_.centre_x));
+    const int stride = r_.rayStride();
+    const VI column = hn::Mul(hn::Iota(di, 0), hn::Set(di, stride));
+    const V fx = hn::Add(hn::ConvertTo(d, hn::Add(column, hn::Set(di, x))), hn::Set(d, r_.centre_x));
     const auto along = [&](float row, float slope) { return hn::Add(hn::Set(d, row), hn::Mul(fx, hn::Set(d, slope))); };
     V place[3], step[3];
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
@@ -218,14 +221,14 @@ class CellCaster {
     const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
     const V first = slab(enter);
     V t = hn::Sub(first, middle), end = hn::Sub(slab(leave), middle);
-    const int count = std::min(static_cast<int>(hn::Lanes(d)), in_.rect.x1 - x);
+    const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
     M going = hn::And(hn::Lt(t, end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
     if (hn::AllFalse(d, going)) return;
     const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
-    for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * i + 3];
+    for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * stride * i + 3];
     going = hn::And(going, hn::Ne(hn::Load(d, s_.alpha), one));
     end = hn::IfThenElse(going, end, hn::Set(d, -kFar));
-    VI code = hn::Add(hn::Iota(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits)),
+    VI code = hn::Add(hn::Add(column, hn::Set(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits))),
                       hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
     while (!hn::AllFalse(d, going)) {
       V at = t, advance = one;
@@ -774,8 +777,14 @@ class Casting {
     counts_.changed = counts_.changed || out.samples > 0;
     for (int y = 0; y < in.rect.height(); ++y) {
       for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)
-        visibility_.close(in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
+        close(in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
     }
+  }
+
+  // In quincunx, of two pixels beside each other one has a ray, and hides for both.
+  void close(int x, int y) {
+    visibility_.close(x, y);
+    if (rays_.quincunx) visibility_.close(x ^ 1, y);
   }
 
   const RaySlabs& rays_;

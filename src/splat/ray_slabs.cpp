@@ -5,7 +5,8 @@
 namespace kiln {
 
 RaySlabs::RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
-                   const EndVoxels& ends) {
+                   const EndVoxels& ends, bool in_quincunx)
+    : quincunx(in_quincunx) {
   const SlabZone& zone = zones[i];
   end = zone.slabs;
   const int middle_slab = zone.slabs / 2;

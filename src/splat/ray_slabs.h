@@ -21,13 +21,18 @@ struct RaySlabs {
 
   /// Of the i-th of a frame's zones. requires: `projector` is of the zone's level, `dims` its voxels.
   RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
-           const EndVoxels& ends);
+           const EndVoxels& ends, bool in_quincunx = false);
+
+  /// In a row, the first pixel from x on that has a ray, and how far it is to the next one (Sampling::quincunx).
+  int firstRay(int x, int y) const { return quincunx ? x + ((x + y) & 1) : x; }
+  int rayStride() const { return quincunx ? 2 : 1; }
 
   /// The coordinate `at` of a face across an axis, as rays are asked about it: from the eye where they begin there,
   /// else from the anchor. Both in doubles, so that a ray that runs in a face, or nearly so, is on one side of it all
   /// the way.
   float faceAt(int axis, double at) const { return static_cast<float>(at - faces_from[axis]); }
 
+  bool quincunx = false;
   VoxelCoord anchor;
   glm::dvec3 faces_from;
   float eye = 0;  // in perspective, the slab from the middle in which the eye is

@@ -129,8 +129,10 @@ SlabZone latticeAt(double scale, const ZonedVolume& zoned, std::optional<int> le
   const double steepness = zoned.steepness * drawn.meanSpacing() / volume.geometry().meanSpacing();
   if (zoned.on_rays) {
     out.on_rays = true;
+    const double of_picture = zoned.quincunx ? 0.5 * scale : scale;
     out.intervals = out.level > 0 && drawn.shortestEdge() * scale < kCoarseSpacing - 1e-9;
-    out.thickness = std::max(kThinnest, raySpacingFor(drawn.shortestEdge() * scale, zoned.sample_distance)) / scale;
+    out.thickness =
+        std::max(kThinnest, raySpacingFor(drawn.shortestEdge() * of_picture, zoned.sample_distance)) / of_picture;
     return out;
   }
   const double wanted = spacingFor(drawn.shortestEdge() * scale, steepness, zoned.sample_distance);

@@ -66,7 +66,7 @@ struct ZonedVolume {
   double steepness = std::numeric_limits<double>::infinity();  // steepnessOf, of level 0
   SoftSamples soft = SoftSamples::kNever;
   double sample_distance = kSampleDistance;  // Sampling's
-  bool on_rays = false;                      // Sampling's
+  bool on_rays = false, quincunx = false;    // the same
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

@@ -62,7 +62,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--reference-interpolation", o.reference_interpolation, "that of --interpolation if not given")
       ->check(CLI::IsMember(names));
   app.add_option("--samples", o.samples, "a pixel")
-      ->check(CLI::IsMember({"auto", "1", "4", "16"}))
+      ->check(CLI::IsMember({"auto", "1", "2", "4", "16"}))
       ->capture_default_str();
   app.add_option("--opacity-threshold", o.opacity_threshold)->capture_default_str();
   app.add_option("--sample-distance", o.sample_distance, "between samples, in voxels")->capture_default_str();

@@ -181,7 +181,8 @@ TEST_F(SceneCli, SamplesOfAPixel) {
   EXPECT_EQ(drawn({"--zoom", "8"}).rgba, drawn({"--zoom", "8", "--samples", "1"}).rgba);
   EXPECT_NE(four.rgba, one.rgba);
   EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
-  expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 4 or 16");
+  expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 2, 4 or 16");
+  expectRefused({"--samples", "2"}, "--samples 2: --lattice pixel");
 }
 
 TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {

@@ -372,12 +372,16 @@ TEST(RenderJob, AovsAreAList) {
   }
 }
 
-TEST(RenderJob, SamplesAreOneFourSixteenOrAuto) {
+TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.samples, std::nullopt);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": "auto"})", "job.json").picture.samples, std::nullopt);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
   EXPECT_EQ(subPixelsAlongEdge(16), 4);
-  for (const char* wrong : {"0", "2", "9", "64", "\"4\""}) {
+  EXPECT_EQ(subPixelsAlongEdge(2), 2);
+  EXPECT_NO_THROW(requireSamples(Lattice::kRay, 2));
+  EXPECT_NO_THROW(requireSamples(Lattice::kPixel, 4));
+  for (const Lattice lattice : {Lattice::kPixel, Lattice::kVoxel}) EXPECT_THROW(requireSamples(lattice, 2), Error);
+  for (const char* wrong : {"0", "3", "9", "64", "\"4\""}) {
     try {
       parseJob(std::string(R"({"volume": "a.kiln", "samples": )") + wrong + "}", "job.json");
       ADD_FAILURE() << wrong;

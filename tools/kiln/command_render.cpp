@@ -109,7 +109,7 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.projection == kProjectionNames[2] && !a.size && fs::path(a.input).extension() != ".json")
     picture.size = kPanoramaSize;
   drawnPixels(picture.size, picture.crop);
-  if (a.samples) picture.samples = numberOrAuto(*a.samples, "--samples", ", 1, 4 or 16", samplesKnown);
+  if (a.samples) picture.samples = numberOrAuto(*a.samples, "--samples", ", 1, 2, 4 or 16", samplesKnown);
   if (!a.aovs.empty()) picture.aovs = {};
   for (const std::string& name : a.aovs) picture.aovs.of(named<Aov>(kAovNames, name, "--aov")) = true;
   applyCamera(a, picture.camera);
@@ -124,6 +124,7 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   if (a.interpolation)
     picture.interpolation = named<Interpolation>(kInterpolationNames, *a.interpolation, "--interpolation");
   requireInterpolation(picture.lattice, picture.interpolation);
+  requireSamples(picture.lattice, picture.samples.value_or(1));
   if (a.mode) picture.mode = named<Mode>(kModeNames, *a.mode, "--mode");
   requireMode(picture.mode, picture.lattice, picture.interpolation, picture.aovs);
   if (a.sample_distance) picture.sample_distance = *a.sample_distance;
@@ -441,7 +442,8 @@ void addRender(CLI::App& app, Context& context) {
   command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
   command->add_option("--samples", a->samples,
-                      "sub-pixels that a pixel is made of: 1, 4, 16, or auto (default), which takes more than one for "
+                      "sub-pixels that a pixel is made of: 1, 2 (of --lattice ray), 4, 16, or auto (default), which "
+                      "takes more than one for "
                       "small pictures of small voxels");
   command
       ->add_option(
