@@ -130,12 +130,15 @@ def _bench_scan(volume, kiln, arguments, report, folder):
             ours = kiln.draw(store, volume, points, projection)
             farther = kiln.draw(store, volume, points, projection, sampleDistance=FARTHER)
             rays = kiln.draw(store, volume, points, projection, lattice="ray")
+            two = kiln.draw(store, volume, points, projection, lattice="ray", samples=2)
             seconds, first, picture = vtk.draw(views, points, True)
             report.compare(volume, projection, name, ours, (seconds, picture), ("pixel", "VTK"))
             report.compare(volume, projection, name, farther, (seconds, picture), (f"pixel, {FARTHER}", "VTK"))
             report.compare(volume, projection, name, rays, (seconds, picture), ("ray", "VTK"))
+            report.compare(volume, projection, name, two, (seconds, picture), ("ray, 2", "VTK"))
             truth = vtk.truth(views[len(views) // 2], points)
-            held = {"Kiln, pixel": ours[1], f"Kiln, pixel, {FARTHER}": farther[1], "Kiln, ray": rays[1], "VTK": picture}
+            held = {"Kiln, pixel": ours[1], f"Kiln, pixel, {FARTHER}": farther[1], "Kiln, ray": rays[1],
+                    "Kiln, ray, 2": two[1], "VTK": picture}
             if projection != "orthographic":
                 report.quality(held, truth)
                 continue
