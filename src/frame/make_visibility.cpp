@@ -4,6 +4,36 @@
 #include <bit>
 
 namespace kiln {
+namespace {
+
+// Tiles begin where the frame's do. Pixels are in pairs along a row, of which one may speak for both.
+class VisibilityOfRect final : public Visibility {
+ public:
+  VisibilityOfRect(const PixelRect& rect, const VisibilityOptions& options, int tile_px)
+      : x_(startOf(rect.x0, tile_px)),
+        y_(startOf(rect.y0, tile_px)),
+        inside_(makeVisibility(options, {(rect.x1 - x_ + 1) / 2 * 2, rect.y1 - y_}, tile_px)) {}
+
+  bool hidden(const PixelRect& rect) const override {
+    return inside_->hidden({rect.x0 - x_, rect.y0 - y_, rect.x1 - x_, rect.y1 - y_});
+  }
+  void close(int x, int y) override { inside_->close(x - x_, y - y_); }
+
+ private:
+  static int startOf(int pixel, int tile_px) {
+    const int tile = std::max(tile_px, kVisibilityTile);
+    return pixel / tile * tile;
+  }
+
+  const int x_, y_;
+  const std::unique_ptr<Visibility> inside_;
+};
+
+}  // namespace
+
+std::unique_ptr<Visibility> makeVisibilityOf(const PixelRect& rect, const VisibilityOptions& options, int tile_px) {
+  return std::make_unique<VisibilityOfRect>(rect, options, tile_px);
+}
 
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {
   switch (options.method) {

@@ -126,25 +126,35 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       request_(request),
       progress_(progress),
       plan_(cache.stores(), request),
+      visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
       frame_(splatFrameOf(request, plan_.classifier)),
       before_(cache.counts()),
       drawn_together_(drawnTogether(request)) {
-  forget();
+  frame_.visibility = visibility_.get();
   std::size_t levels = 0;
   for (const StoreReader* const one : cache.stores()) levels = std::max(levels, one->manifest().levels.size());
   statistics_.levels.assign(request.volumes.empty() ? store.manifest().levels.size() : levels, {});
 }
 
 void FrameDrawing::forget() {
-  if (!drawn_) return;
-  drawn_ = false;
   visibility_.reset();
-  visibility_ = makeVisibility(visibilityOf(request_), request_.view.size, request_.tile_px);
+  frame_.visibility = nullptr;
+}
+
+void FrameDrawing::beginVisibility(const PixelRect& pixels) {
+  visibility_ = makeVisibilityOf(pixels, visibilityOf(request_), request_.tile_px);
   frame_.visibility = visibility_.get();
+  if (!request_.sampling().quincunx) return;
+  // Where `pixels` part two of which one has a ray, it is the other one's that would hide both: nobody asks it.
+  const auto close = [&](int x) {
+    for (int y = pixels.y0 + (x + pixels.y0 + 1) % 2; y < pixels.y1; y += 2) visibility_->close(x, y);
+  };
+  if (pixels.x0 % 2 != 0) close(pixels.x0);
+  if (pixels.x1 % 2 != 0) close(pixels.x1 - 1);
 }
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
-  drawn_ = true;
+  if (visibility_ == nullptr) beginVisibility(pixels);
   Image image = emptyImage(pixels, request_.aovs);
   if (plan_.projection)
     project(pixels, image);

@@ -53,12 +53,14 @@ class FrameDrawing {
   /// The pixels of `pixels`, without background, their planes as sums (splat/aov_pixels.h). requires: not empty, in the
   /// picture, no pixel drawn since `forget`. throws: as renderFrame.
   Image draw(const PixelRect& pixels);
-  /// That pixels are opaque: they may be drawn again.
+  /// That pixels are opaque: they may be drawn again. What is drawn next has a visibility structure of its own.
   void forget();
   /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
   FrameStatistics finish();
 
  private:
+  /// Makes the structure of what is drawn.
+  void beginVisibility(const PixelRect& pixels);
   /// What `draw` does where light is composited, and where values are projected.
   void composite(const PixelRect& pixels, Image& image);
   void project(const PixelRect& pixels, Image& image);
@@ -107,9 +109,8 @@ class FrameDrawing {
   const FrameRequest& request_;
   Progress& progress_;
   FramePlan plan_;
-  bool drawn_ = true;  // whether `visibility_` is to be made
-  std::unique_ptr<Visibility> visibility_;
-  SplatFrame frame_;  // without what depends on a level
+  std::unique_ptr<Visibility> visibility_;  // of the whole frame, or null: of what is drawn
+  SplatFrame frame_;                        // without what depends on a level
   const CacheCounts before_;
   FrameStatistics statistics_;
   SplatCounts counts_;

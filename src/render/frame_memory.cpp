@@ -87,6 +87,9 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
   return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
+// A piece of the picture is drawn as a whole, as the picture is.
+constexpr int kNoBands = 1 << 24;
+
 PixelFilter filterOf(const RenderJob& job) {
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
   return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama);
@@ -138,6 +141,10 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   out.brick = brick_bytes;
   out.several = !job.volumes.empty();
   out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
+  if (!filter.none() && !banded) {
+    out.image += PixelFilter::copiedBytes(size);
+    out.band_px = kNoBands;
+  }
   if (banded) out.band = out.least_band = bandBytes(job, drawn, filter, out.band_px);
   if (drawsSlabs(job) || castsRays(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
@@ -182,7 +189,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             "of index, {} of slabs, {}{} {})",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                             formatBytes(memory.image + memory.face),
-                            part(memory.least_band, "a band of samples (--samples)") +
+                            part(memory.least_band, "a band of samples (--samples, --crop of rays)") +
                                 part(memory.deep, "deep samples (--deep-samples)") +
                                 part(memory.least_edges, "a part's edges (--part)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),

@@ -52,7 +52,9 @@ void weighColumns(const float* line, const float* weights, int taps, int edge, s
   std::size_t i = 0;
   const std::size_t floats = 4 * pixels;
   const auto step = [&](auto tag) {
-    for (int k = 0; k < taps; ++k) from[k] = line + static_cast<std::size_t>(edge) * i + 4 * k;
+    // Of a pixel's first channel, and from there on.
+    const float* const first = line + static_cast<std::size_t>(edge) * (i / 4 * 4) + i % 4;
+    for (int k = 0; k < taps; ++k) from[k] = first + 4 * k;
     weigh(tag, from, weights, taps, to + i);
     i += hn::Lanes(tag);
   };
@@ -190,24 +192,36 @@ void PixelFilter::put(const Image& samples, const PixelRect& pixels, Image& imag
   });
 }
 
+int PixelFilter::rowsTogether(int height) {
+  const int chunks = 4 * static_cast<int>(ThreadLimit::active());
+  return std::max(16, (height + chunks - 1) / chunks);
+}
+
+std::uint64_t PixelFilter::copiedBytes(const ImageSize& size) {
+  const int rows = rowsTogether(size.height);
+  const auto chunks = static_cast<std::uint64_t>((size.height + rows - 1) / rows);
+  // Each has two rows of its neighbours', and while it goes on three more.
+  return 5 * chunks * 16 * static_cast<std::uint64_t>(size.width);
+}
+
 void PixelFilter::apply(Image& image) const {
   const Span span(Activity::kFinish);
-  constexpr int kRows = 16;
-  const int chunks = (image.height + kRows - 1) / kRows;
+  const int kept = rowsTogether(image.height);
+  const int chunks = (image.height + kept - 1) / kept;
   const auto floats = 4 * static_cast<std::size_t>(image.width);
   const auto at = [&](std::vector<float>& rows, int i) { return rows.data() + static_cast<std::size_t>(i) * floats; };
   // What a chunk changes that the next one, and the one before, still need.
   std::vector<float> last(floats * static_cast<std::size_t>(chunks)), first(last.size());
   for (int i = 0; i < chunks; ++i) {
-    std::copy_n(image.pixel(0, kRows * i), floats, at(first, i));
-    std::copy_n(image.pixel(0, std::min(kRows * (i + 1), image.height) - 1), floats, at(last, i));
+    std::copy_n(image.pixel(0, kept * i), floats, at(first, i));
+    std::copy_n(image.pixel(0, std::min(kept * (i + 1), image.height) - 1), floats, at(last, i));
   }
   parallelFor(static_cast<std::size_t>(chunks), [&](std::size_t chunk) {
-    const int i = static_cast<int>(chunk), end = std::min(kRows * (i + 1), image.height);
+    const int i = static_cast<int>(chunk), end = std::min(kept * (i + 1), image.height);
     Rows rows(*this, image.width, 0);
     std::vector<float> before(at(last, std::max(i - 1, 0)), at(last, std::max(i - 1, 0)) + floats), here(floats);
     if (i == 0) std::copy_n(at(first, 0), floats, before.data());
-    for (int y = kRows * i; y < end; ++y) {
+    for (int y = kept * i; y < end; ++y) {
       float* const row = image.pixel(0, y);
       std::copy_n(row, floats, here.data());
       const bool is_last = y + 1 == end;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "base/pixel_rect.h"
 #include "output/image.h"
@@ -35,9 +36,13 @@ class PixelFilter {
   void put(const Image& samples, const PixelRect& pixels, Image& image, int row) const;
   /// The same of a whole picture in place.
   void apply(Image& image) const;
+  /// What `apply` copies of a picture, at the most. unit: bytes.
+  static std::uint64_t copiedBytes(const ImageSize& size);
 
  private:
   static constexpr int kMostTaps = 4;
+  /// So many at a time: a few for each thread, and what they share is little. unit: rows.
+  static int rowsTogether(int height);
   class Rows;
   int taps() const { return edge_ + 2 * reach_; }
   int edge_ = 1, reach_ = 0;

@@ -25,9 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
 
-// Beside the image that a rank may put together: a tile of its own, one that it sends and one that it gets.
+// Beside the image that a rank may put together: a tile of its own, its rays, one that it sends and one that it gets.
 std::uint64_t tileBytes(const RenderJob& job) {
-  return 3 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
+  return 4 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
 }
 
 // A frame that this rank puts together.

@@ -23,9 +23,10 @@ struct LevelStatistics {
 };
 
 /// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count. Where a pixel is several
-/// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows: voxels, nodes, bricks hidden
-/// and what levels say are sums over the bands, so that a brick in two of them counts in both; bricks read are, where
-/// the cache had no room to keep them. Bricks in total, interesting, contributing and damaged count once.
+/// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows, as a crop of rays is: voxels,
+/// nodes, bricks hidden and what levels say are sums over the bands, so that a brick in two of them counts in both;
+/// bricks read are, where the cache had no room to keep them. Bricks in total, interesting, contributing and damaged
+/// count once.
 struct FrameStatistics {
   int frame = 1;         // its number
   unsigned samples = 1;  // a pixel

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -141,13 +142,32 @@ TEST_P(RayPixels, AreTheSameInPieces) {
 }
 
 TEST_P(RayPixels, TellDepthsAndNormalsOfTheirOwnRays) {
-  if (GetParam() == 2) GTEST_SKIP() << "two rays a pixel are not drawn unfiltered";
-  FrameRequest request = requestFor(Projection::kPerspective);
+  FrameRequest request = requestFor(Projection::kOrthographic);
   request.aovs = {true, true};
   const Image image = draw(store_, request);
+  ASSERT_EQ(image.planes.size(), 5u);
+  const Image rays = draw(store_, ofRays(request));
+  int hits = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      float first = std::numeric_limits<float>::infinity();
+      for (int j = 0; j < edge() * edge(); ++j) {
+        const int of_x = edge() * x + j % edge(), of_y = edge() * y + j / edge();
+        if (GetParam() == 2 && (of_x + of_y) % 2 != 0) continue;
+        first = std::min(first, rays.planes[0].values[static_cast<std::size_t>(of_y * rays.width + of_x)]);
+      }
+      const float found = image.planes[0].values[static_cast<std::size_t>(y * image.width + x)];
+      if (std::isinf(first) || std::isinf(found))
+        EXPECT_EQ(found, first) << x << " " << y;
+      else
+        EXPECT_NEAR(found, first, 1e-4 * first) << x << " " << y;
+      hits += std::isinf(first) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(hits, 500);
+  if (GetParam() == 2) return;  // are not drawn unfiltered
   request.filters_rays = false;
   const Image unfiltered = draw(store_, request);
-  ASSERT_EQ(image.planes.size(), 5u);
   for (std::size_t i = 0; i < image.planes.size(); ++i) EXPECT_EQ(image.planes[i].values, unfiltered.planes[i].values);
   EXPECT_EQ(equalBits(image, unfiltered), GetParam() == 16);
 }
@@ -163,6 +183,20 @@ TEST_P(RayPixels, OfAnOpaqueBodyAreOpaque) {
   }
 }
 
+// Also where only one of two sub-pixels that share a ray is drawn: what is behind a solid is not read.
+TEST_P(RayPixels, OfACropHideWhatIsBehindThem) {
+  const DenseVolume volume = fill({{48, 96, 48}, VoxelType::u8}, [](auto...) { return 100; });
+  const auto store = makeStore(volume, "deep_solid", 16);
+  FrameRequest request = requestFor(Projection::kOrthographic);
+  request.transfer_function.points = {{50, glm::dvec3(0.5), 0.999}, {150, glm::dvec3(0.5), 0.999}};
+  request.view = resolve(cameraFrom(volume.geometry, {0, -1, 0}, Projection::kOrthographic), kFilteredSize);
+  request.crop = PixelRect{30, 34, 44, 49};
+  FrameStatistics statistics;
+  draw(store, request, 1ull << 30, &statistics);
+  EXPECT_GE(statistics.bricks_hidden, 36u);
+  EXPECT_LE(statistics.bricks_contributing, 9u);
+}
+
 // In place where the whole picture is drawn; else rays have an image of their own.
 TEST_P(RayPixels, AreCharged) {
   RenderJob job;
@@ -172,7 +206,13 @@ TEST_P(RayPixels, AreCharged) {
   job.picture.samples = GetParam();
   const StoreReader store(store_);
   const std::uint64_t e = static_cast<std::uint64_t>(edge()), beside = GetParam() == 16 ? 0 : 2;
-  EXPECT_EQ(frameMemory(store, job).band, e == 1 ? 0 : 16 * (75 * e + beside) * (83 * e + beside));
+  const FrameMemory whole = frameMemory(store, job);
+  EXPECT_EQ(whole.band, e == 1 ? 0 : 16 * (75 * e + beside) * (83 * e + beside));
+  EXPECT_EQ(whole.image, 16 * 75 * 83 + (e == 1 ? PixelFilter::copiedBytes(kFilteredSize) : 0));
+  if (e == 1) {
+    EXPECT_GE(whole.band_px, kLargestSide_px);  // a piece is drawn at once, too
+    EXPECT_LE(PixelFilter::copiedBytes({16384, 16384}), ThreadLimit::active() * 4 * 5 * 16 * 16384);
+  }
   job.picture.crop = PixelRect{9, 13, 61, 44};
   EXPECT_EQ(frameMemory(store, job).band, 16 * (52 * e + beside) * (31 * e + beside));
   job.picture.lattice = Lattice::kPixel;

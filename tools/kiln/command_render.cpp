@@ -273,7 +273,7 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   fmt::print("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
              cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
-  if (memory.band > 0) fmt::print("{} of a band of its sub-pixels, ", formatBytes(memory.band));
+  if (memory.band > 0) fmt::print("{} of a band of its samples, ", formatBytes(memory.band));
   if (memory.face > 0) fmt::print("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) fmt::print("{} of deep samples, ", formatBytes(memory.deep));
   fmt::print("{} of visibility, {} of index, {} of slabs, {}{} {}\n", formatBytes(memory.visibility),
