@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace kiln {
 namespace {
 
-// Tiles begin where the frame's do. Pixels are in pairs along a row, of which one may speak for both.
+// What is at (x, y) in the frame is at (0, 0) inside.
 class VisibilityOfRect final : public Visibility {
  public:
-  VisibilityOfRect(const PixelRect& rect, const VisibilityOptions& options, int tile_px)
-      : x_(startOf(rect.x0, tile_px)),
-        y_(startOf(rect.y0, tile_px)),
-        inside_(makeVisibility(options, {(rect.x1 - x_ + 1) / 2 * 2, rect.y1 - y_}, tile_px)) {}
+  VisibilityOfRect(int x, int y, std::unique_ptr<Visibility> inside) : x_(x), y_(y), inside_(std::move(inside)) {}
 
   bool hidden(const PixelRect& rect) const override {
     return inside_->hidden({rect.x0 - x_, rect.y0 - y_, rect.x1 - x_, rect.y1 - y_});
@@ -20,11 +18,6 @@ class VisibilityOfRect final : public Visibility {
   void close(int x, int y) override { inside_->close(x - x_, y - y_); }
 
  private:
-  static int startOf(int pixel, int tile_px) {
-    const int tile = std::max(tile_px, kVisibilityTile);
-    return pixel / tile * tile;
-  }
-
   const int x_, y_;
   const std::unique_ptr<Visibility> inside_;
 };
@@ -32,7 +25,11 @@ class VisibilityOfRect final : public Visibility {
 }  // namespace
 
 std::unique_ptr<Visibility> makeVisibilityOf(const PixelRect& rect, const VisibilityOptions& options, int tile_px) {
-  return std::make_unique<VisibilityOfRect>(rect, options, tile_px);
+  // Tiles begin where the frame's do.
+  const int tile = std::max(tile_px, kVisibilityTile), x = rect.x0 / tile * tile, y = rect.y0 / tile * tile;
+  std::unique_ptr<Visibility> inside = makeVisibility(options, {rect.x1 - x, rect.y1 - y}, tile_px);
+  if (x == 0 && y == 0) return inside;
+  return std::make_unique<VisibilityOfRect>(x, y, std::move(inside));
 }
 
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px) {

@@ -126,25 +126,23 @@ FrameDrawing::FrameDrawing(const StoreReader& store, BrickCache& cache, const Fr
       request_(request),
       progress_(progress),
       plan_(cache.stores(), request),
-      visibility_(makeVisibility(visibilityOf(request), request.view.size, request.tile_px)),
       frame_(splatFrameOf(request, plan_.classifier)),
       before_(cache.counts()),
       drawn_together_(drawnTogether(request)) {
-  frame_.visibility = visibility_.get();
   std::size_t levels = 0;
   for (const StoreReader* const one : cache.stores()) levels = std::max(levels, one->manifest().levels.size());
   statistics_.levels.assign(request.volumes.empty() ? store.manifest().levels.size() : levels, {});
 }
 
-void FrameDrawing::forget() {
-  visibility_.reset();
-  frame_.visibility = nullptr;
-}
-
 void FrameDrawing::beginVisibility(const PixelRect& pixels) {
-  visibility_ = makeVisibilityOf(pixels, visibilityOf(request_), request_.tile_px);
+  const bool quincunx = request_.sampling().quincunx;
+  // Of two pixels beside each other one speaks for both.
+  PixelRect known = pixels;
+  if (quincunx) known.x1 += known.x1 % 2;
+  visibility_.reset();
+  visibility_ = makeVisibilityOf(known, visibilityOf(request_), request_.tile_px);
   frame_.visibility = visibility_.get();
-  if (!request_.sampling().quincunx) return;
+  if (!quincunx) return;
   // Where `pixels` part two of which one has a ray, it is the other one's that would hide both: nobody asks it.
   const auto close = [&](int x) {
     for (int y = pixels.y0 + (x + pixels.y0 + 1) % 2; y < pixels.y1; y += 2) visibility_->close(x, y);
@@ -154,7 +152,7 @@ void FrameDrawing::beginVisibility(const PixelRect& pixels) {
 }
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
-  if (visibility_ == nullptr) beginVisibility(pixels);
+  beginVisibility(pixels);
   Image image = emptyImage(pixels, request_.aovs);
   if (plan_.projection)
     project(pixels, image);

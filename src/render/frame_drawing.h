@@ -51,15 +51,13 @@ class FrameDrawing {
   FrameDrawing(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
 
   /// The pixels of `pixels`, without background, their planes as sums (splat/aov_pixels.h). requires: not empty, in the
-  /// picture, no pixel drawn since `forget`. throws: as renderFrame.
+  /// picture. throws: as renderFrame.
   Image draw(const PixelRect& pixels);
-  /// That pixels are opaque: they may be drawn again. What is drawn next has a visibility structure of its own.
-  void forget();
   /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
   FrameStatistics finish();
 
  private:
-  /// Makes the structure of what is drawn.
+  /// Makes the structure of what is drawn: nothing of it is opaque, whatever has been drawn before.
   void beginVisibility(const PixelRect& pixels);
   /// What `draw` does where light is composited, and where values are projected.
   void composite(const PixelRect& pixels, Image& image);
@@ -109,7 +107,7 @@ class FrameDrawing {
   const FrameRequest& request_;
   Progress& progress_;
   FramePlan plan_;
-  std::unique_ptr<Visibility> visibility_;  // of the whole frame, or null: of what is drawn
+  std::unique_ptr<Visibility> visibility_;  // of what is being drawn
   SplatFrame frame_;                        // without what depends on a level
   const CacheCounts before_;
   FrameStatistics statistics_;

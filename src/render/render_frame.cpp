@@ -84,8 +84,6 @@ Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFi
   addAovPlanes(request.aovs, image);
   for (const PixelRect& band : bandsOf(pixels, request.view.size, filter, request.band_px)) {
     const PixelRect drawn = filter.samplesOf(band, request.view.size);
-    // A band's last samples are parts of the next one's pixels, too.
-    if (filter.reach() > 0) drawing.forget();
     Image samples = drawing.draw(drawn);
     const int row = band.y0 - pixels.y0, edge = filter.edge();
     filter.put(samples, band, image, row);
