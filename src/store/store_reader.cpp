@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/span.h"
+#include "base/unset_bytes.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -26,14 +27,15 @@ File opened(const fs::path& path, std::uint64_t bytes) {
 }
 
 // Reads a file and checks its bytes before anything interprets them, its size before memory is taken for it.
-std::vector<std::byte> readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
+template <class Bytes>
+Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
   const File file = opened(path, bytes);
   if (file.size() != bytes) {
     throw Error(
         ErrorCode::kDamaged, path, "",
         fmt::format("has {} bytes, expected {}; restore the file or convert the source again", file.size(), bytes));
   }
-  std::vector<std::byte> data(bytes);
+  Bytes data(bytes);
   file.readAt(0, data);
   const Hash128 found = hashOf(data);
   if (found != expected) {
@@ -70,7 +72,7 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
 
 StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(loadManifest(directory)) {
   const fs::path path = directory_ / "index.bin";
-  const std::vector<std::byte> data = readChecked(path, manifest_.index_bytes, manifest_.index_checksum);
+  const auto data = readChecked<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;
   for (const LevelInfo& level : manifest_.levels) lattices.push_back(level.bricks);
   index_ = BrickIndex::decode(data, lattices, path);
@@ -81,19 +83,24 @@ BrickFrame StoreReader::frame(const BrickKey& key) const {
 }
 
 std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
+  return bytesOfFile<std::vector<std::byte>>(key);
+}
+
+template <class Bytes>
+Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   Span span(Activity::kRead);
   if (span.traced()) {
     span.note("brick", brickPath(key).native());
     span.note("bytes", entry.file_bytes);
   }
-  return readChecked(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
+  return readChecked<Bytes>(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 BrickBlock StoreReader::read(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
   if (entry.constant) return constantBrick(frame(key), entry.core.lo);
-  return decode(key, readFile(key));
+  return decode(key, bytesOfFile<UnsetBytes>(key));
 }
 
 bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) const {

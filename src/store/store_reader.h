@@ -41,6 +41,9 @@ class StoreReader {
   std::uint64_t largestFileBytes() const;
 
  private:
+  template <class Bytes>
+  Bytes bytesOfFile(const BrickKey& key) const;
+
   std::filesystem::path directory_;
   Manifest manifest_;
   BrickIndex index_;
