@@ -18,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "splat/classify-inl.h"
+#include "splat/shown_spaces-inl.h"
 
 #ifndef KILN_SPLAT_CAST_CELLS_ONCE
 #define KILN_SPLAT_CAST_CELLS_ONCE
@@ -30,8 +31,8 @@ constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kU
 // A cell in a tile.
 struct CellInput {
   const float* values = nullptr;  // loadUnit's
-  glm::vec3 lo;                   // its corner. unit: voxels from the anchor
-  glm::dvec3 corner, end;         // the same in index space, and where it ends
+  glm::vec3 lo;                   // the voxel before its first. unit: voxels from the anchor
+  glm::dvec3 corner, end;         // where it begins and ends, in index space
   PixelRect rect;                 // what of the tile it may be seen in
   bool at_end = false;            // of the volume
   bool in_pairs = false;          // whether two samples may be one, twice as long
@@ -40,10 +41,16 @@ struct CellInput {
 
 // Samples that go through a cell's steps together, at the most; and room for what vectors go beyond.
 constexpr std::size_t kLanes = 16, kMostSamples = 512, kRoom = kMostSamples + 2 * kLanes;
+// And rays, and slabs that these go on before those drop out that are closed.
+constexpr std::size_t kMostRays = 512, kRayRoom = kMostRays + 2 * kLanes;
+constexpr int kSlabsAtOnce = 6;
 constexpr std::size_t kLit = 4 * kLanes;  // that are lit together
 
 // What is known of them, for one cell after the other. Beyond the last one vectors read anything, and use none of it.
 struct CellSamples {
+  // Of each ray through the cell, the code of its first slab there, and where it ends.
+  alignas(64) std::int32_t ray_code[kRayRoom];
+  alignas(64) float ray_end[kRayRoom];
   // Of each sample that was found: its code, which voxels it is between, how far, and the values around it along x.
   alignas(64) std::int32_t code[kRoom], offset[kRoom];
   alignas(64) float fraction[3][kRoom], pair[2 * kRoom];
@@ -52,8 +59,6 @@ struct CellSamples {
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
   // The same, where samples are finished one by one.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
-  // Of rows of the cell's voxels, two by two along y and z, the range of each column.
-  alignas(64) float least[16][kUnitSamples + kLanes], most[16][kUnitSamples + kLanes];
   // Of a vector of pixels, or of samples.
   alignas(64) float alpha[kLanes];
   alignas(64) std::int32_t lane_code[kLanes];
@@ -86,10 +91,10 @@ namespace {
 using D2 = hn::CappedTag<float, 2>;
 using D4 = hn::CappedTag<float, 4>;
 
-// One cell, in steps that each go through many samples, so that vectors are full and no sample waits for what was done
-// to the one before: places are found where samples may show something; their values are interpolated and classified;
-// those that do show something hide each other, one after the other; what is seen of them is lit. kGaps: whether
-// voxels may be NaN.
+// One cell, in steps that each go through many rays or samples, so that vectors are full and no sample waits for what
+// was done to the one before: rays are found that go through what may show something; along them places where samples
+// may; their values are interpolated and classified; those that do show something hide each other, one after the other;
+// what is seen of them is lit. kGaps: whether voxels may be NaN.
 template <bool kGaps>
 class CellCaster {
  public:
@@ -112,8 +117,9 @@ class CellCaster {
       const glm::vec3 fy(static_cast<float>(y) + r_.centre_y);
       const glm::vec3 place = r_.place.centre + fy * r_.place.along_y, step = r_.step.centre + fy * r_.step.along_y;
       const int stride = r_.rayStride() * static_cast<int>(hn::Lanes(D()));
-      for (int x = r_.firstRay(in_.rect.x0, y); x < in_.rect.x1; x += stride) findPlaces(x, y, place, step);
+      for (int x = r_.firstRay(in_.rect.x0, y); x < in_.rect.x1; x += stride) findRays(x, y, place, step);
     }
+    followRays();
     castFound();
   }
 
@@ -124,74 +130,27 @@ class CellCaster {
   static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
   static_assert((kMostRaySlabs << kSlabBits) <= kPair);
 
-  // Marks which of the cell's voxels, each with its neighbours along y and z, have samples that may show something;
-  // false where none has. Sets the box around them.
+  // Where samples may show something; false where none does. Sets the box around it.
   HWY_INLINE bool findShown() {
     for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
     // An interval reaches beyond what a sample interpolates.
     if (kGaps || l_.integral != nullptr) {
-      shown_.fill((1 << kUnitVoxels) - 1);
+      shown_.fill(-1);
       return true;
     }
-    rangeOfRows();
-    std::uint32_t any = 0;
-    int first[3] = {0, 4, 4}, last[3] = {0, -1, -1};
-    for (int z = 0; z < 4; ++z) {
-      for (int y = 0; y < 4; ++y) {
-        const auto i = static_cast<std::size_t>(z * 4 + y);
-        const std::uint32_t bits = shownInRow(i);
-        shown_[i] = static_cast<std::int32_t>(bits);
-        any |= bits;
-        if (bits == 0) continue;
-        first[1] = std::min(first[1], y), last[1] = std::max(last[1], y);
-        first[2] = std::min(first[2], z), last[2] = std::max(last[2], z);
-      }
-    }
-    if (any == 0) return false;
-    first[0] = std::countr_zero(any), last[0] = std::bit_width(any);
-    for (int a = 1; a < 3; ++a) first[a] *= 2, last[a] = 2 * last[a] + 2;
+    const Spaces shown = shownSpaces(l_, in_.values);
+    static_assert(sizeof shown == sizeof shown_);
+    std::memcpy(shown_.data(), shown.data(), sizeof shown_);
+    SpaceBox box;
+    if (!boxOf(shown, box)) return false;
     for (int a = 0; a < 3; ++a) {
-      lo_[a] = r_.faceAt(a, in_.corner[a] + first[a]);
-      hi_[a] = r_.faceAt(a, std::min(in_.end[a], in_.corner[a] + last[a]));
+      // Spaces begin half a voxel before the cell. A little more than them, as places are rounded.
+      constexpr double kHalf = 0.51;
+      if (box.first[a] > 0) lo_[a] = r_.faceAt(a, in_.corner[a] + box.first[a] - kHalf);
+      const double end = in_.corner[a] + box.last[a] + kHalf;
+      if (box.last[a] < kSpaces - 1 && end < in_.end[a]) hi_[a] = r_.faceAt(a, end);
     }
     return true;
-  }
-
-  // Of each column of two rows of voxels, and those around them that their samples interpolate.
-  HWY_INLINE void rangeOfRows() {
-    const D d;
-    for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(d)) {
-      V least[5][5], most[5][5];
-      for (int z = 0; z < 5; ++z) {
-        for (int y = 0; y < 5; ++y) {
-          const float* const row = in_.values + ((2 * z + 1) * kReadEdge + 2 * y + 1) * kUnitSamples + x;
-          const V a = hn::Load(d, row), b = hn::Load(d, row + kUnitSamples);
-          const V e = hn::Load(d, row + kPlane), f = hn::Load(d, row + kPlane + kUnitSamples);
-          least[z][y] = hn::Min(hn::Min(a, b), hn::Min(e, f));
-          most[z][y] = hn::Max(hn::Max(a, b), hn::Max(e, f));
-        }
-      }
-      for (int z = 0; z < 4; ++z) {
-        for (int y = 0; y < 4; ++y) {
-          hn::Store(hn::Min(hn::Min(least[z][y], least[z][y + 1]), hn::Min(least[z + 1][y], least[z + 1][y + 1])), d,
-                    &s_.least[z * 4 + y][x]);
-          hn::Store(hn::Max(hn::Max(most[z][y], most[z][y + 1]), hn::Max(most[z + 1][y], most[z + 1][y + 1])), d,
-                    &s_.most[z * 4 + y][x]);
-        }
-      }
-    }
-  }
-
-  HWY_INLINE std::uint32_t shownInRow(std::size_t row) const {
-    const D d;
-    std::uint32_t bits = 0;
-    for (std::size_t x = 0; x < kUnitVoxels; x += hn::Lanes(d)) {
-      const auto at = [&](const float* of, std::size_t dx) { return hn::LoadU(d, of + x + dx + kUnitMargin - 1); };
-      const V lo = hn::Min(at(s_.least[row], 0), hn::Min(at(s_.least[row], 1), at(s_.least[row], 2)));
-      const V hi = hn::Max(at(s_.most[row], 0), hn::Max(at(s_.most[row], 1), at(s_.most[row], 2)));
-      bits |= bitsOf(visible(placeOf(d, l_, lo), placeOf(d, l_, hi))) << x;
-    }
-    return bits & ((1 << kUnitVoxels) - 1);
   }
 
   // Whether there is, or may be, extinction between two places of the table.
@@ -200,62 +159,118 @@ class CellCaster {
     return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
   }
 
-  // Where samples of a vector of row y's rays, from pixel x on, may show something. Each lane goes along its own.
-  HWY_INLINE void findPlaces(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
+  // Which of a vector of row y's rays, from pixel x on, go through the box and are not closed.
+  HWY_INLINE void findRays(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
     const D d;
     const DI di;
     const int stride = r_.rayStride();
     const VI column = hn::Mul(hn::Iota(di, 0), hn::Set(di, stride));
     const V fx = hn::Add(hn::ConvertTo(d, hn::Add(column, hn::Set(di, x))), hn::Set(d, r_.centre_x));
     const auto along = [&](float row, float slope) { return hn::Add(hn::Set(d, row), hn::Mul(fx, hn::Set(d, slope))); };
-    V place[3], step[3];
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
     for (int a = 0; a < 3; ++a) {
-      place[a] = along(row_place[a], r_.place.along_x[a]);
-      step[a] = along(row_step[a], r_.step.along_x[a]);
-      cut(place[a], step[a], lo_[a], hi_[a], enter, leave);
-      place[a] = hn::Sub(place[a], hn::Set(d, in_.lo[a]));
+      cut(along(row_place[a], r_.place.along_x[a]), along(row_step[a], r_.step.along_x[a]), lo_[a], hi_[a], enter,
+          leave);
     }
-    const V middle = hn::Set(d, r_.middle), one = hn::Set(d, 1.0f);
+    const V middle = hn::Set(d, r_.middle);
     const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
     const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
-    const V first = slab(enter);
-    V t = hn::Sub(first, middle), end = hn::Sub(slab(leave), middle);
+    const V first = slab(enter), end = hn::Sub(slab(leave), middle);
     const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
-    M going = hn::And(hn::Lt(t, end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
-    if (hn::AllFalse(d, going)) return;
+    M through =
+        hn::And(hn::Lt(hn::Sub(first, middle), end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
+    if (hn::AllFalse(d, through)) return;
     const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
     for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * stride * i + 3];
-    going = hn::And(going, hn::Ne(hn::Load(d, s_.alpha), one));
-    end = hn::IfThenElse(going, end, hn::Set(d, -kFar));
-    VI code = hn::Add(hn::Add(column, hn::Set(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits))),
-                      hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
-    while (!hn::AllFalse(d, going)) {
-      V at = t, advance = one;
-      VI taken = code;
-      if (in_.in_pairs) {
-        // Slabs 2 n and 2 n + 1, where both are in the cell.
-        const VI odd = hn::And(code, hn::Set(di, 1 << kSlabBits));
-        const M pair = hn::And(hn::RebindMask(d, hn::Eq(odd, hn::Zero(di))), hn::Lt(hn::Add(t, one), end));
-        at = hn::Add(t, hn::IfThenElseZero(pair, hn::Set(d, 0.5f)));
-        advance = hn::Add(one, hn::IfThenElseZero(pair, one));
-        taken = hn::Add(code, hn::IfThenElseZero(hn::RebindMask(di, pair), hn::Set(di, kPair)));
-      }
-      VI voxel[3];
-      for (int a = 0; a < 3; ++a) {
-        const VI whole = hn::ConvertTo(di, hn::Add(place[a], hn::Mul(at, step[a])));
-        voxel[a] = hn::Min(hn::Max(whole, hn::Zero(di)), hn::Set(di, kUnitVoxels - 1));
-      }
-      const VI row = hn::Add(hn::ShiftLeft<2>(hn::ShiftRight<1>(voxel[2])), hn::ShiftRight<1>(voxel[1]));
-      const VI bit = hn::And(hn::Shr(shownOf(row), voxel[0]), hn::Set(di, 1));
-      const auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
-      hn::StoreU(hn::Compress(taken, may), di, s_.code + count_);
-      count_ += hn::CountTrue(di, may);
-      if (count_ >= kMostSamples) castFound();
-      t = hn::Add(t, advance);
-      code = hn::Add(code, hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, advance)));
-      going = hn::Lt(t, end);
+    through = hn::And(through, hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)));
+    const VI code = hn::Add(hn::Add(column, hn::Set(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << kPixelBits))),
+                            hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
+    ray_count_ = keepRays(code, end, through, ray_count_);
+    if (ray_count_ >= kMostRays) followRays();
+  }
+
+  // Goes along these rays, some slabs at a time: what is behind those that close a pixel is not looked at.
+  HWY_NOINLINE void followRays() {
+    while (ray_count_ > 0) {
+      findPlaces();
+      if (ray_count_ == 0) return;
+      castFound();
+      dropClosed();
     }
+  }
+
+  // Where samples of the next slabs may show something. Each lane goes along its own ray; those that end there go.
+  HWY_INLINE void findPlaces() {
+    const D d;
+    const DI di;
+    const V one = hn::Set(d, 1.0f);
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
+      VI code = hn::Load(di, s_.ray_code + n);
+      const V end = hn::IfThenElse(raysFrom(n), hn::Load(d, s_.ray_end + n), hn::Set(d, -kFar));
+      const Where w = whereIs(code);
+      V place[3], step[3], t = w.t;
+      for (int a = 0; a < 3; ++a) {
+        place[a] = hn::Sub(linear(r_.place, a, w), hn::Set(d, in_.lo[a]));
+        step[a] = linear(r_.step, a, w);
+      }
+      M going = hn::Lt(t, end);
+      for (int i = 0; i < kSlabsAtOnce && !hn::AllFalse(d, going); ++i) {
+        V at = t, advance = one;
+        VI taken = code;
+        if (in_.in_pairs) {
+          // Slabs 2 n and 2 n + 1, where both are in the cell.
+          const VI odd = hn::And(code, hn::Set(di, 1 << kSlabBits));
+          const M pair = hn::And(hn::RebindMask(d, hn::Eq(odd, hn::Zero(di))), hn::Lt(hn::Add(t, one), end));
+          at = hn::Add(t, hn::IfThenElseZero(pair, hn::Set(d, 0.5f)));
+          advance = hn::Add(one, hn::IfThenElseZero(pair, one));
+          taken = hn::Add(code, hn::IfThenElseZero(hn::RebindMask(di, pair), hn::Set(di, kPair)));
+        }
+        VI voxel[3];
+        for (int a = 0; a < 3; ++a) {
+          const VI whole = hn::ConvertTo(di, hn::Add(place[a], hn::Mul(at, step[a])));
+          voxel[a] = hn::Min(hn::Max(whole, hn::Zero(di)), hn::Set(di, kSpaces - 1));
+        }
+        const VI word = hn::Add(hn::Add(voxel[2], voxel[2]), hn::ShiftRight<2>(voxel[1]));
+        const VI place_in_word = hn::And(hn::Or(hn::ShiftLeft<3>(voxel[1]), voxel[0]), hn::Set(di, 31));
+        const VI bit = hn::And(hn::Shr(shownOf(word), place_in_word), hn::Set(di, 1));
+        const auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
+        hn::StoreU(hn::Compress(taken, may), di, s_.code + count_);
+        count_ += hn::CountTrue(di, may);
+        if (count_ >= kMostSamples) castFound();
+        t = hn::Add(t, advance);
+        code = hn::Add(code, hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, advance)));
+        going = hn::Lt(t, end);
+      }
+      left = keepRays(code, end, going, left);
+    }
+    ray_count_ = left;
+  }
+
+  void dropClosed() {
+    const D d;
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
+      const std::size_t count = std::min(ray_count_ - n, hn::Lanes(d));
+      for (std::size_t i = 0; i < count; ++i) s_.alpha[i] = pixelOf(s_.ray_code[n + i] & kPixel)[3];
+      const M open = hn::And(hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)), raysFrom(n));
+      left = keepRays(hn::Load(DI(), s_.ray_code + n), hn::Load(d, s_.ray_end + n), open, left);
+    }
+    ray_count_ = left;
+  }
+
+  // Of a vector, which are rays.
+  HWY_INLINE M raysFrom(std::size_t n) const {
+    const DI di;
+    return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(ray_count_))));
+  }
+  // Those of a vector behind the first `count` that are kept; how many there are then.
+  HWY_INLINE std::size_t keepRays(VI code, V end, M kept, std::size_t count) {
+    const D d;
+    const DI di;
+    hn::StoreU(hn::Compress(code, hn::RebindMask(di, kept)), di, s_.ray_code + count);
+    hn::StoreU(hn::Compress(end, kept), d, s_.ray_end + count);
+    return count + hn::CountTrue(d, kept);
   }
 
   HWY_INLINE VI shownOf(VI row) const {
@@ -302,7 +317,7 @@ class CellCaster {
             hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
             hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
   }
-  // In the order of findPlaces, so that a sample is where it was found.
+  // In the order of findRays, so that a sample is where its ray goes.
   HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
     const D d;
     const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
@@ -345,7 +360,7 @@ class CellCaster {
       // From the second voxel that was read, half a voxel before the cell, on.
       VI voxel[3];
       for (int a = 0; a < 3; ++a) {
-        const V at = hn::Add(indexOf(a, w, in_.lo[a]), hn::Set(d, 0.5f));
+        const V at = indexOf(a, w, in_.lo[a]);
         // Rounding may put it beyond the cell.
         const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
         voxel[a] = hn::ConvertTo(di, inside);
@@ -458,7 +473,7 @@ class CellCaster {
   }
 
   // What of its slabs lies in the volume. The first and the last sample stand for what is beside them, too: those that
-  // findPlaces, whose words these are, has as the first and the last.
+  // findRays, whose words these are, has as the first and the last.
   HWY_INLINE V partOf(const Where& w) const {
     const D d;
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
@@ -522,7 +537,8 @@ class CellCaster {
     for (std::size_t n = 0; n < kept_; ++n) {
       const std::int32_t pixel = s_.code[s_.index[n]] & kPixel;
       float& alpha = pixelOf(pixel)[3];
-      // Nothing where the pixel is closed: no branch, as nobody can tell which samples are behind such pixels.
+      // Nothing where the pixel is closed. No branches, as nobody can tell which samples close a pixel, or are behind
+      // it.
       const float before = alpha, weight = (1 - before) * s_.opacity[n];
       alpha = before + weight;
       const bool closes = (alpha >= opaque_at_) & (before != 1.0f);
@@ -535,7 +551,6 @@ class CellCaster {
       if (!closes) continue;
       s_.closed[closed_count_++] = {pixel, alpha};
       alpha = 1.0f;
-      out_.closed[static_cast<std::size_t>(pixel >> kPixelBits)] |= std::uint64_t{1} << (pixel & (kSweepEdge - 1));
     }
     kept_ = seen;
     out_.samples += seen;
@@ -564,8 +579,12 @@ class CellCaster {
   void lightAll() {
     for (std::size_t n = 0; n < kept_; n += kLit) light(n, std::min(kept_ - n, kLit));
     for (std::size_t i = 0; i < closed_count_; ++i) {
-      float* const pixel = pixelOf(s_.closed[i].pixel);
-      for (int c = 0; c < 3; ++c) pixel[c] /= s_.closed[i].alpha;
+      const auto [place, alpha] = s_.closed[i];
+      const float by[4] = {alpha, alpha, alpha, 1};
+      float* const pixel = pixelOf(place);
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(D4()))
+        hn::StoreU(hn::Div(hn::LoadU(D4(), pixel + c), hn::LoadU(D4(), by + c)), D4(), pixel + c);
+      out_.closed[static_cast<std::size_t>(place >> kPixelBits)] |= std::uint64_t{1} << (place & (kSweepEdge - 1));
     }
   }
 
@@ -679,8 +698,8 @@ class CellCaster {
   CellSamples& s_;
   CellOutput& out_;
   float lo_[3], hi_[3];  // faces around what may show something, as RaySlabs::faceAt has them
-  std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
-  alignas(64) std::array<std::int32_t, 16> shown_;  // bit x of word 4 (z / 2) + y / 2: voxels of the cell
+  std::size_t ray_count_ = 0, count_ = 0, kept_ = 0, closed_count_ = 0;
+  alignas(64) std::array<std::int32_t, 16> shown_;  // spacesBeside
 };
 
 void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
@@ -763,7 +782,7 @@ class Casting {
     in.values = values;
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == frame_.dims()[a];
-      in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 0.5f;
+      in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
       in.at_end = in.at_end || last || box.lo[a] == 0;
