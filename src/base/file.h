@@ -66,6 +66,11 @@ class FileSystem {
                    WriteMode mode = WriteMode::kSynced);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
 
+  /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
+  /// there is no such directory, kExists where a directory has the name, kNoSpace, kIo where nothing can be made beside
+  /// it. A device or a pipe is not asked.
+  void requirePlaceFor(const std::filesystem::path& path);
+
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);
   /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.

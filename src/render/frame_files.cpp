@@ -168,6 +168,10 @@ std::vector<OutputFile> filesOf(const RenderJob& job, int frame) {
   return out;
 }
 
+void requirePlaces(const RenderJob& job, int frame) {
+  for (const OutputFile& file : filesOf(job, frame)) FileSystem::real().requirePlaceFor(file.path);
+}
+
 fs::path videoFrameOf(const RenderJob& job, int frame) {
   const std::vector<OutputFile> files = filesOf(job, frame);
   return std::find_if(files.begin(), files.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); })

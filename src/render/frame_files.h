@@ -12,6 +12,8 @@ namespace kiln {
 
 /// The files of a frame, its number in their names. A video alone has its frames kept beside it.
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
+/// Before a frame is drawn: that its files can be made. throws: as FileSystem::requirePlaceFor.
+void requirePlaces(const RenderJob& job, int frame);
 /// Of those, the one whose colours a video takes. requires: a video.
 std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
 /// Where frames are kept that the job asks for as a video only.

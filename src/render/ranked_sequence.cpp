@@ -29,6 +29,7 @@ SequenceResult RankedSequence::run() {
   frames_.requireScenes();
   if (ranks_.first()) listener_.started(job_, frames_.numbers());
   findKept();
+  if (ranks_.first() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());
   if (!to_draw_.empty()) shareAndRead();
   finish();
   return std::move(result_);

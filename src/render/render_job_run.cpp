@@ -62,6 +62,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   std::optional<Trace> trace;
   if (!job.trace.empty()) trace.emplace(job.trace);
   const int number = framesOf(job).front();
+  requirePlaces(job, number);
   OpenedJob opened(jobAtFrame(job, number), progress);
   opened.noteUnknownLabels(progress);
   RenderResult result;

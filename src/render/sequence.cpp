@@ -71,6 +71,7 @@ class Sequence {
   }
 
   void draw(int frame, OpenedJob& opened) {
+    requirePlaces(job_, frame);
     listener_.frameStarted(frame);
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
     finishWriting();
@@ -114,8 +115,9 @@ class Sequence {
 // Each rank has its own clock and its own file: NAME.json is the first one's, then NAME.1.json.
 std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Ranks* ranks) {
   if (ranks == nullptr || ranks->first()) return trace;
-  const std::string number = "." + std::to_string(ranks->rank());
-  return trace.parent_path() / (trace.stem().string() + number + trace.extension().string());
+  std::filesystem::path of_rank = trace;
+  of_rank.replace_extension(std::to_string(ranks->rank()));
+  return of_rank += trace.extension();
 }
 
 }  // namespace

@@ -47,6 +47,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
 }
 
 void SequenceFrames::makeFolders() const {
+  if (!job_.output.video.path.empty()) FileSystem::real().requirePlaceFor(job_.output.video.path);
   if (!job_.output.video.path.empty() && videoFrameOf(job_, 0).parent_path() == keptFramesOf(job_.output.video))
     FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
   for (const int frame : numbers_) {

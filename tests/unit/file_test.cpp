@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <thread>
 
 #include "base/error.h"
@@ -36,6 +37,28 @@ TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
   EXPECT_THROW(FileSystem::real().writeAtomic(path, std::string("text")), Error);
   EXPECT_TRUE(fs::is_directory(path.string() + ".tmp"));
   EXPECT_FALSE(fs::exists(path));
+}
+
+TEST(FileSystem, KnowsWhereNothingCanBeMade) {
+  const fs::path directory = freshDirectory("places");
+  const auto codeFor = [](const fs::path& path) -> std::optional<ErrorCode> {
+    try {
+      FileSystem::real().requirePlaceFor(path);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return std::nullopt;
+  };
+  EXPECT_EQ(codeFor(directory / "a.png"), std::nullopt);
+  EXPECT_TRUE(fs::is_empty(directory));
+  std::ofstream(directory / "there.png") << "before";
+  EXPECT_EQ(codeFor(directory / "there.png"), std::nullopt);
+  EXPECT_EQ(readTextFile(directory / "there.png"), "before");
+  EXPECT_EQ(codeFor("/dev/null"), std::nullopt);
+  EXPECT_EQ(codeFor(directory / "none" / "a.png"), ErrorCode::kNotFound);
+  EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
+  EXPECT_EQ(codeFor(directory), ErrorCode::kExists);
+  EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
 }
 
 // Known because a pipe gives what was put into it, in order; it holds less than this at a time.

@@ -294,6 +294,7 @@ std::string countedFrames(const std::vector<int>& frames) {
 void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
   SequenceReport report(context.progress, a.progress == "json");
   try {
+    if (!a.stats.empty() && context.ranks->first()) FileSystem::real().requirePlaceFor(a.stats);
     const SequenceResult result = runSequence(job, options, context.progress, report);
     if (!context.ranks->first()) return;
     if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
