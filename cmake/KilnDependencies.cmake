@@ -21,14 +21,6 @@ foreach(kiln_package TBB OpenEXR glm fmt nlohmann_json PNG TIFF ZLIB)
 endforeach()
 find_path(XXHASH_INCLUDE_DIR xxhash.h)
 find_library(XXHASH_LIBRARY xxhash)
-# GDCM's own CMake files name programs of packages that are not needed, and complain that they are not there.
-find_path(GDCM_INCLUDE_DIR gdcmReader.h PATH_SUFFIXES gdcm-3.2 gdcm-3.0)
-set(kiln_gdcm_libraries "")
-foreach(kiln_library gdcmMSFF gdcmDSED gdcmCommon)
-  find_library(GDCM_${kiln_library} ${kiln_library})
-  list(APPEND kiln_gdcm_libraries ${GDCM_${kiln_library}})
-endforeach()
-
 # OpenVDB's compressor, and what it packs leaves with.
 find_path(BLOSC_INCLUDE_DIR blosc.h)
 find_library(BLOSC_LIBRARY blosc)
@@ -55,15 +47,11 @@ endif()
 if(NOT LZ4_INCLUDE_DIR OR NOT LZ4_LIBRARY)
   list(APPEND kiln_missing LZ4)
 endif()
-if(NOT GDCM_INCLUDE_DIR OR NOT GDCM_gdcmMSFF OR NOT GDCM_gdcmDSED OR NOT GDCM_gdcmCommon)
-  list(APPEND kiln_missing GDCM)
-endif()
 list(JOIN kiln_missing ", " kiln_missing)
 
 if(NOT kiln_missing AND NOT TARGET kiln_dependencies)
   add_library(kiln_dependencies INTERFACE)
   target_link_libraries(kiln_dependencies INTERFACE OpenVDB::openvdb TBB::tbb OpenEXR::OpenEXR Imath::Imath fmt::fmt
                         nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB ${XXHASH_LIBRARY}
-                        ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY} ${kiln_gdcm_libraries})
-  target_include_directories(kiln_dependencies SYSTEM INTERFACE ${GDCM_INCLUDE_DIR})
+                        ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY})
 endif()

@@ -10,10 +10,10 @@ install(TARGETS kiln EXPORT kilnTargets FILE_SET HEADERS DESTINATION ${CMAKE_INS
 file(RELATIVE_PATH kiln_lib_from_bin /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 set_target_properties(kiln_tool PROPERTIES INSTALL_RPATH $ORIGIN/${kiln_lib_from_bin})
 install(TARGETS kiln_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-if(TARGET kiln_mpi)
-  set_target_properties(kiln_mpi PROPERTIES INSTALL_RPATH $ORIGIN)
-  install(TARGETS kiln_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-endif()
+# Modules lie beside the library: whoever links it looks for them there, as a static library is no place to look from.
+set_target_properties(kiln ${kiln_modules} PROPERTIES INSTALL_RPATH $ORIGIN)
+target_link_options(kiln INTERFACE $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}>)
+install(TARGETS ${kiln_modules} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/tools/kiln/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 install(EXPORT kilnTargets NAMESPACE kiln:: DESTINATION ${kiln_config_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kilnConfig.cmake.in ${PROJECT_BINARY_DIR}/kilnConfig.cmake

@@ -1,56 +1,18 @@
-// GDCM decodes what it knows: run lengths, JPEG in all its kinds, JPEG-LS, JPEG 2000. It is shown an image in memory
-// that is made of the frame's fragments alone; files it does not see. What cannot be checked here is inside the
-// fragments: a frame that was altered there on purpose can end the process, one altered by accident can be read with
-// wrong values.
 #include "ingest/dicom_decode.h"
 
 #include <fmt/format.h>
-#include <gdcmFragment.h>
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmTrace.h>
-
-#include <limits>
 
 #include "base/error.h"
+#include "base/file.h"
+#include "base/module.h"
+#include "ingest/gdcm_frames.h"
 #include "ingest/header_text.h"
 
 namespace kiln {
-namespace {
-
-bool decode(const DicomPixels& pixels, const std::vector<std::vector<char>>& fragments, std::vector<std::byte>& out) {
-  // GDCM's messages go to the process's standard error unless they are turned off.
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
-  const auto sequence = gdcm::SequenceOfFragments::New();
-  for (const std::vector<char>& bytes : fragments) {
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-    sequence->AddFragment(fragment);
-  }
-  gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
-  element.SetVR(gdcm::VR::OB);
-  element.SetValue(*sequence);
-  const auto bits = [](int n) { return static_cast<unsigned short>(n); };
-  gdcm::Image image;
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(pixels.columns));
-  image.SetDimension(1, static_cast<unsigned>(pixels.rows));
-  image.SetPixelFormat(gdcm::PixelFormat(1, bits(pixels.bits_allocated), bits(pixels.bits_stored),
-                                         bits(pixels.high_bit), pixels.is_signed ? 1 : 0));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(pixels.transfer_syntax.c_str()));
-  image.SetDataElement(element);
-  return image.GetBufferLength() == out.size() && image.GetBuffer(reinterpret_cast<char*>(out.data()));
-}
-
-}  // namespace
 
 std::vector<std::byte> decodeDicomFrame(const DicomHeader& header, std::int64_t frame) {
-  const auto fail = [&](const std::string& why) {
-    throw Error(ErrorCode::kFormat, header.path, fmt::format("frame {}", frame + 1),
-                "the pixels cannot be decoded" + why + "; the file is damaged");
-  };
+  static const auto decode = reinterpret_cast<decltype(&kilnDecodeByGdcm)>(
+      functionOfModule(KILN_GDCM_MODULE, "kilnDecodeByGdcm", "compressed DICOM cannot be read"));
   const File file(header.path);
   std::vector<std::vector<char>> fragments;
   for (const ByteRange& range : header.frames[static_cast<std::size_t>(frame)].fragments) {
@@ -58,13 +20,11 @@ std::vector<std::byte> decodeDicomFrame(const DicomHeader& header, std::int64_t 
     file.readAt(range.offset, std::as_writable_bytes(std::span(fragments.back())));
   }
   std::vector<std::byte> out(static_cast<std::size_t>(header.pixels.frameBytes()));
-  try {
-    if (!decode(header.pixels, fragments, out)) fail("");
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    fail(" (" + inQuotes(error.what()) + ")");
-  }
+  std::string why;
+  if (!decode(header.pixels, fragments, out, why))
+    throw Error(ErrorCode::kFormat, header.path, fmt::format("frame {}", frame + 1),
+                fmt::format("the pixels cannot be decoded{}; the file is damaged",
+                            why.empty() ? "" : " (" + inQuotes(why) + ")"));
   return out;
 }
 

@@ -9,7 +9,8 @@
 namespace kiln {
 
 /// The stored values of a frame, x fastest, in the machine's order. requires: pixels that are packed. throws: Error
-/// kFormat where they cannot be decoded, kIo. thread: any. cost: the frame's compressed bytes twice, and the frame.
+/// kFormat where they cannot be decoded, kIo, kUnsupported where GDCM's module is not there. thread: any. cost: the
+/// frame's compressed bytes twice, and the frame.
 std::vector<std::byte> decodeDicomFrame(const DicomHeader& header, std::int64_t frame);
 
 }  // namespace kiln

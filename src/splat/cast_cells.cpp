@@ -141,7 +141,7 @@ class CellCaster {
     const Spaces shown = shownSpaces(l_, in_.values);
     static_assert(sizeof shown == sizeof shown_);
     std::memcpy(shown_.data(), shown.data(), sizeof shown_);
-    SpaceBox box;
+    SpaceBox box{};
     if (!boxOf(shown, box)) return false;
     for (int a = 0; a < 3; ++a) {
       // Spaces begin half a voxel before the cell. A little more than them, as places are rounded.

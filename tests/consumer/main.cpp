@@ -1,4 +1,5 @@
 // A stranger's program: makes a volume file, converts it, draws it.
+#include <kiln/base/module.h>
 #include <kiln/convert/convert.h>
 #include <kiln/render/render_job_run.h>
 
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   kiln::ConvertOptions conversion;
   conversion.overwrite = true;
   kiln::convert(*kiln::openSource(raw, options), raw + ".kiln", conversion, silent);
+  kiln::functionOfModule("libkiln_gdcm.so", "kilnDecodeByGdcm", "an installed module is not found");  // or throws
   kiln::RenderJob job;
   job.volume = raw + ".kiln";
   job.picture.size = {64, 64};

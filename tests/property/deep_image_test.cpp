@@ -213,7 +213,7 @@ TEST_F(DeepImages, OfPartsOfAMediumAreTheWhole) {
                                   [](auto i, auto j, auto k) { return 100.0 + static_cast<double>(i + 2 * j + k); }),
                              "deep_fog", 16);
   RandomScene scene = randomScene(1, volume_, kDeepSize);
-  scene.camera = cameraFrom({{40, 44, 36}, glm::dmat4(1.0)}, {-1, -2, 1.5}, Projection::kPerspective);
+  scene.camera = cameraFrom({{40, 44, 36}, glm::dmat4(1.0), {}, {}}, {-1, -2, 1.5}, Projection::kPerspective);
   scene.camera.target = {20, 22, 18};
   scene.camera.fov_deg = 12;
   scene.view = resolve(scene.camera, kDeepSize);
