@@ -154,11 +154,10 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   if (fs::is_character_file(status) || fs::is_fifo(status)) return;
-  if (fs::is_directory(status)) throw Error(ErrorCode::kExists, path, "", "is a directory; name a file");
+  if (fs::is_directory(status)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
   const fs::path directory = path.has_parent_path() ? path.parent_path() : ".";
   if (!fs::is_directory(directory, unknown))
-    throw Error(ErrorCode::kNotFound, directory, "",
-                "there is no such directory to write " + path.filename().string() + " to");
+    throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
   makeScratch(directory);
 }
 

@@ -67,8 +67,8 @@ class FileSystem {
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
-  /// there is no such directory, kExists where a directory has the name, kNoSpace, kIo where nothing can be made beside
-  /// it. A device or a pipe is not asked.
+  /// there is no such directory, kIo where a directory has the name or nothing can be made beside it, kNoSpace. A
+  /// device or a pipe is not asked.
   void requirePlaceFor(const std::filesystem::path& path);
 
   virtual void makeDirectories(const std::filesystem::path& path);

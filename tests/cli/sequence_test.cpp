@@ -151,9 +151,9 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   EXPECT_TRUE(filesOf(directory_ / "out") == before);
   refused({"render", in("job.json"), "-o", in("one.png")}, 2, "write " + in("one_####.png"));
   refused({"render", in("job.json"), "-o", in("none/a_#.png")}, 1, "no such directory");
-  refused({"render", in("h.kiln"), "-o", in("none/a.png")}, 1, "no such directory to write a.png to");
-  refused({"render", in("h.kiln"), "-o", in("none/a.png"), "--repeat", "2"}, 1, "no such directory to write a.png to");
-  refused({"render", in("h.kiln"), "-o", in("a.png"), "--stats", in("none/s.json")}, 1, "to write s.json to");
+  refused({"render", in("h.kiln"), "-o", in("none/a.png")}, 1, in("none/a.png") + ": cannot be made");
+  refused({"render", in("h.kiln"), "-o", in("none/a.png"), "--repeat", "2"}, 1, in("none/a.png"));
+  refused({"render", in("h.kiln"), "-o", in("a.png"), "--stats", in("none/s.json")}, 1, in("none/s.json"));
   refused({"render", in("h.kiln"), "-o", "/proc/a.png"}, 1, "/proc: making a scratch file");
   refused({"render", in("job.json"), "--frames", "3-1"}, 2, "--frames: expected frames");
   refused({"render", in("job.json"), "--repeat", "2"}, 2, "--repeat");

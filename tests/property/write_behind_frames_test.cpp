@@ -79,23 +79,38 @@ TEST_F(FramesBehind, AreCharged) {
   EXPECT_EQ(with.cache_bytes + 32u * 48 * 40, without.cache_bytes);
 }
 
+// What comes into the way once the frame is begun is seen when its file is written; what is there before, earlier.
 TEST_F(FramesBehind, AFileThatCannotBeWrittenCostsItsFrameOnly) {
   const std::vector<std::string> all = drawn("all");
-  fs::create_directories(folder_ / "some_2.png/in_the_way");
-  job_.output.path = folder_ / "some_#.png";
-  Progress silent;
-  SequenceListener nobody;
-  const SequenceResult result = runSequence(job_, {}, silent, nobody);
-  EXPECT_EQ(result.statistics.failed, std::vector<int>{2});
-  EXPECT_NE(result.first_failure.find("some_2.png"), std::string::npos) << result.first_failure;
-  ASSERT_EQ(result.statistics.frames.size(), 4u);
-  for (const int frame : {1, 3, 4, 5})
-    EXPECT_EQ(readTextFile(folder_ / fmt::format("some_{}.png", frame)), all[static_cast<std::size_t>(frame) - 1]);
+  for (const bool before : {false, true}) {
+    SCOPED_TRACE(before);
+    const std::string name = before ? "before" : "since";
+    struct Listening : SequenceListener {
+      void frameStarted(int frame) override {
+        started.push_back(frame);
+        if (frame == 2) fs::create_directories(in_the_way);
+      }
+      fs::path in_the_way;
+      std::vector<int> started;
+    } listener;
+    listener.in_the_way = folder_ / (name + "_2.png") / "in_the_way";
+    if (before) fs::create_directories(listener.in_the_way);
+    job_.output.path = folder_ / (name + "_#.png");
+    Progress silent;
+    const SequenceResult result = runSequence(job_, {}, silent, listener);
+    EXPECT_EQ(listener.started, (before ? std::vector<int>{1, 3, 4, 5} : std::vector<int>{1, 2, 3, 4, 5}));
+    EXPECT_EQ(result.statistics.failed, std::vector<int>{2});
+    EXPECT_NE(result.first_failure.find(name + "_2.png"), std::string::npos) << result.first_failure;
+    ASSERT_EQ(result.statistics.frames.size(), 4u);
+    for (const int frame : {1, 3, 4, 5}) {
+      const fs::path file = folder_ / fmt::format("{}_{}.png", name, frame);
+      EXPECT_EQ(readTextFile(file), all[static_cast<std::size_t>(frame) - 1]);
+    }
+  }
 }
 
 // A frame that could not be written fails before one that was begun after it, whatever is wrong with that.
 TEST_F(FramesBehind, FailInTheirOrder) {
-  fs::create_directories(folder_ / "order_2.png/in_the_way");
   job_.output.path = folder_ / "order_#.png";
   struct Failing : Progress {
     bool cancelled() const override {
@@ -105,11 +120,15 @@ TEST_F(FramesBehind, FailInTheirOrder) {
     bool fails = false;
   } progress;
   struct Listening : SequenceListener {
-    explicit Listening(Failing& the_progress) : progress(the_progress) {}
-    void frameStarted(int frame) override { progress.fails = frame == 3; }
+    Listening(Failing& the_progress, fs::path the_obstacle) : progress(the_progress), in_the_way(the_obstacle) {}
+    void frameStarted(int frame) override {
+      progress.fails = frame == 3;
+      if (frame == 2) fs::create_directories(in_the_way);
+    }
     void frameFailed(int frame, const Error&, std::size_t) override { progress.fails = progress.fails && frame != 3; }
     Failing& progress;
-  } listener(progress);
+    fs::path in_the_way;
+  } listener(progress, folder_ / "order_2.png/in_the_way");
   const SequenceResult result = runSequence(job_, {}, progress, listener);
   EXPECT_EQ(result.statistics.failed, (std::vector<int>{2, 3}));
   EXPECT_NE(result.first_failure.find("order_2.png"), std::string::npos) << result.first_failure;

@@ -57,7 +57,7 @@ TEST(FileSystem, KnowsWhereNothingCanBeMade) {
   EXPECT_EQ(codeFor("/dev/null"), std::nullopt);
   EXPECT_EQ(codeFor(directory / "none" / "a.png"), ErrorCode::kNotFound);
   EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
-  EXPECT_EQ(codeFor(directory), ErrorCode::kExists);
+  EXPECT_EQ(codeFor(directory), ErrorCode::kIo);
   EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
 }
 
