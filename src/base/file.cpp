@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "base/error.h"
@@ -127,16 +129,32 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
   return std::string(reinterpret_cast<const char*>(data.data()), data.size());
 }
 
+fs::path temporaryFor(const fs::path& path) {
+  return fmt::format("{}.{:08x}.tmp", path.string(), std::random_device()());
+}
+
 FileSystem& FileSystem::real() {
   static FileSystem instance;
   return instance;
 }
 
-void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
+void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, WriteMode::kUnsynced);
-  const fs::path temporary = path.string() + ".tmp";
+  writeBy(temporaryFor(path), path, data, WriteMode::kSynced);
+}
+
+void FileSystem::writeAtomic(const fs::path& path, std::string_view text) { writeAtomic(path, bytesOf(text)); }
+
+void FileSystem::writeOwn(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
+  writeBy(path.string() + ".tmp", path, data, mode);
+}
+
+void FileSystem::writeOwn(const fs::path& path, std::string_view text) { writeOwn(path, bytesOf(text)); }
+
+void FileSystem::writeBy(const fs::path& temporary, const fs::path& path, std::span<const std::byte> data,
+                         WriteMode mode) {
   try {
     writeFile(temporary, data, mode);
     rename(temporary, path);
@@ -144,10 +162,6 @@ void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> da
     ::unlink(temporary.c_str());  // nobody's directory of that name
     throw;
   }
-}
-
-void FileSystem::writeAtomic(const fs::path& path, std::string_view text) {
-  writeAtomic(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
 void FileSystem::requirePlaceFor(const fs::path& path) {

@@ -44,6 +44,15 @@ class File {
 std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 
+inline std::span<const std::byte> bytesOf(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+/// A name for what is to be renamed to `path` when it is whole: in the same directory, of eight digits that no other
+/// call has, on whatever machine, and `.tmp`. So nobody's file is in its way, and two who make the same file do not
+/// write into one another's.
+std::filesystem::path temporaryFor(const std::filesystem::path& path);
+
 /// What is true of a file when the call that writes it returns.
 enum class WriteMode {
   kSynced,     // it is on its disk
@@ -59,12 +68,16 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// Writes `data` to a temporary name beside `path` and renames it over `path`: a reader sees the old file or the new
-  /// one, never a part. A device or a pipe (/dev/null) is written to as it is, never replaced. throws: Error kNoSpace,
-  /// kIo; the temporary file is removed on failure.
-  void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data,
-                   WriteMode mode = WriteMode::kSynced);
+  /// Writes `data` beside `path` and renames it over `path`: a reader sees the old file or the new one, never a part. A
+  /// device or a pipe (/dev/null) is written to as it is, never replaced. The name beside is `temporaryFor(path)`.
+  /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
+  void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
+  /// The same in a directory of Kiln's own, such as a store's, where one process writes at a time: the name beside is
+  /// always `path` and `.tmp`, so that who goes on after a kill replaces what that left.
+  void writeOwn(const std::filesystem::path& path, std::span<const std::byte> data,
+                WriteMode mode = WriteMode::kSynced);
+  void writeOwn(const std::filesystem::path& path, std::string_view text);
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
   /// there is no such directory, kIo where a directory has the name or nothing can be made beside it, kNoSpace. A
@@ -88,6 +101,10 @@ class FileSystem {
   virtual File makeScratch(const std::filesystem::path& directory);
   /// Writes `data` from `offset` of a file that `makeScratch` made. thread: safe for bytes that no other call touches.
   virtual void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data);
+
+ private:
+  void writeBy(const std::filesystem::path& temporary, const std::filesystem::path& path,
+               std::span<const std::byte> data, WriteMode mode);
 };
 
 }  // namespace kiln

@@ -27,10 +27,8 @@ thread_local ThreadTrack own_track;
 fs::path writtenFor(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
-  return fs::is_character_file(status) || fs::is_fifo(status) ? path : fs::path(path.string() + ".tmp");
+  return fs::is_character_file(status) || fs::is_fifo(status) ? path : temporaryFor(path);
 }
-
-std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 }  // namespace
 

@@ -46,8 +46,8 @@ class PictureFiles {
     }
     for (const NodeSlice& s : m_.slices) {
       const std::string method(nameIn(kVisibilityNames, s.method));
-      disk_.writeAtomic(directory_ / (stem("nodes", s.case_index, s.projection) + "-" + method + ".svg"),
-                        drawNodeSlice(s, m_.volumes[s.case_index]).file());
+      disk_.writeOwn(directory_ / (stem("nodes", s.case_index, s.projection) + "-" + method + ".svg"),
+                     drawNodeSlice(s, m_.volumes[s.case_index]).file());
     }
   }
 
@@ -58,7 +58,7 @@ class PictureFiles {
   }
   void png(std::string_view what, std::size_t case_index, Projection projection, std::string_view ending,
            const std::vector<std::byte>& data) {
-    disk_.writeAtomic(directory_ / (stem(what, case_index, projection) + std::string(ending) + ".png"), data);
+    disk_.writeOwn(directory_ / (stem(what, case_index, projection) + std::string(ending) + ".png"), data);
   }
 
   const Measurements& m_;
@@ -87,10 +87,10 @@ void requireReportDirectory(const fs::path& directory) {
 void writeReport(const Measurements& m, const fs::path& directory, FileSystem& disk) {
   disk.makeDirectories(directory);
   PictureFiles(m, directory / "pictures", disk).write();
-  disk.writeAtomic(directory / "suite.json", m.suite.text);
-  disk.writeAtomic(directory / "measurements.csv", measurementsCsv(m));
-  disk.writeAtomic(directory / "report.json", measurementsJson(m));
-  disk.writeAtomic(directory / "report.html", measurementsHtml(m));
+  disk.writeOwn(directory / "suite.json", m.suite.text);
+  disk.writeOwn(directory / "measurements.csv", measurementsCsv(m));
+  disk.writeOwn(directory / "report.json", measurementsJson(m));
+  disk.writeOwn(directory / "report.html", measurementsHtml(m));
 }
 
 }  // namespace kiln

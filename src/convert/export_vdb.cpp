@@ -151,7 +151,7 @@ void writeGrid(const openvdb::GridBase::Ptr& grid, const fs::path& path) {
 }
 
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
-  const fs::path temporary = out.string() + ".tmp";
+  const fs::path temporary = temporaryFor(out);
   try {
     errno = 0;
     writeGrid(grid, temporary);

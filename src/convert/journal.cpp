@@ -68,7 +68,7 @@ Journal::Journal(const fs::path& directory, const JournalContent& content, FileS
   std::vector<std::byte> file = beginningOf(kMagic);
   appendRecord(file, identityPayload(content.identity));
   for (const FinishedBrick& brick : content.bricks) appendRecord(file, bytesOf(brick));
-  disk_.writeAtomic(path_, file, WriteMode::kUnsynced);
+  disk_.writeOwn(path_, file, WriteMode::kUnsynced);
 }
 
 void Journal::append(const FinishedBrick& brick) {

@@ -63,7 +63,7 @@ class TileFile {
       std::vector<std::byte> beginning = beginningOf(kMagic), identity;
       appendText(identity, identity_);
       appendRecord(beginning, identity);
-      disk.writeAtomic(path_, beginning, WriteMode::kUnsynced);
+      disk.writeAtomic(path_, beginning);
     }
     std::vector<std::byte> bytes, record;
     appendTile(bytes, at, tile);

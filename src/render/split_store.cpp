@@ -29,7 +29,7 @@ Extent3 spanOf(const Manifest& volume, int level) {
 void bring(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   fs::create_hard_link(from, to, failed);
-  if (failed) FileSystem::real().writeAtomic(to, readFile(from), WriteMode::kUnsynced);
+  if (failed) FileSystem::real().writeOwn(to, readFile(from), WriteMode::kUnsynced);
 }
 
 // Calls use(key) for the stored bricks that drawing the box may ask for.
@@ -72,10 +72,10 @@ std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, cons
     progress.advance("splitting", "bricks", ++done, bricks.size());
   }
   bring(store.path() / "index.bin", directory / "index.bin");
-  disk.writeAtomic(directory / kPartFile,
-                   fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
+  disk.writeOwn(directory / kPartFile,
+                fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
   disk.syncAll(directory);
-  disk.writeAtomic(directory / "manifest.json", readFile(store.path() / "manifest.json"));
+  disk.writeOwn(directory / "manifest.json", readFile(store.path() / "manifest.json"));
   return bytes;
 }
 

@@ -52,7 +52,7 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
 
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
   // The encoder knows the kind of file by the ending.
-  const fs::path temporary = fs::path(options.path).replace_extension(".tmp" + options.path.extension().string());
+  const fs::path temporary = temporaryFor(options.path).concat(options.path.extension().string());
   struct Remove {
     const fs::path& path;
     ~Remove() {

@@ -71,7 +71,7 @@ EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte>
 }
 
 void StoreWriter::write(const EncodedBrick& brick) {
-  if (!brick.entry.constant) disk_.writeAtomic(directory_ / brickPath(brick.key), brick.file, brick_mode_);
+  if (!brick.entry.constant) disk_.writeOwn(directory_ / brickPath(brick.key), brick.file, brick_mode_);
 }
 
 // In the order of the index, so that nothing depends on which brick came first.
@@ -107,7 +107,7 @@ std::uint64_t StoreWriter::bytesWritten() const {
 
 void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_count) {
   const std::vector<std::byte> index = index_.encode();
-  disk_.writeAtomic(directory_ / "index.bin", index);
+  disk_.writeOwn(directory_ / "index.bin", index);
   // Nothing the manifest vouches for may reach the disk after it.
   disk_.syncAll(directory_);
   countStored();
@@ -116,7 +116,7 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   manifest_.index_checksum = hashOf(index);
   manifest_.histogram = histogram;
   manifest_.nan_count = nan_count;
-  disk_.writeAtomic(directory_ / "manifest.json", manifestText(manifest_));
+  disk_.writeOwn(directory_ / "manifest.json", manifestText(manifest_));
   disk_.syncAll(directory_);
 }
 

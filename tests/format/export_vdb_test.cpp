@@ -213,7 +213,7 @@ TEST_F(ExportVdb, AFailureLeavesNothing) {
   }
   EXPECT_THROW(exportVdb(store, 0, out(), stop), Error);
   EXPECT_FALSE(fs::exists(out()));
-  EXPECT_FALSE(fs::exists(out().string() + ".tmp"));
+  for (const auto& entry : fs::directory_iterator(out().parent_path())) EXPECT_NE(entry.path().extension(), ".tmp");
   EXPECT_THROW(exportVdb(store, 0, directory_ / "missing/out.vdb", silent_), Error);
 }
 

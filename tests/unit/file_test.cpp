@@ -24,19 +24,47 @@ TEST(FileSystem, WritesTheSameBytesInEveryMode) {
     for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 13);
     for (const WriteMode mode : {WriteMode::kSynced, WriteMode::kUnsynced, WriteMode::kPastCache}) {
       const fs::path path = directory / "file";
-      FileSystem::real().writeAtomic(path, data, mode);
+      FileSystem::real().writeOwn(path, data, mode);
       EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
     }
   }
 }
 
-// What is in the way of the temporary name is somebody's, even where it is empty.
+// In a directory of Kiln's own what is in the way of the temporary name may be somebody's all the same.
 TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
   const fs::path path = freshDirectory("in_the_way") / "file";
   fs::create_directory(path.string() + ".tmp");
-  EXPECT_THROW(FileSystem::real().writeAtomic(path, std::string("text")), Error);
+  EXPECT_THROW(FileSystem::real().writeOwn(path, std::string("text")), Error);
   EXPECT_TRUE(fs::is_directory(path.string() + ".tmp"));
   EXPECT_FALSE(fs::exists(path));
+}
+
+// Known because two files are made and one name is in the way: what is there afterwards is these, and nothing else.
+TEST(FileSystem, LeavesFilesWithNamesLikeTemporaryOnes) {
+  const fs::path directory = freshDirectory("like_temporary"), path = directory / "file";
+  std::ofstream(path.string() + ".tmp") << "mine";
+  FileSystem::real().writeAtomic(path, std::string("text"));
+  EXPECT_EQ(readTextFile(path), "text");
+  EXPECT_EQ(readTextFile(path.string() + ".tmp"), "mine");
+  fs::create_directories(directory / "full" / "inside");
+  EXPECT_THROW(FileSystem::real().writeAtomic(directory / "full", std::string("text")), Error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 3) << "the failed one left something";
+}
+
+// As two machines do that draw the same frames: whoever was last, the file is one of theirs and whole.
+TEST(FileSystem, TwoMayWriteTheSameFile) {
+  const fs::path directory = freshDirectory("two_writers"), path = directory / "file";
+  const auto write = [&](char letter, std::size_t size) {
+    const std::string text(size, letter);
+    for (int i = 0; i < 20; ++i) EXPECT_NO_THROW(FileSystem::real().writeAtomic(path, text));
+  };
+  std::thread other(write, 'a', std::size_t{1} << 20);
+  write('b', std::size_t{3} << 19);
+  other.join();
+  const std::string text = readTextFile(path);
+  EXPECT_TRUE(text == std::string(std::size_t{1} << 20, 'a') || text == std::string(std::size_t{3} << 19, 'b'))
+      << text.size() << " bytes";
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1);
 }
 
 TEST(FileSystem, KnowsWhereNothingCanBeMade) {
