@@ -14,6 +14,8 @@ import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401 shows a picture of ray
 
 import scene
 
+OPAQUE_AT = 1 - 255 / 32767  # its rays end when so much is opaque: in its fixed point, less than 255 of 32767 is left
+
 
 def _image(volume):
     image = vtkImageData()
