@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "frame/depth_zones.h"
-#include "frame/sweep_pool.h"
+#include "frame/memory_pool.h"
 #include "frame/zone_frames.h"
 #include "splat/ray_slabs.h"
 
@@ -51,7 +51,7 @@ class PixelLattice {
   DepthZones zones_;
   std::vector<std::unique_ptr<SlabFrame>> frames_;  // one a zone
   std::vector<RaySlabs> rays_;                      // the same, where samples are on rays
-  SweepPool pool_;
+  MemoryPool<SweepMemory> pool_;
 };
 
 }  // namespace kiln

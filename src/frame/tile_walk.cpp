@@ -12,15 +12,18 @@ struct Walk {
   const SplatFrame& frame;
   const BrickBlock& block;
   const TilePixels& tile;
+  TilePlanes& planes;
   SplatCounts& counts;
   NodeLog* log;
+  bool taken = false;  // the planes hold the tile's pixels
 
   // Node (x,y,z) of `level`: 0 is a cell, depth-1 the brick.
-  void node(int level, int x, int y, int z) const noexcept {
+  void node(int level, int x, int y, int z) noexcept {
     if (!frame.classifier->interesting(block.octree.at(level, x, y, z))) return;
     const std::int64_t edge = kCellSize << level;
     const VoxelCoord lo = {block.core.lo.x + x * edge, block.core.lo.y + y * edge, block.core.lo.z + z * edge};
     if (skipped(cube(lo, edge), level)) return;
+    if (level == 0) fetch(lo);
     const std::int64_t half = edge / 2;
     for (const std::uint8_t child : frame.projector->order().children({lo.x + half, lo.y + half, lo.z + half})) {
       const int right = child & 1, up = child >> 1 & 1, far = child >> 2;
@@ -31,13 +34,34 @@ struct Walk {
     }
   }
 
-  void subCell(const VoxelCoord& lo) const noexcept {
+  // Asks for all rows of a cell at once: each of them is a line of its own, and in front of it one would wait for it.
+  void fetch(const VoxelCoord& lo) const noexcept {
+    const VoxelBox box = cube(lo, kCellSize);
+    const std::size_t voxel = sizeOf(block.type);
+    const std::byte* const first = block.voxels.data() + static_cast<std::size_t>(block.offsetOf(box.lo)) * voxel;
+    const auto rows = [&](std::int64_t count, std::int64_t stride, const auto& each) {
+      for (std::int64_t i = 0; i < count; ++i) each(static_cast<std::size_t>(i * stride) * voxel);
+    };
+    rows(box.hi.z - box.lo.z, block.strideZ(), [&](std::size_t plane) {
+      rows(box.hi.y - box.lo.y, block.strideY(), [&](std::size_t row) { __builtin_prefetch(first + plane + row); });
+    });
+  }
+
+  void subCell(const VoxelCoord& lo) noexcept {
     const VoxelBox box = cube(lo, kSubCellSize);
-    if (!box.empty() && !skipped(box, -1)) splatCell(frame, block, box, tile, counts);
+    if (box.empty() || skipped(box, -1)) return;
+    if (!taken) takePixels();
+    splatCell(frame, block, box, planes, counts);
+  }
+
+  // All that the brick's footprints can touch.
+  void takePixels() noexcept {
+    planes.take(tile.of(intersection(frame.projector->bounds(block.core), tile.rect)));
+    taken = true;
   }
 
   // Whether nothing of `box` can be seen in this tile.
-  bool skipped(const VoxelBox& box, int level) const noexcept {
+  bool skipped(const VoxelBox& box, int level) noexcept {
     if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
     const PixelRect rect = intersection(frame.projector->bounds(box), tile.rect);
     if (rect.empty()) return true;
@@ -55,9 +79,11 @@ struct Walk {
 
 }  // namespace
 
-void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts,
-              NodeLog* log) noexcept {
-  Walk{frame, block, tile, counts, log}.node(block.octree.depth() - 1, 0, 0, 0);
+void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+              SplatCounts& counts, NodeLog* log) noexcept {
+  Walk walk{frame, block, tile, planes, counts, log};
+  walk.node(block.octree.depth() - 1, 0, 0, 0);
+  if (walk.taken) planes.putBack();
 }
 
 }  // namespace kiln

@@ -7,9 +7,10 @@
 
 namespace kiln {
 
-/// thread: tiles of one brick run at the same time; each touches its own pixels only. `log` may be null; not null, it
-/// is told of every node asked about, and one tile runs at a time.
-void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts,
-              NodeLog* log) noexcept;
+/// Splats with the help of `planes`, which holds nothing before and after. thread: tiles of one brick run at the same
+/// time; each touches its own pixels and planes only. `log` may be null; not null, it is told of every node asked about,
+/// and one tile runs at a time.
+void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+              SplatCounts& counts, NodeLog* log) noexcept;
 
 }  // namespace kiln

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cache/brick_cache.h"
-#include "frame/sweep_pool.h"
+#include "frame/memory_pool.h"
 #include "frame/zone_frames.h"
 
 namespace kiln {
@@ -97,7 +97,7 @@ class VolumeMix {
   std::vector<Zone> zones_;
   BrickWalkCounts counts_;
   std::uint64_t reading_bytes_ = 0;  // beyond what a decoded brick takes, at most
-  SweepPool pool_;
+  MemoryPool<SweepMemory> pool_;
 };
 
 }  // namespace kiln

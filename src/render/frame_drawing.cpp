@@ -142,6 +142,7 @@ void FrameDrawing::beginVisibility(const PixelRect& pixels) {
   visibility_.reset();
   visibility_ = makeVisibilityOf(known, visibilityOf(request_), request_.tile_px);
   frame_.visibility = visibility_.get();
+  frames_.clear();
   if (!quincunx) return;
   // Where `pixels` part two of which one has a ray, it is the other one's that would hide both: nobody asks it.
   const auto close = [&](int x) {
@@ -193,7 +194,7 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
     const std::size_t passed = lookahead_->turnOf(key);
     announceNext();
     if (block)
-      due_.push_back({std::move(block), rect, {}, {}, {}});
+      due_.push_back({std::move(block), rect, {}, nullptr, {}});
     else
       lookahead_->drew(key, false);
     // Those before it are drawn or hidden, but for those that are due.
@@ -257,13 +258,11 @@ void FrameDrawing::drawDue(const TilePixels& all) {
   if (due_.empty()) return;
   Span span(Activity::kBrick);
   if (span.traced()) span.note("bricks", due_.size());
-  parallelFor(due_.size(), [&](std::size_t i) {
-    DueBrick& brick = due_[i];
-    if (plan_.pixel)
-      brick.zones = plan_.pixel->cellsOf(*brick.block);
-    else
-      brick.frame = frameOfLevel(brick.block->key.level);
-  });
+  if (plan_.pixel) {
+    parallelFor(due_.size(), [&](std::size_t i) { due_[i].zones = plan_.pixel->cellsOf(*due_[i].block); });
+  } else {
+    for (DueBrick& brick : due_) brick.frame = &frameOf(brick.block->key.level);
+  }
   std::vector<DueTile> tiles = dueTiles(all.rect);
   std::atomic<std::size_t> drawn = 0;
   parallelFor(tiles.size(), [&](std::size_t i) {
@@ -285,7 +284,8 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, Splat
     return;
   }
   const TileSpan span(brick.block->key, tile.rect, counts);
-  walkTile(brick.frame, *brick.block, tile, counts, request_.node_log);
+  planes_.lend(
+      [&](TilePlanes& planes) { walkTile(*brick.frame, *brick.block, tile, planes, counts, request_.node_log); });
 }
 
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
@@ -293,6 +293,11 @@ void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {
   lookahead_->drew(key, drawn.changed);
   statistics_.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
   if (drawn.changed) statistics_.addContributing({key}, store_.index().at(key).file_bytes);
+}
+
+const SplatFrame& FrameDrawing::frameOf(int level) {
+  const auto known = frames_.find(level);
+  return known != frames_.end() ? known->second : frames_.emplace(level, frameOfLevel(level)).first->second;
 }
 
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
@@ -325,7 +330,7 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
   out.bricks_shared = after.shared - before_.shared;
   out.bricks_shared_bytes = after.shared_bytes - before_.shared_bytes;
-  out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : 0;
+  out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : planes_.bytes();
   out.load_s = after.load_seconds - before_.load_seconds;
   return out;
 }

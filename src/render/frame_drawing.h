@@ -2,12 +2,14 @@
 // picture (view, tiles, visibility), so that a pixel is the same bit for bit with whatever part it is drawn.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
 #include "frame/lookahead.h"
+#include "frame/memory_pool.h"
 #include "frame/pixel_lattice.h"
 #include "frame/value_projection.h"
 #include "frame/volume_mix.h"
@@ -82,7 +84,7 @@ class FrameDrawing {
     std::shared_ptr<const BrickBlock> block;
     PixelRect rect;
     std::vector<PixelLattice::ZoneCells> zones;  // not of the voxel lattice
-    SplatFrame frame;                            // of the voxel lattice
+    const SplatFrame* frame = nullptr;           // of the voxel lattice
     SplatCounts counts;
   };
   /// A tile and, front to back, the bricks that are drawn into it, by their places among those that are due.
@@ -99,7 +101,8 @@ class FrameDrawing {
   void drawTile(const DueBrick& brick, const TilePixels& tile, SplatCounts& counts);
   /// Adds what drawing a brick has cost.
   void count(const BrickKey& key, const SplatCounts& drawn);
-  /// What the voxel lattice's kernels are told.
+  /// What the voxel lattice's kernels are told; made once for what is being drawn.
+  const SplatFrame& frameOf(int level);
   SplatFrame frameOfLevel(int level) const;
 
   const StoreReader& store_;
@@ -109,6 +112,8 @@ class FrameDrawing {
   FramePlan plan_;
   std::unique_ptr<Visibility> visibility_;  // of what is being drawn
   SplatFrame frame_;                        // without what depends on a level
+  std::map<int, SplatFrame> frames_;        // by level, of what is being drawn
+  MemoryPool<TilePlanes> planes_;           // of the voxel lattice
   const CacheCounts before_;
   FrameStatistics statistics_;
   SplatCounts counts_;

@@ -18,6 +18,7 @@
 #include "render/pixel_filter.h"
 #include "splat/coverage.h"
 #include "splat/projected_values.h"
+#include "splat/tile_planes.h"
 
 namespace kiln {
 namespace {
@@ -85,6 +86,15 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
   // Rays need no sheets and nothing that waits.
   const std::uint64_t swept = drawsSlabs(job) ? padded * padded * volumes * of_pixel : 0;
   return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
+}
+
+// What each thread holds a tile's pixels in while it splats voxels into them. `pixels`: what is drawn, sub-pixels too.
+std::uint64_t planesBytes(const RenderJob& job, const ImageSize& pixels) {
+  const auto edge = [&](int whole) {
+    return static_cast<std::size_t>(job.speed.tile_px == 0 ? whole : std::min(job.speed.tile_px, whole));
+  };
+  const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
+  return threads * TilePlanes::bytesFor(edge(pixels.width), edge(pixels.height));
 }
 
 // A piece of the picture is drawn as a whole, as the picture is.
@@ -157,6 +167,8 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
     if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
+  if (composites && job.picture.lattice == Lattice::kVoxel)
+    out.slabs = out.least_slabs = planesBytes(job, {edge * drawn.width(), edge * drawn.height()});
   if (edges) {
     const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() + out.brick);
     out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);

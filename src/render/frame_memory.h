@@ -22,7 +22,7 @@ struct FrameMemory {
   std::uint64_t edges = 0;       // layers of a partial image's edges: up to a quarter of the budget
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
-  std::uint64_t slabs = 0;       // of the pixel lattice: what each thread sweeps with; on rays, the lists of cells
+  std::uint64_t slabs = 0;       // what each thread draws with: slabs; on rays, the lists of cells; a tile of voxels
   std::uint64_t trace = 0;       // the trace, where one is kept
   std::uint64_t behind = 0;      // of a sequence, the frame before, of which files are written; of what the rest leaves
   std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves

@@ -42,6 +42,11 @@ class Classifier {
     }
   }
 
+  /// The same of types of one or two bytes, as a table that a loop may keep: 0 for values that have none. shape: from
+  /// firstValue() on.
+  const std::uint8_t* shown() const { return shown_.data(); }
+  int firstValue() const { return first_; }
+
   /// Whether some value of the range may have an opacity above zero. Conservative only at a step of the function.
   /// cost: a binary search over the function's points.
   bool interesting(const ValueRange& range) const;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/lay_voxels.cpp"
@@ -38,32 +39,45 @@ constexpr PackedPixels kPixels = [] {
   }
   return out;
 }();
-// Of four pixels, the first so many.
-alignas(16) constexpr float kFirst[4][4] = {{1, 1, 1, 1}, {1, 0, 0, 0}, {1, 1, 0, 0}, {1, 1, 1, 0}};
+// Of a row, so many pixels are blended together; rows of footprint tables are as long.
+constexpr int kWide = TilePlanes::kWide;
+static_assert(VoxelFootprint::kColumns == kWide && VoxelFootprint::kRows <= kPackedRows);
+using D8 = hn::CappedTag<float, static_cast<std::size_t>(kWide)>;
+using V8 = hn::Vec<D8>;
+using M8 = hn::Mask<D8>;
 
 template <bool kAovs>
 class VoxelLayer {
  public:
-  VoxelLayer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, const TilePixels& tile,
+  VoxelLayer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, TilePlanes& planes,
              float opaque_at, Visibility& visibility)
-      : w_(view), p_(voxels), s_(shaded), tile_(tile), opaque_at_(opaque_at), visibility_(visibility) {}
+      : w_(view), p_(voxels), s_(shaded), planes_(planes), opaque_at_(opaque_at), visibility_(visibility) {}
 
   // Step by step for all of the batch, so that no voxel's sums and quotients keep the next one waiting; but blended one
   // after the other.
   void run(std::uint32_t drawn) {
-    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(D())) prepare(n);
+    const std::uint32_t of_vector = (1u << hn::Lanes(D())) - 1;
+    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(D())) {
+      if ((drawn >> n & of_vector) != 0) prepare(n);
+    }
     float* to = weights_;
+    if (w_.footprint != nullptr) {
+      forEach(drawn, [&](std::size_t n) { to = makeOpaqueOfTable(n, to); });
+      forEach(drawn, [&](std::size_t n) { lay<true>(n); });
+      return;
+    }
     forEach(drawn, [&](std::size_t n) { to = weigh(n, to); });
     forEach(drawn, [&](std::size_t n) { makeOpaque(n); });
-    forEach(drawn, [&](std::size_t n) { lay(n); });
+    forEach(drawn, [&](std::size_t n) { lay<false>(n); });
   }
 
  private:
   // Of each voxel: the logarithm of a weight, to base 2, is xx dx² + xy dx dy + yy dy².
   struct Prepared {
     alignas(64) float xx[kVoxelBatch], xy[kVoxelBatch], yy[kVoxelBatch];
-    alignas(64) float depth[kVoxelBatch];  // optical depth times pixels
-    alignas(64) float light[4 * kVoxelBatch];
+    alignas(64) std::int32_t column[kVoxelBatch], row[kVoxelBatch];  // phases of the footprint table
+    alignas(64) float depth[kVoxelBatch];                            // optical depth times pixels
+    alignas(64) float light[3][kVoxelBatch];
     float sum[kVoxelBatch];       // of weights
     float* weights[kVoxelBatch];  // then opacities; null where they are found row by row
   };
@@ -91,6 +105,9 @@ class VoxelLayer {
       const V r = hn::Load(d, p_.r + n), squared = hn::Mul(r, r);
       depth = hn::Mul(hn::Mul(depth, squared), sight.oblique);
       ellipses(n, sight, squared);
+    } else if (w_.footprint != nullptr) {
+      phases(p_.dx + n, w_.ellipse.half_x, q_.column + n);
+      phases(p_.dy + n, w_.ellipse.half_y, q_.row + n);
     } else {
       hn::Store(hn::Set(d, kHalfLog * w_.ellipse.a), d, q_.xx + n);
       hn::Store(hn::Set(d, 2 * kHalfLog * w_.ellipse.b), d, q_.xy + n);
@@ -103,10 +120,21 @@ class VoxelLayer {
       const Vector slope{hn::Load(d, s_.slope[0] + n), hn::Load(d, s_.slope[1] + n), hn::Load(d, s_.slope[2] + n)};
       V matte = one, gloss = hn::Zero(d);
       lightOn(d, w_.light, w_.perspective, slope, sight, matte, gloss);
-      const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+      const auto lit = [&](V color) { return fused(color, matte, gloss); };
       red = lit(red), green = lit(green), blue = lit(blue);
     }
-    hn::StoreInterleaved4(red, green, blue, one, d, q_.light + 4 * n);
+    hn::Store(red, d, q_.light[0] + n);
+    hn::Store(green, d, q_.light[1] + n);
+    hn::Store(blue, d, q_.light[2] + n);
+  }
+
+  // VoxelFootprint::phaseOf.
+  HWY_INLINE static void phases(const float* from_centre, float half, std::int32_t* to) {
+    const D d;
+    const DI di;
+    const V part = hn::Add(hn::Load(d, from_centre), hn::Set(d, half));
+    const VI phase = hn::ConvertTo(di, hn::Mul(part, hn::Set(d, static_cast<float>(VoxelFootprint::kPhases))));
+    hn::Store(hn::Min(hn::Max(phase, hn::Zero(di)), hn::Set(di, VoxelFootprint::kPhases - 1)), di, to);
   }
 
   HWY_INLINE void ellipses(std::size_t n, const Sight& sight, V squared) {
@@ -127,8 +155,8 @@ class VoxelLayer {
   HWY_INLINE V weightsOf(std::size_t n, V column, V row, M in_footprint) const {
     const D d;
     const V dx = hn::Add(hn::Set(d, p_.dx[n]), column), dy = hn::Add(hn::Set(d, p_.dy[n]), row);
-    const V across = hn::Add(hn::Mul(dx, hn::Set(d, q_.xx[n])), hn::Mul(dy, hn::Set(d, q_.xy[n])));
-    const V log = hn::Add(hn::Mul(dx, across), hn::Mul(hn::Mul(dy, dy), hn::Set(d, q_.yy[n])));
+    const V across = fused(dx, hn::Set(d, q_.xx[n]), hn::Mul(dy, hn::Set(d, q_.xy[n])));
+    const V log = fused(dx, across, hn::Mul(hn::Mul(dy, dy), hn::Set(d, q_.yy[n])));
     return hn::IfThenElseZero(hn::And(in_footprint, hn::Ge(log, hn::Set(d, kLeastLog))),
                               exp2Of(d, hn::Min(log, hn::Zero(d))));
   }
@@ -160,7 +188,6 @@ class VoxelLayer {
     }
     q_.sum[n] = sumOf(sums);
     q_.weights[n] = to;
-    std::fill_n(to + pixels, 4, 0.0f);  // the last row's last pixels are read by four, too
     return to + (pixels + kChunk - 1) / kChunk * kChunk;
   }
 
@@ -186,13 +213,14 @@ class VoxelLayer {
     }
   }
 
-  // Of every sixteenth weight to that of all.
+  // Of every sixteenth weight to that of all: halves are added until one is left.
   HWY_INLINE static float sumOf(const float* sums) {
-    alignas(64) float eight[8], four[4];
-    const hn::CappedTag<float, 8> d8;
+    const D8 d8;
     const hn::CappedTag<float, 4> d4;
+    alignas(32) float eight[8];
     for (std::size_t i = 0; i < 8; i += hn::Lanes(d8))
       hn::Store(hn::Add(hn::Load(d8, sums + i), hn::Load(d8, sums + 8 + i)), d8, eight + i);
+    alignas(16) float four[4];
     for (std::size_t i = 0; i < 4; i += hn::Lanes(d4))
       hn::Store(hn::Add(hn::Load(d4, eight + i), hn::Load(d4, eight + 4 + i)), d4, four + i);
     return (four[0] + four[2]) + (four[1] + four[3]);
@@ -216,131 +244,160 @@ class VoxelLayer {
       hn::Store(opacityOf(d, hn::Mul(hn::Load(d, weights + i), scale)), d, weights + i);
   }
 
-  HWY_INLINE void lay(std::size_t n) const {
-    const PixelRect within = intersection(p_.rect(n), tile_.rect);
-    if (q_.weights[n] == nullptr) return layLarge(n, within);
-    const int columns = width(n), first = p_.x0[n], whole = columns & ~3, rest = columns & 3;
-    const float* row = q_.weights[n] + (within.y0 - p_.y0[n]) * columns;
-    float* pixels = pixelAt(first, within.y0);
-    if (!kAovs && first >= tile_.rect.x0 && first + whole + (rest > 0 ? 4 : 0) <= tile_.rect.x1) {
-      for (int y = within.y0; y < within.y1; ++y, row += columns, pixels += tile_.stride) {
-        for (int i = 0; i < whole; i += 4) blendFour<false>(n, row + i, pixels + 4 * i, 4, first + i, y);
-        if (rest > 0) blendFour<true>(n, row + whole, pixels + 4 * whole, rest, first + whole, y);
-      }
-      return;
+  // The opacities of a footprint out of the table, at `to`: eight a row. The next one's place.
+  HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) {
+    const D8 d;
+    q_.weights[n] = to;
+    const float* const columns = w_.footprint->columns(q_.column[n]);
+    const float* const rows = w_.footprint->rows(q_.row[n]);
+    for (int j = 0; j < height(n); ++j, to += kWide) {
+      const V8 scale = hn::Set(d, q_.depth[n] * rows[j]);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d))
+        hn::Store(opacityOf(d, hn::Mul(hn::LoadU(d, columns + i), scale)), d, to + i);
     }
-    for (int y = within.y0; y < within.y1; ++y, row += columns, pixels += tile_.stride)
-      blendRow(n, row, pixels, first, columns, y);
+    return to;
+  }
+
+  // kOfTable: rows are eight pixels, those beyond the footprint with an opacity of zero.
+  template <bool kOfTable>
+  HWY_INLINE void lay(std::size_t n) {
+    const PixelRect within = intersection(p_.rect(n), planes_.rect());
+    const int columns = width(n), stride = kOfTable ? kWide : columns, x = p_.x0[n];
+    const float* row = q_.weights[n] + (within.y0 - p_.y0[n]) * stride;
+    if (!kOfTable && q_.weights[n] == nullptr) {
+      layLarge(n, within);
+    } else if constexpr (kAovs) {
+      for (int y = within.y0; y < within.y1; ++y, row += stride) blendRow(n, row, x, columns, y);
+    } else {
+      const Brush brush(q_, n, opaque_at_, planes_.plane());
+      float* pixels = planes_.at(x, within.y0);
+      unsigned closing[kPackedRows], any = 0;
+      for (int y = within.y0; y < within.y1; ++y, row += stride, pixels += 4 * brush.plane)
+        any |= closing[y - within.y0] = blendEight<!kOfTable>(brush, row, columns, pixels);
+      if (any == 0) return;
+      for (int y = within.y0; y < within.y1; ++y) close(x, y, closing[y - within.y0]);
+    }
   }
 
   // Sixteen pixels of a row at a time.
-  HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) const {
+  HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
     alignas(64) float chunk[kChunk];
     constexpr int kColumns = static_cast<int>(kChunk);
+    const Brush brush(q_, n, opaque_at_, planes_.plane());
     const int first = (within.x0 - p_.x0[n]) / kColumns * kColumns;
     for (int y = within.y0; y < within.y1; ++y) {
       for (int i = first; i < within.x1 - p_.x0[n]; i += kColumns) {
-        const int x = p_.x0[n] + i;
         weighChunk(n, i, y - p_.y0[n], chunk);
         makeOpaque(n, chunk, kChunk);
-        blendRow(n, chunk, pixelAt(x, y), x, std::min(kColumns, width(n) - i), y);
+        for (int k = 0; k < kColumns; k += kWide) {
+          const int x = p_.x0[n] + i + k;
+          if (x + kWide <= within.x0 || x >= within.x1) continue;
+          if constexpr (kAovs)
+            blendRow(n, chunk + k, x, std::min(kWide, width(n) - i - k), y);
+          else
+            close(x, y, blendEight<false>(brush, chunk + k, kWide, planes_.at(x, y)));
+        }
       }
     }
   }
 
-  float* pixelAt(int x, int y) const {
-    return tile_.rgba + (y - tile_.rect.y0) * tile_.stride + std::ptrdiff_t{4} * (x - tile_.rect.x0);
-  }
+  // What all pixels of a footprint share.
+  struct Brush {
+    Brush(const Prepared& q, std::size_t n, float opaque_at, std::ptrdiff_t between_channels)
+        : plane(between_channels),
+          red(hn::Set(D8(), q.light[0][n])),
+          green(hn::Set(D8(), q.light[1][n])),
+          blue(hn::Set(D8(), q.light[2][n])),
+          opaque(hn::Set(D8(), opaque_at)) {}
+    std::ptrdiff_t plane;
+    V8 red, green, blue, opaque;
+  };
 
-  // Pixels of row y from x on, those beside the tile left out: they are another thread's.
-  HWY_NOINLINE void blendRow(std::size_t n, const float* opacities, float* pixels, int x, int columns, int y) const {
-    const int first = std::max(tile_.rect.x0 - x, 0), end = std::min(tile_.rect.x1 - x, columns);
-    for (int i = first; i < end;) {
-      if (!kAovs && i % 4 == 0 && i + 4 <= end) {
-        blendFour<false>(n, opacities + i, pixels + 4 * i, 4, x + i, y);
-        i += 4;
-      } else {
-        blendOne(n, opacities[i], pixels + 4 * i, x + i, y);
-        ++i;
-      }
-    }
-  }
-
-  // The first `count` of four pixels of row y, from x on; kPart: they may be fewer than four.
+  // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold. A closed pixel has an
+  // alpha of one, and nothing is added to it.
   template <bool kPart>
-  HWY_INLINE void blendFour(std::size_t n, const float* opacities, float* pixels, int count, int x, int y) const {
-#if HWY_TARGET == HWY_SCALAR
-    for (int i = 0; i < count; ++i) blendOne(n, opacities[i], pixels + 4 * i, x + i, y);
-#else
-    const D d;
-    const V one = hn::Set(d, 1.0f), light = hn::LoadDup128(d, q_.light + 4 * n);
-    for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-      const V pixel = hn::LoadU(d, pixels + i), held = hn::Broadcast<3>(pixel);
-      // A closed pixel has an alpha of one, and nothing is added to it.
-      V opacity = eachFourTimes(opacities, i);
-      if constexpr (kPart) opacity = hn::Mul(opacity, eachFourTimes(kFirst[count & 3], i));
-      const V added = hn::Mul(opacity, hn::Sub(one, held));
-      const M closing = hn::And(hn::Lt(held, one), hn::Ge(hn::Add(held, added), hn::Set(d, opaque_at_)));
-      if (HWY_LIKELY(hn::AllFalse(d, closing))) {
-        hn::StoreU(hn::Add(pixel, hn::Mul(added, light)), d, pixels + i);
-      } else {
-        for (std::size_t j = i / 4; j < std::min((i + hn::Lanes(d)) / 4, static_cast<std::size_t>(count)); ++j)
-          blendOne(n, opacities[j], pixels + 4 * j, x + static_cast<int>(j), y);
+  HWY_INLINE static unsigned blendEight(const Brush& brush, const float* opacities, int count, float* pixels) {
+    const D8 d;
+    const V8 one = hn::Set(d, 1.0f);
+    const std::ptrdiff_t plane = brush.plane;
+    unsigned closing = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
+      V8 opacity = hn::LoadU(d, opacities + i);
+      if constexpr (kPart) {
+        const M8 counted = hn::Lt(hn::Iota(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(count)));
+        opacity = hn::IfThenElseZero(counted, opacity);
       }
+      float* const at = pixels + i;
+      const V8 held = hn::LoadU(d, at + 3 * plane);
+      const V8 added = fusedLess(opacity, held, opacity), after = hn::Add(held, added);
+      hn::StoreU(after, d, at + 3 * plane);
+      hn::StoreU(fused(added, brush.red, hn::LoadU(d, at)), d, at);
+      hn::StoreU(fused(added, brush.green, hn::LoadU(d, at + plane)), d, at + plane);
+      hn::StoreU(fused(added, brush.blue, hn::LoadU(d, at + 2 * plane)), d, at + 2 * plane);
+      closing |= bitsOf(hn::And(hn::Lt(held, one), hn::Ge(after, brush.opaque))) << i;
     }
-#endif
+    return closing;
+  }
+  HWY_INLINE static unsigned bitsOf(M8 mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(D8(), mask, bytes);
+    return bytes[0];
   }
 
-#if HWY_TARGET != HWY_SCALAR
-  // Numbers i and on of four opacities, each for a pixel's four channels.
-  HWY_INLINE static V eachFourTimes(const float* opacities, std::size_t i) {
-    const D d;
-    if constexpr (hn::MaxLanes(D()) <= 4) {
-      return hn::Set(d, opacities[i / 4]);
-    } else {
-      alignas(64) static constexpr std::int32_t kPixel[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-      return hn::TableLookupLanes(hn::LoadDup128(d, opacities), hn::SetTableIndices(d, kPixel + i));
-    }
+  // Those of the pixels from (x, y) on that have their bit set are divided by their alpha, and take nothing more.
+  HWY_INLINE void close(int x, int y, unsigned closing) {
+    for (; closing != 0; closing &= closing - 1) closeOne(x + std::countr_zero(closing), y);
   }
-#endif
-
-  // The same bits as blendFour for each of the four; and what is rare.
-  HWY_NOINLINE void blendOne(std::size_t n, float opacity, float* pixel, int x, int y) const {
-    const float before = pixel[3];
-    if (!(before < 1)) return;
-    const float added = opacity * (1.0f - before);
-    for (std::size_t c = 0; c < 4; ++c) pixel[c] += added * q_.light[4 * n + c];
-    const bool closes = pixel[3] >= opaque_at_;
-    if constexpr (kAovs) addAovs(s_.aov[n], tile_.placeOf(x, y), before, added, closes);
-    if (!closes) return;
-    const float full = 1.0f / pixel[3];
-    for (int c = 0; c < 3; ++c) pixel[c] *= full;
-    pixel[3] = 1.0f;
+  HWY_INLINE void closeOne(int x, int y) {
+    float* const pixel = planes_.at(x, y);
+    const std::ptrdiff_t plane = planes_.plane();
+    const float full = 1.0f / pixel[3 * plane];
+    for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] *= full;
+    pixel[3 * plane] = 1.0f;
     visibility_.close(x, y);
+  }
+
+  // The same one by one, for what is told beside colours. Pixels beside the tile are left out: they are another
+  // thread's.
+  HWY_NOINLINE void blendRow(std::size_t n, const float* opacities, int x, int columns, int y) {
+    const int end = std::min(planes_.rect().x1 - x, columns);
+    const std::ptrdiff_t plane = planes_.plane();
+    for (int i = std::max(planes_.rect().x0 - x, 0); i < end; ++i) {
+      float* const pixel = planes_.at(x + i, y);
+      const float before = pixel[3 * plane];
+      if (!(before < 1)) continue;
+      const float added = std::fma(-opacities[i], before, opacities[i]);
+      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = std::fma(added, q_.light[c][n], pixel[c * plane]);
+      pixel[3 * plane] = before + added;
+      const bool closes = pixel[3 * plane] >= opaque_at_;
+      addAovs(s_.aov[n], planes_.placeOf(x + i, y), before, added, closes);
+      if (closes) closeOne(x + i, y);
+    }
   }
 
   // A pixel's alpha was `before` and is more by `added`, not closed yet.
   void addAovs(const VoxelAov& voxel, std::ptrdiff_t at, float before, float added, bool closes) const {
+    const AovPixels& aovs = planes_.aovs();
     const float after = before + added;
-    tile_.aovs.add(at, added * voxel.depth, added * voxel.normal, closes ? 1 / after : 1);
-    if (tile_.aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes))
-      tile_.aovs.first[at] = voxel.depth;
+    aovs.add(at, added * voxel.depth, added * voxel.normal, closes ? 1 / after : 1);
+    if (aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes)) aovs.first[at] = voxel.depth;
   }
 
   const VoxelView& w_;
   const ProjectedVoxels& p_;
   const ShadedVoxels& s_;
-  const TilePixels& tile_;
+  TilePlanes& planes_;
   const float opaque_at_;
   Visibility& visibility_;
   Prepared q_;
-  alignas(64) float weights_[kVoxelBatch * kPacked * kPackedRows + 4];
+  // Of the last row's last pixels eight are read, too.
+  alignas(64) float weights_[kVoxelBatch * kPacked * kPackedRows + kWide];
 };
 
 void layVoxelsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-                 const TilePixels& tile, float opaque_at, Visibility& visibility) {
-  tile.aovs.any() ? VoxelLayer<true>(view, voxels, shaded, tile, opaque_at, visibility).run(drawn)
-                  : VoxelLayer<false>(view, voxels, shaded, tile, opaque_at, visibility).run(drawn);
+                 TilePlanes& planes, float opaque_at, Visibility& visibility) {
+  planes.aovs().any() ? VoxelLayer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
+                      : VoxelLayer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
 }
 
 }  // namespace
@@ -354,8 +411,8 @@ namespace kiln {
 HWY_EXPORT(layVoxelsOn);
 
 void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-               const TilePixels& tile, float opaque_at, Visibility& visibility) noexcept {
-  HWY_DYNAMIC_DISPATCH(layVoxelsOn)(view, voxels, shaded, drawn, tile, opaque_at, visibility);
+               TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
+  HWY_DYNAMIC_DISPATCH(layVoxelsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
 }
 
 }  // namespace kiln

@@ -1,8 +1,9 @@
 // Footprints of voxels over the pixels of a tile, one after the other, front to back: light, weights, opacities,
-// blending; the second of the two kernels of `--lattice voxel`. A footprint's weights are divided by their sum over all
-// of its pixels, in the tile or not. Sixteen pixels are a vector when weights and opacities are found, four when they
-// are blended. One implementation in Highway, without fused or approximate operations, sums in an order that no
-// vector's length changes: all instruction sets give the same bits.
+// blending; the second of the two kernels of `--lattice voxel`. A footprint's weights sum to one over all of its pixels,
+// in the tile or not: they are those of a table (splat/voxel_footprint.h) where there is one, else found pixel by pixel
+// and divided by their sum. Eight or sixteen pixels are a vector when weights and opacities are found, eight of a row
+// when they are blended. One implementation in Highway, without approximate operations, fused where it says so, sums in
+// an order that no vector's length changes: all instruction sets give the same bits.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 #include "occlusion/visibility.h"
 #include "splat/classifier.h"
 #include "splat/project_voxels.h"
-#include "splat/tile_pixels.h"
+#include "splat/tile_planes.h"
 
 namespace kiln {
 
@@ -28,10 +29,10 @@ struct ShadedVoxels {
   VoxelAov aov[kVoxelBatch];                // where the tile has AOVs
 };
 
-/// Draws those of the voxels that have their bit in `drawn`. A pixel that reaches the alpha `opaque_at` is divided by
+/// Draws those of the voxels that have their bit in `drawn` into what `planes` holds. A pixel that reaches the alpha `opaque_at` is divided by
 /// it and closed, so that its alpha of one lets nothing more in, whatever the visibility method. A pixel's result does
 /// not depend on the tile's rectangle.
 void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-               const TilePixels& tile, float opaque_at, Visibility& visibility) noexcept;
+               TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
 
 }  // namespace kiln

@@ -151,7 +151,10 @@ VoxelView::VoxelView(const Projector& projector, const PlainLight& of_light)
       near_depth(projector.nearDepth()),
       length(static_cast<float>(projector.voxelVolume() * focal * focal)),
       light(of_light) {
-  if (!perspective) ellipse = projector.ellipseAt(origin);
+  if (!perspective) {
+    ellipse = projector.ellipseAt(origin);
+    if (VoxelFootprint::fits(ellipse)) footprint = std::make_shared<VoxelFootprint>(ellipse);
+  }
   const glm::dmat3 c = focal * focal * projector.covariance();
   const double of_axes[6] = {c[0][0], c[1][0], c[1][1], c[2][0], c[2][1], c[2][2]};
   for (int i = 0; i < 6; ++i) covariance[i] = static_cast<float>(of_axes[i]);

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 
 #include "base/pixel_rect.h"
 #include "grid/coords.h"
 #include "splat/plain_light.h"
 #include "splat/projector.h"
+#include "splat/voxel_footprint.h"
 
 namespace kiln {
 
@@ -26,6 +28,8 @@ struct VoxelView {
   glm::dvec2 centre{0};
   double near_depth = 0;
   Ellipse ellipse;  // orthographic: everywhere
+  // Orthographic, where the ellipse has one.
+  std::shared_ptr<const VoxelFootprint> footprint;
   // Of the kernel, by the squared focal length; in perspective over depth squared: xx, xy, yy, xz, yz, zz.
   float covariance[6]{};
   // The length of material that a voxel puts behind each pixel where its footprint's weights sum to one: the volume of

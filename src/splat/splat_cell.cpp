@@ -18,14 +18,19 @@ namespace {
 template <class T>
 class CellSplatter {
  public:
-  CellSplatter(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, SplatCounts& counts)
-      : frame_(frame), block_(block), voxels_(block.data<T>()), tile_(tile), counts_(counts), ends_(frame.ends.any()) {}
+  CellSplatter(const SplatFrame& frame, const BrickBlock& block, TilePlanes& planes, SplatCounts& counts)
+      : frame_(frame),
+        block_(block),
+        voxels_(block.data<T>()),
+        planes_(planes),
+        counts_(counts),
+        ends_(frame.ends.any()) {}
 
   void cell(const VoxelBox& box) {
     lo_ = box.lo;
     first_ = voxels_ + block_.offsetOf(lo_);
     cut_ = frame_.clip->classify(box) == ClipRegion::Overlap::kCut;
-    more_ = cut_ || !frame_.light_is_plain || frame_.gradient_opacity.active() || tile_.aovs.any();
+    more_ = cut_ || ends_ || !frame_.light_is_plain || frame_.gradient_opacity.active() || planes_.aovs().any();
     find(box);
     for (std::size_t n = 0; n < found_count_; n += kVoxelBatch) batch(n);
   }
@@ -40,6 +45,7 @@ class CellSplatter {
       count[axis] = static_cast<int>(box.hi[axis] - box.lo[axis]);
       frame_.projector->order().axisOrder(axis, box.lo[axis], count[axis], order[axis]);
     }
+    const auto shows = showsOf();
     std::size_t n = 0;
     for (int k = 0; k < count[2]; ++k) {
       for (int j = 0; j < count[1]; ++j) {
@@ -56,53 +62,92 @@ class CellSplatter {
     found_count_ = n;
   }
 
-  bool shows(T value) const {
-    if constexpr (std::is_floating_point_v<T>) {
-      if (std::isnan(value)) return false;
+  // Whether a value is not transparent.
+  auto showsOf() const {
+    if constexpr (sizeof(T) <= 2) {
+      return [shown = frame_.classifier->shown(), first = frame_.classifier->firstValue()](T value) {
+        return shown[static_cast<int>(value) - first] != 0;
+      };
+    } else {
+      return [&classifier = *frame_.classifier](T value) {
+        if constexpr (std::is_floating_point_v<T>) {
+          if (std::isnan(value)) return false;
+        }
+        return classifier.shows(value);
+      };
     }
-    return frame_.classifier->shows(value);
   }
 
   void batch(std::size_t first) {
     const auto count = static_cast<int>(std::min<std::size_t>(found_count_ - first, kVoxelBatch));
     ProjectedVoxels projected;
-    projectVoxels(frame_.view, lo_, codes_ + first, count, tile_.rect, projected);
-    ShadedVoxels shaded;
-    std::uint32_t drawn = 0;
-    for (std::uint32_t rest = projected.touching; rest != 0; rest &= rest - 1) {
-      const auto n = static_cast<std::size_t>(std::countr_zero(rest));
-      const std::int32_t code = codes_[first + n];
-      if (cut_ && !frame_.clip->contains(indexOf(code))) continue;
-      const std::uint32_t counted = projected.inside >> n & 1;
-      counts_.visited += counted;
-      if (frame_.test_samples && frame_.visibility->hidden(intersection(projected.rect(n), tile_.rect))) continue;
-      counts_.splats += counted;
-      drawn |= 1u << n;
-      take(code, n, shaded);
+    projectVoxels(frame_.view, lo_, codes_ + first, count, planes_.rect(), projected);
+    std::uint32_t drawn = projected.touching;
+    if (cut_) {
+      forEach(projected.touching, [&](std::size_t n) {
+        if (!frame_.clip->contains(indexOf(codes_[first + n]))) drawn &= ~(1u << n);
+      });
     }
+    counts_.visited += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
+    if (frame_.test_samples) drawn = planes_.open(projected, drawn);
+    counts_.splats += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
     if (drawn == 0) return;
     counts_.changed = true;
-    layVoxels(frame_.view, projected, shaded, drawn, tile_, frame_.opaque_at, *frame_.visibility);
+    ShadedVoxels shaded;
+    take(drawn, codes_ + first, shaded);
+    layVoxels(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
   }
 
-  // What the second kernel asks of a voxel that is drawn, as the n-th of its batch.
-  void take(std::int32_t code, std::size_t n, ShadedVoxels& shaded) const {
-    const T* const at = first_ + offsetOf(code);
-    const glm::vec3 slope = gradient(at);
-    for (int axis = 0; axis < 3; ++axis) shaded.slope[axis][n] = slope[axis];
-    Material material = frame_.classifier->at(*at);
-    if (more_) takeMore(code, n, slope, material, shaded);
-    if (ends_) material.tau *= static_cast<float>(frame_.ends.partOf(voxelAt(lo_, code)));
-    std::memcpy(shaded.material + 4 * n, &material, sizeof material);
+  template <class F>
+  static void forEach(std::uint32_t drawn, F f) {
+    for (; drawn != 0; drawn &= drawn - 1) f(static_cast<std::size_t>(std::countr_zero(drawn)));
   }
 
-  // The same beyond the second kernel: colours of other lights and of cuts, opacity by gradient, and AOVs.
-  void takeMore(std::int32_t code, std::size_t n, const glm::vec3& measured, Material& material,
-                ShadedVoxels& shaded) const {
+  // What the second kernel asks of the voxels that are drawn.
+  void take(std::uint32_t drawn, const std::int32_t* codes, ShadedVoxels& shaded) const {
+    forEach(drawn, [&](std::size_t n) {
+      const Material material = frame_.classifier->at(first_[offsetOf(codes[n])]);
+      std::memcpy(shaded.material + 4 * n, &material, sizeof material);
+    });
+    if (frame_.view.light.phong || more_) takeSlopes(drawn, codes, shaded);
+    if (more_) forEach(drawn, [&](std::size_t n) { takeMore(codes[n], n, shaded); });
+  }
+
+  // Central differences at voxel scale, of labels those of their opacities. unit: value per voxel.
+  void takeSlopes(std::uint32_t drawn, const std::int32_t* codes, ShadedVoxels& shaded) const {
+    const Classifier& classifier = *frame_.classifier;
+    const std::ptrdiff_t strides[3] = {1, block_.strideY(), block_.strideZ()};
+    const auto take = [&](auto& to, auto of) {
+      forEach(drawn, [&](std::size_t n) {
+        const T* const at = first_ + offsetOf(codes[n]);
+        for (int axis = 0; axis < 3; ++axis) to[axis][n] = of(at[strides[axis]], at[-strides[axis]]);
+      });
+    };
+    if (classifier.ofLabels()) {
+      const auto opacity = [&](T label) { return classifier.opacityOf(static_cast<double>(label)); };
+      take(shaded.slope, [&](T hi, T lo) { return 0.5f * (opacity(hi) - opacity(lo)); });
+    } else if constexpr (sizeof(T) <= 2) {
+      take(shaded.slope, [](T hi, T lo) {
+        return 0.5f * static_cast<float>(static_cast<std::int32_t>(hi) - static_cast<std::int32_t>(lo));
+      });
+    } else if constexpr (std::is_same_v<T, float>) {
+      take(shaded.slope, [](T hi, T lo) { return 0.5f * (hi - lo); });
+    } else {
+      take(shaded.slope,
+           [](T hi, T lo) { return static_cast<float>(0.5 * (static_cast<double>(hi) - static_cast<double>(lo))); });
+    }
+  }
+
+  // What of voxel n is beyond the second kernel: colours of other lights and of cuts, opacity by gradient, AOVs, and
+  // voxels that exist in part.
+  void takeMore(std::int32_t code, std::size_t n, ShadedVoxels& shaded) const {
+    const glm::vec3 measured(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);
     // Beside a NaN or an infinity there is no slope to shade by.
     const glm::vec3 slope = std::isfinite(measured.x + measured.y + measured.z) ? measured : glm::vec3(0);
     const Shader& shader = frame_.shader;
     const glm::dvec3 p = frame_.projector->viewOf(voxelAt(lo_, code));
+    const float* const m = shaded.material + 4 * n;
+    Material material = {m[0], m[1], m[2], m[3]};
     if (frame_.gradient_opacity.active()) material.tau = frame_.gradient_opacity(material.tau, slope);
     const glm::vec3* const face = cut_ ? frame_.clip->cutGradient(indexOf(code)) : nullptr;
     if (face != nullptr || !frame_.light_is_plain) {
@@ -110,9 +155,11 @@ class CellSplatter {
       material = {color.r, color.g, color.b, material.tau};
       for (auto& axis : shaded.slope) axis[n] = 0;
     }
-    if (tile_.aovs.any())
+    if (planes_.aovs().any())
       shaded.aov[n] = {static_cast<float>(p.z),
                        face != nullptr ? shader.normalOnCut(*face, p) : shader.normal(slope, p)};
+    if (ends_) material.tau *= static_cast<float>(frame_.ends.partOf(voxelAt(lo_, code)));
+    std::memcpy(shaded.material + 4 * n, &material, sizeof material);
   }
 
   std::ptrdiff_t offsetOf(std::int32_t code) const {
@@ -123,27 +170,10 @@ class CellSplatter {
     return {v.x, v.y, v.z};
   }
 
-  // Central differences at voxel scale, of labels those of their opacities. unit: value per voxel.
-  glm::vec3 gradient(const T* at) const {
-    const Classifier& classifier = *frame_.classifier;
-    const auto half = [&](T hi, T lo) {
-      if (classifier.ofLabels())
-        return 0.5f * (classifier.opacityOf(static_cast<double>(hi)) - classifier.opacityOf(static_cast<double>(lo)));
-      if constexpr (sizeof(T) >= 4 && !std::is_same_v<T, float>) {
-        return static_cast<float>(0.5 * (static_cast<double>(hi) - static_cast<double>(lo)));
-      } else {
-        return 0.5f * (static_cast<float>(hi) - static_cast<float>(lo));
-      }
-    };
-    const std::ptrdiff_t y = block_.strideY();
-    const std::ptrdiff_t z = block_.strideZ();
-    return {half(at[1], at[-1]), half(at[y], at[-y]), half(at[z], at[-z])};
-  }
-
   const SplatFrame& frame_;
   const BrickBlock& block_;
   const T* voxels_;
-  const TilePixels& tile_;
+  TilePlanes& planes_;
   SplatCounts& counts_;
   const bool ends_;  // whether some voxels exist in part
   // The cell in turn.
@@ -157,10 +187,10 @@ class CellSplatter {
 
 }  // namespace
 
-void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, const TilePixels& tile,
+void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                SplatCounts& counts) noexcept {
   withVoxelType(block.type,
-                [&]<class T>(std::type_identity<T>) { CellSplatter<T>(frame, block, tile, counts).cell(cell); });
+                [&]<class T>(std::type_identity<T>) { CellSplatter<T>(frame, block, planes, counts).cell(cell); });
 }
 
 }  // namespace kiln

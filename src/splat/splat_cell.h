@@ -11,7 +11,7 @@
 #include "splat/project_voxels.h"
 #include "splat/projector.h"
 #include "splat/shade.h"
-#include "splat/tile_pixels.h"
+#include "splat/tile_planes.h"
 #include "store/brick_block.h"
 
 namespace kiln {
@@ -39,7 +39,7 @@ struct SplatFrame {
   const Classifier* classifier = nullptr;
   float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
-  bool test_samples = false;  // ask `visibility` for each sample's own footprint before it is shaded
+  bool test_samples = false;  // leave out samples all of whose pixels are closed, before they are shaded
 };
 
 struct SplatCounts {
@@ -58,7 +58,7 @@ struct SplatCounts {
 
 /// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kCellSize voxels along an axis.
 /// The result for a pixel does not depend on the tile's rectangle.
-void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, const TilePixels& tile,
+void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                SplatCounts& counts) noexcept;
 
 }  // namespace kiln

@@ -302,6 +302,8 @@ void layBatch(benchmark::State& state) {
   Image image(kPicture, kPicture);
   TilePixels tile;
   tile.rect = s.tile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kPicture;
+  TilePlanes planes;
+  planes.take(tile);
   double pixels = 0;
   for (std::size_t i = 0; i < kVoxelBatch; ++i)
     pixels += s.projected.rect(i).width() * s.projected.rect(i).height() / static_cast<double>(kVoxelBatch);
@@ -309,7 +311,7 @@ void layBatch(benchmark::State& state) {
     if (on.plain())
       test::layVoxelsScalar(s.view, s.projected, s.shaded, s.projected.touching, tile, 2, *none);
     else
-      layVoxels(s.view, s.projected, s.shaded, s.projected.touching, tile, 2, *none);
+      layVoxels(s.view, s.projected, s.shaded, s.projected.touching, planes, 2, *none);
     benchmark::ClobberMemory();
   }
   report(state, state.iterations() * kVoxelBatch, 32 * pixels, 60 + 45 * pixels);
@@ -329,13 +331,14 @@ void splatVoxels(benchmark::State& state) {
   frame.ends = s.plan.levels.endVoxels(0);
   frame.opaque_at = 0.998f;
   frame.test_samples = options.method != VisibilityMethod::kNone;
+  TilePlanes planes;
   std::int64_t splats = 0;
   for (auto _ : state) {
     Image image(kPicture, kPicture);
     const auto visibility = makeVisibility(options, s.request.view.size, 0);
     frame.visibility = visibility.get();
     SplatCounts counts;
-    walkTile(frame, s.block, {{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, nullptr, {}}, counts,
+    walkTile(frame, s.block, {{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, nullptr, {}}, planes, counts,
              nullptr);
     splats += static_cast<std::int64_t>(counts.splats);
   }

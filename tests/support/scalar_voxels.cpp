@@ -17,26 +17,28 @@ struct Power {
 };
 Power powerOf(float x) {
   const float n = std::nearbyint(x), f = x - n;
-  const float p = (((0.00133336f * f + 0.00961813f) * f + 0.05550411f) * f + 0.24022651f) * f + 0.69314718f;
+  float p = 0.00133336f;
+  for (const float next : {0.00961813f, 0.05550411f, 0.24022651f, 0.69314718f}) p = std::fma(p, f, next);
   return {std::ldexp(1.0f, static_cast<int>(n)), p * f};
 }
 float exp2Of(float x) {
   const Power p = powerOf(x);
-  return p.whole + p.whole * p.rest;
+  return std::fma(p.whole, p.rest, p.whole);
 }
 float opacityOf(float x) {
   const Power p = powerOf(std::max(x * -1.44269504f, -120.0f));
-  return (1 - p.whole) - p.whole * p.rest;
+  return std::fma(-p.whole, p.rest, 1 - p.whole);
 }
 float log2Of(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   const std::int32_t e = (bits - 0x3f3504f3) >> 23;
   const float m = std::bit_cast<float>(bits - (e << 23)), s = (m - 1) / (m + 1), s2 = s * s;
-  const float p = ((0.41219858f * s2 + 0.57707801f) * s2 + 0.96179669f) * s2 + 2.88539008f;
-  return static_cast<float>(e) + s * p;
+  float p = 0.41219858f;
+  for (const float next : {0.57707801f, 0.96179669f, 2.88539008f}) p = std::fma(p, s2, next);
+  return std::fma(s, p, static_cast<float>(e));
 }
 
-float squared(float a, float b, float c) { return a * a + (b * b + c * c); }
+float squared(float a, float b, float c) { return std::fma(a, a, std::fma(b, b, c * c)); }
 
 // The colour that a voxel sends to the eye.
 glm::vec3 colorOf(const VoxelView& view, const float* material, const glm::vec3& slope, float u, float v,
@@ -46,21 +48,21 @@ glm::vec3 colorOf(const VoxelView& view, const float* material, const glm::vec3&
   const float length_squared = squared(slope.x, slope.y, slope.z);
   if (!light.phong || !(length_squared > light.least_gradient_squared && length_squared < 1e38f)) return color;
   const glm::mat3& m = light.view_from_index_gradient;
-  const auto line = [&](int c) { return m[0][c] * slope.x + (m[1][c] * slope.y + m[2][c] * slope.z); };
+  const auto line = [&](int c) { return std::fma(m[0][c], slope.x, std::fma(m[1][c], slope.y, m[2][c] * slope.z)); };
   const glm::vec3 n(line(0), line(1), line(2));
   float along = n.z, length = std::sqrt(squared(n.x, n.y, n.z));
   if (view.perspective) {
-    along = n.z + (u * n.x + v * n.y);
+    along = std::fma(u, n.x, std::fma(v, n.y, n.z));
     length *= oblique;
   }
   const float cosine = std::min(std::abs(along) / length, 1.0f);
-  const float matte = light.ambient + light.diffuse * cosine;
+  const float matte = std::fma(light.diffuse, cosine, light.ambient);
   float gloss = 0;
   if (light.specular > 0) {
     const float log = log2Of(std::max(cosine, 1e-30f)) * light.power;
     gloss = light.specular * exp2Of(std::min(std::max(log, -120.0f), 0.0f));
   }
-  return color * matte + gloss;
+  return {std::fma(color.r, matte, gloss), std::fma(color.g, matte, gloss), std::fma(color.b, matte, gloss)};
 }
 
 // The logarithm of a weight, to base 2, is xx dx² + xy dx dy + yy dy².
@@ -89,7 +91,7 @@ std::vector<float> weightsOf(const Form& form, const ProjectedVoxels& p, std::si
   for (int j = 0; j < p.y1[n] - p.y0[n]; ++j) {
     for (int i = 0; i < p.x1[n] - p.x0[n]; ++i) {
       const float dx = p.dx[n] + static_cast<float>(i), dy = p.dy[n] + static_cast<float>(j);
-      const float log = dx * (dx * form.xx + dy * form.xy) + dy * dy * form.yy;
+      const float across = std::fma(dx, form.xx, dy * form.xy), log = std::fma(dx, across, dy * dy * form.yy);
       out.push_back(log >= kHalfLog * (kRadius * kRadius) ? exp2Of(std::min(log, 0.0f)) : 0.0f);
     }
   }
@@ -105,6 +107,26 @@ float sumOf(const std::vector<float>& weights, std::size_t columns) {
     for (std::size_t i = 0; i < half; ++i) sums[i] += sums[i + half];
   }
   return sums[0];
+}
+
+// The optical depth that a voxel puts behind each pixel of its footprint, which in all of them is `depth`.
+std::vector<float> depthsOf(const VoxelView& view, const ProjectedVoxels& p, std::size_t n, float depth) {
+  const PixelRect rect = p.rect(n);
+  const auto width = static_cast<std::size_t>(rect.width()), height = static_cast<std::size_t>(rect.height());
+  if (view.footprint == nullptr) {
+    const Form form = formOf(view, p, n);
+    std::vector<float> out = weightsOf(form, p, n);
+    const float sum = out.size() <= 256 ? sumOf(out, width) : form.area;
+    for (float& weight : out) weight *= sum > 0 ? depth / sum : 0.0f;
+    return out;
+  }
+  const float* const columns = view.footprint->columns(VoxelFootprint::phaseOf(p.dx[n], view.ellipse.half_x));
+  const float* const rows = view.footprint->rows(VoxelFootprint::phaseOf(p.dy[n], view.ellipse.half_y));
+  std::vector<float> out;
+  for (std::size_t j = 0; j < height; ++j) {
+    for (std::size_t i = 0; i < width; ++i) out.push_back(columns[i] * (depth * rows[j]));
+  }
+  return out;
 }
 
 void addAovs(const AovPixels& aovs, std::ptrdiff_t at, const VoxelAov& voxel, float before, float added, bool closes) {
@@ -159,21 +181,18 @@ void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& p, const Shad
     const float* const material = shaded.material + 4 * n;
     const glm::vec3 slope(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);
     const glm::vec3 color = colorOf(view, material, slope, p.u[n], p.v[n], oblique);
-    const Form form = formOf(view, p, n);
     const PixelRect rect = p.rect(n);
-    const std::vector<float> weights = weightsOf(form, p, n);
     const auto columns = static_cast<std::size_t>(rect.width());
-    const bool small = columns * static_cast<std::size_t>(rect.height()) <= 256;
-    const float sum = small ? sumOf(weights, columns) : form.area;
-    const float scale = sum > 0 ? material[3] * length / sum : 0.0f;
+    const std::vector<float> depths = depthsOf(view, p, n, material[3] * length);
     const PixelRect within = intersection(rect, tile.rect);
     for (int y = within.y0; y < within.y1; ++y) {
       for (int x = within.x0; x < within.x1; ++x) {
         float* const pixel = tile.rgba + (y - tile.rect.y0) * tile.stride + 4 * (x - tile.rect.x0);
         if (pixel[3] == 1) continue;
         const auto i = static_cast<std::size_t>(y - rect.y0) * columns + static_cast<std::size_t>(x - rect.x0);
-        const float before = pixel[3], added = opacityOf(weights[i] * scale) * (1 - before);
-        for (int c = 0; c < 3; ++c) pixel[c] += added * color[c];
+        const float opacity = opacityOf(depths[i]);
+        const float before = pixel[3], added = std::fma(-opacity, before, opacity);
+        for (int c = 0; c < 3; ++c) pixel[c] = std::fma(added, color[c], pixel[c]);
         pixel[3] += added;
         const bool closes = pixel[3] >= opaque_at;
         if (tile.aovs.any()) addAovs(tile.aovs, tile.placeOf(x, y), shaded.aov[n], before, added, closes);

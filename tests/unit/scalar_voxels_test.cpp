@@ -1,5 +1,6 @@
 // The kernels of the voxel lattice on every instruction set against the same written plainly (support/scalar_voxels.h),
-// bit for bit: operations are neither fused nor approximate, and a footprint's weights are added in one order. From the
+// bit for bit: operations are fused where both say so and never approximate, and a footprint's weights are added in one
+// order. From the
 // voxels' places to the picture, which pixels are closed and in which order, AOVs, and that nothing happens beside a
 // tile.
 #include "support/scalar_voxels.h"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 #include <vector>
 
 #include "support/procedural.h"
@@ -36,9 +38,11 @@ struct Drawn {
 
 float unit(std::uint64_t n) { return static_cast<float>(hashUnit(23, n)); }
 
-VoxelView viewAt(bool perspective, double px_per_voxel, bool phong) {
+// Of cubic voxels, whose footprint is a table in an orthographic view, or of longer ones, whose ellipse is oblique.
+VoxelView viewAt(bool perspective, double px_per_voxel, bool phong, double edge_z = 1) {
   VolumeGeometry volume;
   volume.dims = {6, 6, 6};
+  volume.world_from_index[2][2] = edge_z;
   Camera camera;
   camera.projection = perspective ? Projection::kPerspective : Projection::kOrthographic;
   camera.target = {2.5, 2.5, 2.5};
@@ -49,6 +53,14 @@ VoxelView viewAt(bool perspective, double px_per_voxel, bool phong) {
   PlainLight light = plainLight({}, 1e-3f, projector);
   light.phong = phong;
   return VoxelView(projector, light);
+}
+
+void layIntoTile(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
+                 const TilePixels& tile, float opaque_at, Visibility& visibility) {
+  TilePlanes planes;
+  planes.take(tile);
+  layVoxels(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+  planes.putBack();
 }
 
 // All voxels of a cell, some of them not drawn, by one of the two implementations.
@@ -119,16 +131,19 @@ TEST(ScalarVoxels, AreProjectedAlike) {
   }
 }
 
-// Footprints of 2 to 60 pixels across: those whose weights are kept, those that have them found row by row, and those
-// that are not summed.
+// Footprints of 2 to 60 pixels across: those out of a table, those whose weights are kept, those that have them found
+// row by row, and those that are not summed.
 TEST(ScalarVoxels, AreDrawnAlike) {
   int closed = 0;
-  for (const double px_per_voxel : {0.4, 1.3, 2.1, 3.0, 4.2, 18.0}) {
+  constexpr std::pair<double, double> kSizes[] = {{0.4, 1}, {1.3, 1},   {2.1, 1},   {3.0, 1},  {4.2, 1},
+                                                  {18., 1}, {0.4, 1.7}, {1.3, 1.7}, {2.1, 1.3}};
+  for (const auto& [px_per_voxel, edge_z] : kSizes) {
     for (const bool perspective : {false, true}) {
       for (const bool aovs : {false, true}) {
-        SCOPED_TRACE(::testing::Message()
-                     << px_per_voxel << (perspective ? " perspective" : "") << (aovs ? " AOVs" : ""));
-        const VoxelView view = viewAt(perspective, px_per_voxel, px_per_voxel != 2.1);
+        SCOPED_TRACE(::testing::Message() << px_per_voxel << " by " << edge_z << (perspective ? " perspective" : "")
+                                          << (aovs ? " AOVs" : ""));
+        const VoxelView view = viewAt(perspective, px_per_voxel, px_per_voxel != 2.1, edge_z);
+        EXPECT_EQ(view.footprint != nullptr, !perspective && edge_z == 1 && px_per_voxel < 2.3);
         const Drawn truth = drawnBy(view, aovs, projectVoxelsScalar, layVoxelsScalar);
         closed += static_cast<int>(truth.closed.size());
         EXPECT_NE(truth.rgba, Drawn().rgba);
@@ -140,7 +155,7 @@ TEST(ScalarVoxels, AreDrawnAlike) {
           }
         }
         onEveryInstructionSet([&](std::int64_t target) {
-          EXPECT_TRUE(drawnBy(view, aovs, projectVoxels, layVoxels) == truth) << "instruction set " << target;
+          EXPECT_TRUE(drawnBy(view, aovs, projectVoxels, layIntoTile) == truth) << "instruction set " << target;
         });
       }
     }

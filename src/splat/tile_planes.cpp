@@ -1,0 +1,119 @@
+#include "splat/tile_planes.h"
+
+#include <algorithm>
+#include <bit>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/tile_planes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, 8>;
+
+// A row of `count` pixels, RGBA by RGBA, and the same in planes.
+void splitRow(const float* rgba, std::ptrdiff_t count, float* red, std::ptrdiff_t plane) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  std::ptrdiff_t x = 0;
+  for (; x + lanes <= count; x += lanes) {
+    hn::Vec<D> r, g, b, a;
+    hn::LoadInterleaved4(d, rgba + 4 * x, r, g, b, a);
+    hn::StoreU(r, d, red + x);
+    hn::StoreU(g, d, red + plane + x);
+    hn::StoreU(b, d, red + 2 * plane + x);
+    hn::StoreU(a, d, red + 3 * plane + x);
+  }
+  for (; x < count; ++x) {
+    for (std::ptrdiff_t c = 0; c < 4; ++c) red[c * plane + x] = rgba[4 * x + c];
+  }
+}
+
+void joinRow(const float* red, std::ptrdiff_t plane, std::ptrdiff_t count, float* rgba) {
+  const D d;
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  std::ptrdiff_t x = 0;
+  for (; x + lanes <= count; x += lanes) {
+    hn::StoreInterleaved4(hn::LoadU(d, red + x), hn::LoadU(d, red + plane + x), hn::LoadU(d, red + 2 * plane + x),
+                          hn::LoadU(d, red + 3 * plane + x), d, rgba + 4 * x);
+  }
+  for (; x < count; ++x) {
+    for (std::ptrdiff_t c = 0; c < 4; ++c) rgba[4 * x + c] = red[c * plane + x];
+  }
+}
+
+// Whether one of `columns` times `rows` pixels is open; `alpha` is that of the first, rows are `stride` apart, and a
+// whole vector may be read where columns are left.
+bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
+  const D d;
+  const auto one = hn::Set(d, 1.0f);
+  for (int x = 0; x < columns; x += static_cast<int>(hn::Lanes(d))) {
+    auto least = one;
+    const float* row = alpha + x;
+    for (int y = 0; y < rows; ++y, row += stride) least = hn::Min(least, hn::LoadU(d, row));
+    const auto counted = hn::Lt(hn::Iota(d, static_cast<float>(x)), hn::Set(d, static_cast<float>(columns)));
+    if (!hn::AllFalse(d, hn::And(counted, hn::Lt(least, one)))) return true;
+  }
+  return false;
+}
+
+std::uint32_t openOf(const ProjectedVoxels& voxels, std::uint32_t asked, const PixelRect& tile, const float* alpha,
+                     std::ptrdiff_t stride) {
+  std::uint32_t out = 0;
+  for (std::uint32_t rest = asked; rest != 0; rest &= rest - 1) {
+    const auto n = static_cast<std::size_t>(std::countr_zero(rest));
+    const PixelRect rect = intersection(voxels.rect(n), tile);
+    const float* const first = alpha + (rect.y0 - tile.y0) * stride + (rect.x0 - tile.x0);
+    out |= static_cast<std::uint32_t>(anyOpen(first, rect.width(), rect.height(), stride)) << n;
+  }
+  return out;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(splitRow);
+HWY_EXPORT(joinRow);
+HWY_EXPORT(openOf);
+
+void TilePlanes::take(const TilePixels& tile) {
+  tile_ = tile;
+  plane_ = tile.rect.width() + 2 * kBeside;
+  const auto needed = static_cast<std::size_t>(4 * plane_) * static_cast<std::size_t>(tile.rect.height());
+  if (values_.size() < needed) values_.resize(needed);
+  const auto split = HWY_DYNAMIC_DISPATCH(splitRow);
+  for (int y = tile.rect.y0; y < tile.rect.y1; ++y) {
+    float* const row = at(tile.rect.x0, y);
+    for (std::ptrdiff_t c = 0; c < 4; ++c) {
+      const float beside = c == 3 ? 1.0f : 0.0f;
+      std::fill_n(row + c * plane_ - kBeside, kBeside, beside);
+      std::fill_n(row + c * plane_ + tile.rect.width(), kBeside, beside);
+    }
+    split(tile.rgba + (y - tile.rect.y0) * tile.stride, tile.rect.width(), row, plane_);
+  }
+}
+
+void TilePlanes::putBack() const {
+  const auto join = HWY_DYNAMIC_DISPATCH(joinRow);
+  const float* row = values_.data() + kBeside;
+  for (int y = 0; y < tile_.rect.height(); ++y, row += 4 * plane_)
+    join(row, plane_, tile_.rect.width(), tile_.rgba + y * tile_.stride);
+}
+
+std::uint32_t TilePlanes::open(const ProjectedVoxels& voxels, std::uint32_t asked) const {
+  const float* const alpha = values_.data() + offsetOf(tile_.rect.x0, tile_.rect.y0) + 3 * plane_;
+  return HWY_DYNAMIC_DISPATCH(openOf)(voxels, asked, tile_.rect, alpha, 4 * plane_);
+}
+
+}  // namespace kiln
+#endif
