@@ -50,14 +50,16 @@ struct Walk {
   void subCell(const VoxelCoord& lo) noexcept {
     const VoxelBox box = cube(lo, kSubCellSize);
     if (box.empty() || skipped(box, -1)) return;
-    if (!taken) takePixels();
-    splatCell(frame, block, box, planes, counts);
+    if (taken || takePixels()) splatCell(frame, block, box, planes, counts);
   }
 
-  // All that the brick's footprints can touch.
-  void takePixels() noexcept {
-    planes.take(tile.of(intersection(frame.projector->bounds(block.core), tile.rect)));
-    taken = true;
+  // Takes all that the brick's footprints can touch; whether they touch the tile at all. A node's spheres may reach
+  // farther than they do.
+  bool takePixels() noexcept {
+    const PixelRect touched = intersection(frame.projector->bounds(block.core), tile.rect);
+    if (touched.empty()) return false;
+    planes.take(tile.of(touched));
+    return taken = true;
   }
 
   // Whether nothing of `box` can be seen in this tile.
