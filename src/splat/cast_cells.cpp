@@ -166,7 +166,7 @@ class CellCaster {
     const int stride = r_.rayStride();
     const VI column = hn::Mul(hn::Iota(di, 0), hn::Set(di, stride));
     const V fx = hn::Add(hn::ConvertTo(d, hn::Add(column, hn::Set(di, x))), hn::Set(d, r_.centre_x));
-    const auto along = [&](float row, float slope) { return hn::Add(hn::Set(d, row), hn::Mul(fx, hn::Set(d, slope))); };
+    const auto along = [&](float row, float slope) { return fused(fx, hn::Set(d, slope), hn::Set(d, row)); };
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
     for (int a = 0; a < 3; ++a) {
       cut(along(row_place[a], r_.place.along_x[a]), along(row_step[a], r_.step.along_x[a]), lo_[a], hi_[a], enter,
@@ -291,8 +291,8 @@ class CellCaster {
     const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(along, hn::Set(d, 1.0f), step));
     // Places from where faces are told.
     const V from = l_.perspective ? zero : place, eye = l_.perspective ? hn::Set(d, r_.eye) : zero;
-    const V at_lo = hn::Add(hn::Mul(hn::Sub(below, from), inverse), eye);
-    const V at_hi = hn::Add(hn::Mul(hn::Sub(above, from), inverse), eye);
+    const V at_lo = fused(hn::Sub(below, from), inverse, eye);
+    const V at_hi = fused(hn::Sub(above, from), inverse, eye);
     const V inside = hn::IfThenElse(hn::And(hn::Le(below, from), hn::Lt(from, above)), far, hn::Neg(far));
     enter = hn::Max(enter, hn::IfThenElse(along, hn::Neg(inside), hn::Min(at_lo, at_hi)));
     leave = hn::Min(leave, hn::IfThenElse(along, inside, hn::Max(at_lo, at_hi)));
@@ -321,7 +321,7 @@ class CellCaster {
   HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
     const D d;
     const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
-    return hn::Add(row, hn::Mul(w.x, hn::Set(d, l.along_x[axis])));
+    return fused(w.x, hn::Set(d, l.along_x[axis]), row);
   }
   // unit: voxels from the anchor.
   HWY_INLINE V indexOf(int axis, const Where& w, float from) const {
@@ -333,7 +333,7 @@ class CellCaster {
     const V one = hn::Set(d, 1.0f), per_pixel = hn::Set(d, 1 / l_.focal);
     const V u = hn::Mul(w.x, per_pixel), v = hn::Mul(w.y, per_pixel);
     if (!l_.perspective) return {u, v, one};
-    return {u, v, hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(u, u), hn::Mul(v, v))))};
+    return {u, v, hn::Sqrt(fused(u, u, fused(v, v, one)))};
   }
   // Of the n-th of `index` and those after it.
   HWY_INLINE VI codesAt(std::size_t n, std::size_t count) {
@@ -459,7 +459,7 @@ class CellCaster {
       V here, next;
       hn::LoadInterleaved2(d, s_.pair + 2 * n, here, next);
       const V between = hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry)));
-      V tau = hn::Add(here, hn::Mul(between, hn::Sub(next, here)));
+      V tau = fused(between, hn::Sub(next, here), here);
       if (l_.integral != nullptr) tau = hn::Load(d, s_.opacity + n);
       V length = hn::Set(d, l_.thickness);
       if (asks) {
@@ -599,7 +599,7 @@ class CellCaster {
       const auto t = hn::Set(d4, entry - static_cast<float>(whole));
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
         const auto here = hn::LoadU(d4, at + c);
-        hn::Store(hn::Add(here, hn::Mul(t, hn::Sub(hn::LoadU(d4, at + 4 + c), here))), d4, s_.rows[0] + 4 * i + c);
+        hn::Store(fused(t, hn::Sub(hn::LoadU(d4, at + 4 + c), here), here), d4, s_.rows[0] + 4 * i + c);
       }
     }
     if (finishes_) finishColors(n, count);
@@ -611,7 +611,7 @@ class CellCaster {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const Sight sight = sightOf(whereIs(hn::Load(DI(), s_.lit_code + i)));
         lightOn(d, l_.light, l_.perspective, slopesAt(i), sight, matte, gloss);
-        const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+        const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       }
       const V weight = hn::LoadU(d, s_.weight + n + i);
@@ -671,7 +671,7 @@ class CellCaster {
   // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
-    const Vec out = hn::Add(a, hn::Mul(t, hn::Sub(b, a)));
+    const Vec out = fused(t, hn::Sub(b, a), a);
     if constexpr (kGaps) return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, out);
     return out;
   }

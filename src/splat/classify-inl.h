@@ -25,7 +25,7 @@ HWY_INLINE V placeOf(D d, const UnitLattice& l, V value) {
 HWY_INLINE V extinctionAt(D d, const UnitLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V here = hn::GatherIndex(d, l.extinctions, entry), next = hn::GatherIndex(d, l.extinctions + 1, entry);
-  return hn::Add(here, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here)));
+  return fused(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here), here);
 }
 
 // The values that a sample of a coarser level stands for. They go `reach` above and below the sample's own, half a
@@ -41,7 +41,7 @@ HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after
   V least = own, most = own, squared = hn::Zero(d);
   for (int a = 0; a < 3; ++a) {
     const V twice = hn::Sub(after[a], before[a]);
-    squared = hn::Add(squared, hn::Mul(twice, twice));
+    squared = fused(twice, twice, squared);
     least = hn::Min(least, hn::Min(before[a], after[a]));
     most = hn::Max(most, hn::Max(before[a], after[a]));
   }
@@ -51,7 +51,7 @@ HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after
 HWY_INLINE V integralTo(D d, const UnitLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V a = hn::GatherIndex(d, l.integral, entry), b = hn::GatherIndex(d, l.integral + 1, entry);
-  return hn::Add(a, hn::Mul(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a)));
+  return fused(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a), a);
 }
 
 // Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.

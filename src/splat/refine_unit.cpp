@@ -71,16 +71,15 @@ class Refiner {
   HWY_INLINE Seen seen(const Vector& row, V ox) const {
     const D d;
     Seen out;
-    out.view = {hn::Add(row.x, hn::Mul(ox, hn::Set(d, l_.step_x.x))),
-                hn::Add(row.y, hn::Mul(ox, hn::Set(d, l_.step_x.y))),
-                hn::Add(row.z, hn::Mul(ox, hn::Set(d, l_.step_x.z)))};
+    out.view = {fused(ox, hn::Set(d, l_.step_x.x), row.x), fused(ox, hn::Set(d, l_.step_x.y), row.y),
+                fused(ox, hn::Set(d, l_.step_x.z), row.z)};
     out.u = out.view.x, out.v = out.view.y, out.r = hn::Set(d, 1.0f);
     if (l_.perspective) {
       out.r = hn::Div(out.r, out.view.z);
       out.u = hn::Mul(out.u, out.r), out.v = hn::Mul(out.v, out.r);
     }
-    out.x = hn::Add(hn::Mul(out.u, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_x));
-    out.y = hn::Add(hn::Mul(out.v, hn::Set(d, l_.focal)), hn::Set(d, l_.centre_y));
+    out.x = fused(out.u, hn::Set(d, l_.focal), hn::Set(d, l_.centre_x));
+    out.y = fused(out.v, hn::Set(d, l_.focal), hn::Set(d, l_.centre_y));
     out.depth = hn::Mul(hn::Sub(out.view.z, hn::Set(d, l_.near)), hn::Set(d, l_.slabs_per_depth));
     return out;
   }
@@ -190,7 +189,7 @@ class Refiner {
     const V one = hn::Set(d, 1.0f);
     V ray = hn::Set(d, l_.thickness), weight = hn::Set(d, l_.weight), oblique = one;
     if (l_.perspective) {
-      oblique = hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(s.u, s.u), hn::Mul(s.v, s.v))));
+      oblique = hn::Sqrt(fused(s.u, s.u, fused(s.v, s.v, one)));
       ray = hn::Mul(ray, oblique);
       weight = hn::Mul(weight, hn::Mul(s.r, s.r));
     }
@@ -228,7 +227,7 @@ class Refiner {
       if (l_.light.phong) {
         V matte = one, gloss = hn::Zero(d);
         lightOn(d, l_.light, l_.perspective, slope, {s.u, s.v, oblique}, matte, gloss);
-        const auto lit = [&](V color) { return hn::Add(hn::Mul(color, matte), gloss); };
+        const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       }
       if constexpr (kDetails) note({ox, oy, oz}, slope, s.view, tau, ray);
@@ -273,7 +272,7 @@ class Refiner {
     const auto between = hn::Set(d, kept_.between[lane]);
     for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
       const auto here = hn::LoadU(d, entry + i);
-      const auto material = hn::Add(here, hn::Mul(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here)));
+      const auto material = fused(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here), here);
       hn::Store(material, d, kept_.material + 4 * lane + i);
     }
   }

@@ -21,12 +21,10 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
-HWY_INLINE V mix(D d, V a, V b, V t) {
-  return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, hn::Add(a, hn::Mul(t, hn::Sub(b, a))));
-}
+HWY_INLINE V mix(D d, V a, V b, V t) { return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, fused(t, hn::Sub(b, a), a)); }
 
 // The same where all lanes have one t.
-HWY_INLINE V mix(D d, V a, V b, float t) { return t == 0 ? a : hn::Add(a, hn::Mul(hn::Set(d, t), hn::Sub(b, a))); }
+HWY_INLINE V mix(D d, V a, V b, float t) { return t == 0 ? a : fused(hn::Set(d, t), hn::Sub(b, a), a); }
 
 // The central difference between a and b, at t of the way.
 template <class T>
