@@ -18,6 +18,7 @@
 #include <hwy/highway.h>
 
 #include "splat/classify-inl.h"
+#include "splat/lanes-inl.h"
 #include "splat/shown_spaces-inl.h"
 
 #ifndef KILN_SPLAT_CAST_CELLS_ONCE
@@ -235,7 +236,7 @@ class CellCaster {
         const VI place_in_word = hn::And(hn::Or(hn::ShiftLeft<3>(voxel[1]), voxel[0]), hn::Set(di, 31));
         const VI bit = hn::And(hn::Shr(shownOf(word), place_in_word), hn::Set(di, 1));
         const auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
-        hn::StoreU(hn::Compress(taken, may), di, s_.code + count_);
+        hn::StoreU(Packing(hn::RebindMask(d, may))(taken), di, s_.code + count_);
         count_ += hn::CountTrue(di, may);
         if (count_ >= kMostSamples) castFound();
         t = hn::Add(t, advance);
@@ -268,19 +269,13 @@ class CellCaster {
   HWY_INLINE std::size_t keepRays(VI code, V end, M kept, std::size_t count) {
     const D d;
     const DI di;
-    hn::StoreU(hn::Compress(code, hn::RebindMask(di, kept)), di, s_.ray_code + count);
-    hn::StoreU(hn::Compress(end, kept), d, s_.ray_end + count);
+    const Packing packed(kept);
+    hn::StoreU(packed(code), di, s_.ray_code + count);
+    hn::StoreU(packed(end), d, s_.ray_end + count);
     return count + hn::CountTrue(d, kept);
   }
 
-  HWY_INLINE VI shownOf(VI row) const {
-    const DI di;
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-    return hn::TableLookupLanes(hn::Load(di, shown_.data()), hn::IndicesFromVec(di, row));
-#else
-    return hn::GatherIndex(di, shown_.data(), row);
-#endif
-  }
+  HWY_INLINE VI shownOf(VI row) const { return lookUp(DI(), shown_.data(), row); }
 
   // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
   // upper side of one that it runs in. unit: slabs from the middle one.
@@ -401,12 +396,13 @@ class CellCaster {
       if (l_.integral != nullptr) {
         const V tau = meanExtinctionOf(n, value, entry, shows);
         shows = hn::And(shows, hn::Gt(tau, hn::Zero(d)));
-        hn::StoreU(hn::Compress(tau, shows), d, s_.opacity + kept_);
+        hn::StoreU(Packing(shows)(tau), d, s_.opacity + kept_);
       } else {
         shows = hn::And(shows, visible(entry, entry));
       }
-      hn::StoreU(hn::Compress(index, hn::RebindMask(di, shows)), di, s_.index + kept_);
-      hn::StoreU(hn::Compress(entry, shows), d, s_.entry + kept_);
+      const Packing packed(shows);
+      hn::StoreU(packed(index), di, s_.index + kept_);
+      hn::StoreU(packed(entry), d, s_.entry + kept_);
       kept_ += hn::CountTrue(d, shows);
     }
   }

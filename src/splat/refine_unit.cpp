@@ -140,8 +140,9 @@ class Refiner {
 
     const VI code = hn::Add(hn::Add(lane, hn::Set(di, (j << 4) + (k << 8))),
                             hn::IfThenElseZero(hn::RebindMask(di, counted), hn::Set(di, FootprintPlace::kCounted)));
-    const auto keep = [&](V v, float* to) { hn::StoreU(hn::Compress(v, alive), d, to + found_count_); };
-    hn::StoreU(hn::Compress(code, hn::RebindMask(di, alive)), di, found_.code + found_count_);
+    const Packing packed(alive);
+    const auto keep = [&](V v, float* to) { hn::StoreU(packed(v), d, to + found_count_); };
+    hn::StoreU(packed(code), di, found_.code + found_count_);
     keep(place, found_.place);
     if (knowsTau()) keep(tau, found_.tau);
     if (derives_) {
@@ -343,11 +344,7 @@ class Refiner {
 
   // Of each lane, the axis' number of its index.
   HWY_INLINE static V ofAxis(const std::array<float, kUnitSamples>& numbers, VI index) {
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-    return hn::TableLookupLanes(hn::LoadU(D(), numbers.data()), hn::IndicesFromVec(D(), index));
-#else
-    return hn::GatherIndex(D(), numbers.data(), index);
-#endif
+    return lookUp(D(), numbers.data(), index);
   }
 
   // The vector in turn, for those of its samples that are kept.

@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "splat/classify-inl.h"
+#include "splat/lanes-inl.h"
 #include "splat/refine_unit.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,13 +34,7 @@ HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, T t) {
 }
 
 // row[index] of a row of at most 16.
-HWY_INLINE V pick([[maybe_unused]] D d, const float* HWY_RESTRICT row, VI index) {
-#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, index));
-#else
-  return hn::GatherIndex(d, row, index);
-#endif
-}
+HWY_INLINE V pick(D d, const float* HWY_RESTRICT row, VI index) { return lookUp(d, row, index); }
 
 // What fields of either kind are made of.
 class UnitVoxels {

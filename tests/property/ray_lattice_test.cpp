@@ -1,5 +1,4 @@
-// Samples on rays, known from loops that say where they are and nothing of cells, bricks or vectors; and the same bits
-// from every instruction set.
+// Samples on rays, known from loops that say where they are and nothing of cells, bricks or vectors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +11,6 @@
 #include "support/random_scene.h"
 #include "support/reference_field.h"
 #include "support/reference_renderer.h"
-#include "support/scalar_kernels.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -173,22 +171,6 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
       if (x < 29) {
         EXPECT_EQ(found, 0) << x;
       }
-    }
-  }
-}
-
-TEST(RayLattice, IsTheSameOnEveryInstructionSet) {
-  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32}) {
-    const DenseVolume volume = someHead(type);
-    const auto store = makeStore(volume, "head", 32);
-    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
-      FrameRequest request = rayRequest(volume, projection);
-      request.filters_rays = true;
-      request.samples = type == VoxelType::i16 ? 2 : 1;
-      request.shading.specular = 0.3;
-      const Image best = draw(store, request);
-      EXPECT_TRUE(showsSomething(best));
-      onEveryInstructionSet([&](std::int64_t) { EXPECT_TRUE(equalBits(best, draw(store, request))); });
     }
   }
 }

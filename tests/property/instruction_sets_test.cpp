@@ -1,0 +1,83 @@
+// A picture is the same to the bit on every instruction set: kernels compute each number in the same words, fused where
+// they say so and never approximate, and add numbers in an order that no vector's length changes. This holds for all of
+// a picture where tests of single kernels (unit/scalar_*_test.cpp) hold for what they ask.
+#include <gtest/gtest.h>
+
+#include "support/drawing.h"
+#include "support/lattices.h"
+#include "support/random_scene.h"
+#include "support/scalar_kernels.h"
+#include "support/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr ImageSize kSize{70, 61};
+
+void expectTheSame(const std::filesystem::path& store, const FrameRequest& request) {
+  const Image best = draw(store, request);
+  EXPECT_TRUE(showsSomething(best));
+  onEveryInstructionSet(
+      [&](std::int64_t target) { EXPECT_TRUE(equalBits(best, draw(store, request))) << "instruction set " << target; });
+}
+
+// Of floats some are NaN.
+DenseVolume someHead(VoxelType type) {
+  DenseVolume out = head({{38, 45, 33}, type, anisotropicAffine()}, usualRange(type));
+  if (type != VoxelType::f32) return out;
+  for (std::int64_t i = 0; i < 200; ++i)
+    out.set(2 + 7 * i % 33, 3 + 11 * i % 39, 2 + 5 * i % 28, std::numeric_limits<float>::quiet_NaN());
+  return out;
+}
+
+class InstructionSetsFor : public testing::TestWithParam<Lattice> {};
+
+TEST_P(InstructionSetsFor, DrawTheSame) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32}) {
+    const DenseVolume volume = someHead(type);
+    const auto store = makeStore(volume, "head", 32);
+    const ValueRange range = volume.range();
+    const auto at = [&](double part) { return range.lo + part * (range.hi - range.lo); };
+    FrameRequest request;
+    setLattice(request, GetParam());
+    request.transfer_function.unit = volume.geometry.meanSpacing();
+    request.transfer_function.points = {
+        {at(0.1), {1, 0.7, 0.5}, 0}, {at(0.3), {1, 0.7, 0.5}, 0.2}, {at(0.6), {1, 1, 0.8}, 0.7}};
+    request.shading.specular = 0.3;
+    // Rays, which are filtered, two a pixel, too.
+    request.samples = GetParam() == Lattice::kRay && type == VoxelType::i16 ? 2 : 1;
+    for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+      // Along an axis, where footprints of voxels are straight, and across.
+      for (const glm::dvec3& from : {glm::dvec3(0, -1, 0), glm::dvec3(0.7, -1, 0.4)}) {
+        request.view = resolve(cameraFrom(volume.geometry, from, projection), kSize);
+        // A coarser level stands for intervals of values.
+        for (const int level : {0, 1}) {
+          SCOPED_TRACE(testing::Message()
+                       << nameOf(type) << (projection == Projection::kPerspective ? " perspective" : "") << " from "
+                       << from.x << ", level " << level);
+          request.level = level;
+          request.aovs.depth = request.aovs.normal = level == 1;
+          expectTheSame(store, request);
+        }
+      }
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Lattices, InstructionSetsFor, testing::ValuesIn(kLattices));
+
+TEST(InstructionSets, InterpolateTheSame) {
+  const DenseVolume volume = someHead(VoxelType::i16);
+  const auto store = makeStore(volume, "head", 32);
+  FrameRequest request;
+  request.transfer_function.unit = volume.geometry.meanSpacing();
+  const ValueRange range = volume.range();
+  request.transfer_function.points = {{range.lo, {1, 0.7, 0.5}, 0}, {range.hi, {1, 1, 0.8}, 0.7}};
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSize);
+  for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
+    request.interpolation = interpolation;
+    expectTheSame(store, request);
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
