@@ -239,21 +239,35 @@ class VoxelLayer {
   }
   HWY_INLINE void makeOpaque(std::size_t n, float* weights, std::size_t count) const {
     const D d;
-    const V scale = hn::Set(d, q_.sum[n] > 0 ? q_.depth[n] / q_.sum[n] : 0.0f);
+    // No weight is above one.
+    const float most = q_.sum[n] > 0 ? q_.depth[n] / q_.sum[n] : 0.0f;
+    const V scale = hn::Set(d, most);
+    if (most <= kThin) {
+      for (std::size_t i = 0; i < count; i += hn::Lanes(d))
+        hn::Store(opacityOfThin(d, hn::Mul(hn::Load(d, weights + i), scale)), d, weights + i);
+      return;
+    }
     for (std::size_t i = 0; i < count; i += hn::Lanes(d))
       hn::Store(opacityOf(d, hn::Mul(hn::Load(d, weights + i), scale)), d, weights + i);
   }
 
   // The opacities of a footprint out of the table, at `to`: eight a row. The next one's place.
   HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) {
-    const D8 d;
     q_.weights[n] = to;
+    return q_.depth[n] * w_.footprint->most() <= kThin ? makeOpaqueOfTable<true>(n, to)
+                                                       : makeOpaqueOfTable<false>(n, to);
+  }
+  template <bool kIsThin>
+  HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) const {
+    const D8 d;
     const float* const columns = w_.footprint->columns(q_.column[n]);
     const float* const rows = w_.footprint->rows(q_.row[n]);
     for (int j = 0; j < height(n); ++j, to += kWide) {
       const V8 scale = hn::Set(d, q_.depth[n] * rows[j]);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d))
-        hn::Store(opacityOf(d, hn::Mul(hn::LoadU(d, columns + i), scale)), d, to + i);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
+        const V8 depth = hn::Mul(hn::LoadU(d, columns + i), scale);
+        hn::Store(kIsThin ? opacityOfThin(d, depth) : opacityOf(d, depth), d, to + i);
+      }
     }
     return to;
   }

@@ -1,5 +1,6 @@
 #include "splat/voxel_footprint.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kiln {
@@ -38,6 +39,7 @@ bool VoxelFootprint::fits(const Ellipse& ellipse) {
 
 VoxelFootprint::VoxelFootprint(const Ellipse& ellipse)
     : columns_(weightsAlong(static_cast<double>(ellipse.half_x), kColumns)),
-      rows_(weightsAlong(static_cast<double>(ellipse.half_y), kRows)) {}
+      rows_(weightsAlong(static_cast<double>(ellipse.half_y), kRows)),
+      most_(*std::max_element(columns_.begin(), columns_.end()) * *std::max_element(rows_.begin(), rows_.end())) {}
 
 }  // namespace kiln

@@ -32,9 +32,12 @@ class VoxelFootprint {
   /// the half width. shape: kColumns, kRows.
   const float* columns(int phase) const { return &columns_[static_cast<std::size_t>(phase * kColumns)]; }
   const float* rows(int phase) const { return &rows_[static_cast<std::size_t>(phase * kRows)]; }
+  /// No product of a row's weight and a column's is above this.
+  float most() const { return most_; }
 
  private:
   std::vector<float> columns_, rows_;
+  float most_;
 };
 
 }  // namespace kiln

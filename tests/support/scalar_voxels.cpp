@@ -29,6 +29,13 @@ float opacityOf(float x) {
   const Power p = powerOf(std::max(x * -1.44269504f, -120.0f));
   return std::fma(-p.whole, p.rest, 1 - p.whole);
 }
+// Where all of a footprint is `thin`.
+float opacityOf(float x, bool thin) {
+  if (!thin) return opacityOf(x);
+  float p = -1.0f / 720;
+  for (const float next : {1.0f / 120, -1.0f / 24, 1.0f / 6, -0.5f, 1.0f}) p = std::fma(p, x, next);
+  return x * p;
+}
 float log2Of(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   const std::int32_t e = (bits - 0x3f3504f3) >> 23;
@@ -109,22 +116,24 @@ float sumOf(const std::vector<float>& weights, std::size_t columns) {
   return sums[0];
 }
 
-// The optical depth that a voxel puts behind each pixel of its footprint, which in all of them is `depth`.
-std::vector<float> depthsOf(const VoxelView& view, const ProjectedVoxels& p, std::size_t n, float depth) {
+// The opacity that a voxel has over each pixel of its footprint; its optical depth in all of them is `depth`.
+std::vector<float> opacitiesOf(const VoxelView& view, const ProjectedVoxels& p, std::size_t n, float depth) {
   const PixelRect rect = p.rect(n);
   const auto width = static_cast<std::size_t>(rect.width()), height = static_cast<std::size_t>(rect.height());
   if (view.footprint == nullptr) {
     const Form form = formOf(view, p, n);
     std::vector<float> out = weightsOf(form, p, n);
     const float sum = out.size() <= 256 ? sumOf(out, width) : form.area;
-    for (float& weight : out) weight *= sum > 0 ? depth / sum : 0.0f;
+    const float most = sum > 0 ? depth / sum : 0.0f;
+    for (float& weight : out) weight = opacityOf(weight * most, most <= 0.35f);
     return out;
   }
   const float* const columns = view.footprint->columns(VoxelFootprint::phaseOf(p.dx[n], view.ellipse.half_x));
   const float* const rows = view.footprint->rows(VoxelFootprint::phaseOf(p.dy[n], view.ellipse.half_y));
   std::vector<float> out;
   for (std::size_t j = 0; j < height; ++j) {
-    for (std::size_t i = 0; i < width; ++i) out.push_back(columns[i] * (depth * rows[j]));
+    for (std::size_t i = 0; i < width; ++i)
+      out.push_back(opacityOf(columns[i] * (depth * rows[j]), depth * view.footprint->most() <= 0.35f));
   }
   return out;
 }
@@ -183,15 +192,14 @@ void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& p, const Shad
     const glm::vec3 color = colorOf(view, material, slope, p.u[n], p.v[n], oblique);
     const PixelRect rect = p.rect(n);
     const auto columns = static_cast<std::size_t>(rect.width());
-    const std::vector<float> depths = depthsOf(view, p, n, material[3] * length);
+    const std::vector<float> opacities = opacitiesOf(view, p, n, material[3] * length);
     const PixelRect within = intersection(rect, tile.rect);
     for (int y = within.y0; y < within.y1; ++y) {
       for (int x = within.x0; x < within.x1; ++x) {
         float* const pixel = tile.rgba + (y - tile.rect.y0) * tile.stride + 4 * (x - tile.rect.x0);
         if (pixel[3] == 1) continue;
         const auto i = static_cast<std::size_t>(y - rect.y0) * columns + static_cast<std::size_t>(x - rect.x0);
-        const float opacity = opacityOf(depths[i]);
-        const float before = pixel[3], added = std::fma(-opacity, before, opacity);
+        const float opacity = opacities[i], before = pixel[3], added = std::fma(-opacity, before, opacity);
         for (int c = 0; c < 3; ++c) pixel[c] = std::fma(added, color[c], pixel[c]);
         pixel[3] += added;
         const bool closes = pixel[3] >= opaque_at;
