@@ -84,7 +84,8 @@ class Projector {
   PixelRect bounds(const VoxelBox& box) const;
 
  private:
-  PixelRect boundsOfBox(const VoxelBox& box) const;
+  PixelRect boundsInParallel(const VoxelBox& box) const;
+  PixelRect boundsInPerspective(const VoxelBox& box) const;
   PixelRect boundsOfSphere(const VoxelBox& box) const;
   double longestDiagonal(const glm::dvec3& edges) const;
   double largestHalfWidth(int axis, double nearest, double u0, double u1) const;
