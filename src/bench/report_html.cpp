@@ -182,7 +182,8 @@ std::string conditions(const Measurements& m) {
                              ? std::string("box around the projected circumscribed sphere, as in the paper")
                              : std::string("box around the projected cube and the footprint"));
   item("Opacity threshold", fmt::format("{:g}", s.threshold));
-  item("Samples", s.test_samples ? "the mask is asked about each sample, too" : "not asked about, as in the paper");
+  item("Samples",
+       s.test_samples ? "left out where all of their pixels are closed" : "not asked about, as in the paper");
   item("Took", fmt::format("{:.0f} s, conversions included", m.seconds));
   return out + "</dl>\n";
 }

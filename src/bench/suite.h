@@ -67,7 +67,7 @@ struct Suite {
   unsigned threads = 1;  // 0: all
   int tile_px = 0;       // 0: the whole image is one tile; else a power of two from 64 on
   ProjectedArea area = ProjectedArea::kSphere;
-  bool test_samples = false;  // the mask asks for each sample, too
+  bool test_samples = false;  // whether samples on closed pixels are left out, too
   std::uint64_t memory_bytes = 4ull << 30;
   /// Enlargements of the quadtree's area that `artifacts` tries, ascending. unit: pixels.
   std::vector<int> epsilons_px = {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};

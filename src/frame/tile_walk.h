@@ -7,9 +7,9 @@
 
 namespace kiln {
 
-/// Splats with the help of `planes`, which holds nothing before and after. thread: tiles of one brick run at the same
-/// time; each touches its own pixels and planes only. `log` may be null; not null, it is told of every node asked about,
-/// and one tile runs at a time.
+/// Splats by way of `planes`, whoever's pixels they held before. requires: `planes` has room for the tile. thread:
+/// tiles of one brick run at the same time; each touches its own pixels and planes only. `log` may be null; not null,
+/// it is told of every node asked about, and one tile runs at a time.
 void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               SplatCounts& counts, NodeLog* log) noexcept;
 

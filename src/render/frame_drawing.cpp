@@ -24,6 +24,7 @@ VisibilityOptions visibilityOf(const FrameRequest& request) {
   return out;
 }
 
+// What the quadtree draws is to be what its own answers leave.
 bool testsSamples(const VisibilityOptions& options) {
   return options.test_samples && options.method != VisibilityMethod::kNone &&
          options.method != VisibilityMethod::kQuadtree;
@@ -33,7 +34,8 @@ bool testsSamples(const VisibilityOptions& options) {
 SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier) {
   SplatFrame out;
   out.classifier = &classifier;
-  out.opaque_at = static_cast<float>(request.opacity_threshold);
+  // Above zero among floats, too: a pixel without opacity is not closed.
+  out.opaque_at = std::max(static_cast<float>(request.opacity_threshold), 1e-30f);
   out.test_samples = testsSamples(request.visibility);
   return out;
 }
@@ -284,8 +286,10 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, Splat
     return;
   }
   const TileSpan span(brick.block->key, tile.rect, counts);
-  planes_.lend(
-      [&](TilePlanes& planes) { walkTile(*brick.frame, *brick.block, tile, planes, counts, request_.node_log); });
+  planes_.lend([&](TilePlanes& planes) {
+    planes.reserve(tile.rect);
+    walkTile(*brick.frame, *brick.block, tile, planes, counts, request_.node_log);
+  });
 }
 
 void FrameDrawing::count(const BrickKey& key, const SplatCounts& drawn) {

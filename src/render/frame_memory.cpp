@@ -88,13 +88,16 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
   return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
-// What each thread holds a tile's pixels in while it splats voxels into them. `pixels`: what is drawn, sub-pixels too.
-std::uint64_t planesBytes(const RenderJob& job, const ImageSize& pixels) {
-  const auto edge = [&](int whole) {
-    return static_cast<std::size_t>(job.speed.tile_px == 0 ? whole : std::min(job.speed.tile_px, whole));
-  };
-  const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
-  return threads * TilePlanes::bytesFor(edge(pixels.width), edge(pixels.height));
+bool splatsVoxels(const RenderJob& job) {
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kVoxel;
+}
+
+// What each thread holds a tile's pixels in while it splats voxels into them. `drawn`: at a time. unit: sub-pixels.
+std::uint64_t planesBytes(const RenderJob& job, const ImageSize& drawn) {
+  const auto width = static_cast<std::size_t>(drawn.width), height = static_cast<std::size_t>(drawn.height);
+  const auto tile = static_cast<std::size_t>(job.speed.tile_px);
+  if (tile == 0) return TilePlanes::bytesFor(width, height);
+  return ThreadLimit::active() * TilePlanes::bytesFor(std::min(tile, width), std::min(tile, height));
 }
 
 // A piece of the picture is drawn as a whole, as the picture is.
@@ -105,10 +108,19 @@ PixelFilter filterOf(const RenderJob& job) {
   return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama);
 }
 
-std::uint64_t bandBytes(const RenderJob& job, const PixelRect& drawn, const PixelFilter& filter, int rows) {
+// unit: sub-pixels.
+ImageSize bandSize(const PixelRect& drawn, const PixelFilter& filter, int rows) {
   const int edge = filter.edge(), beside = 2 * filter.reach();
-  return static_cast<std::uint64_t>(edge * drawn.width() + beside) *
-         static_cast<std::uint64_t>(std::min(rows, edge * drawn.height()) + beside) * drawnPixelBytes(job);
+  return {edge * drawn.width() + beside, std::min(rows, edge * drawn.height()) + beside};
+}
+
+// One tile for all of it is as high as the band.
+std::uint64_t bandPlanesBytes(const RenderJob& job, const ImageSize& band) {
+  return splatsVoxels(job) && job.speed.tile_px == 0 ? planesBytes(job, band) : 0;
+}
+
+std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
+  return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * drawnPixelBytes(job);
 }
 
 // What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
@@ -155,7 +167,11 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.image += PixelFilter::copiedBytes(size);
     out.band_px = kNoBands;
   }
-  if (banded) out.band = out.least_band = bandBytes(job, drawn, filter, out.band_px);
+  if (banded) {
+    const ImageSize least = bandSize(drawn, filter, out.band_px);
+    out.band = out.least_band = bandBytes(job, least);
+    out.slabs = out.least_slabs = bandPlanesBytes(job, least);
+  }
   if (drawsSlabs(job) || castsRays(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
@@ -167,18 +183,28 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
     if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
-  if (composites && job.picture.lattice == Lattice::kVoxel)
-    out.slabs = out.least_slabs = planesBytes(job, {edge * drawn.width(), edge * drawn.height()});
+  if (splatsVoxels(job) && !(banded && job.speed.tile_px == 0)) {
+    const bool faces = job.picture.camera.projection == Projection::kEquirectangular;
+    out.slabs = out.least_slabs =
+        planesBytes(job, faces ? tested : ImageSize{edge * drawn.width(), edge * drawn.height()});
+  }
   if (edges) {
     const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() + out.brick);
     out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
     out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   }
   if (banded) {
-    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() - out.band + out.brick);
-    while (out.band_px < edge * drawn.height() && bandBytes(job, drawn, filter, 2 * out.band_px) <= share)
-      out.band_px *= 2;
-    out.band = bandBytes(job, drawn, filter, out.band_px);
+    const std::uint64_t beside =
+        out.besideBricks() - out.band - bandPlanesBytes(job, bandSize(drawn, filter, out.band_px));
+    const std::uint64_t share = shareOf(job.speed.memory_bytes, beside + out.brick);
+    const auto bytes = [&](int rows) {
+      const ImageSize band = bandSize(drawn, filter, rows);
+      return bandBytes(job, band) + bandPlanesBytes(job, band);
+    };
+    while (out.band_px < edge * drawn.height() && bytes(2 * out.band_px) <= share) out.band_px *= 2;
+    const ImageSize band = bandSize(drawn, filter, out.band_px);
+    out.band = bandBytes(job, band);
+    if (const std::uint64_t planes = bandPlanesBytes(job, band); planes > 0) out.slabs = planes;
   }
   return out;
 }
@@ -198,7 +224,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
     };
     throw Error(ErrorCode::kBudget, store, "--memory",
                 fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
-                            "of index, {} of slabs, {}{} {})",
+                            "of index, {} to draw with, {}{} {})",
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                             formatBytes(memory.image + memory.face),
                             part(memory.least_band, "a band of samples (--samples, --crop of rays)") +

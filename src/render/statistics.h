@@ -39,7 +39,7 @@ struct FrameStatistics {
   std::uint64_t bricks_shared = 0, bricks_shared_bytes = 0;
   /// Bricks without which a pixel would be another, and the bytes of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
-  std::uint64_t slab_bytes = 0;                            // that the threads swept with, at the most
+  std::uint64_t slab_bytes = 0;                            // that the threads drew with, at the most
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and those before it
   std::vector<LevelStatistics> levels;                     // of the store, 0 first
   unsigned threads = 1;  // that draw; as many read beside them, where there are several
@@ -82,9 +82,10 @@ struct RenderStatistics {
   std::vector<FrameStatistics> frames;
   std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
-  std::uint64_t shared_reads_bytes = 0;                 // of brick files that ranks send one another
-  std::uint64_t trace_bytes = 0;                        // of the trace, where one is kept
-  std::uint64_t slabs_bytes = 0, peak_slabs_bytes = 0;  // of slabs: what is set aside, and what sweeps have needed
+  std::uint64_t shared_reads_bytes = 0;  // of brick files that ranks send one another
+  std::uint64_t trace_bytes = 0;         // of the trace, where one is kept
+  std::uint64_t slabs_bytes = 0,
+                peak_slabs_bytes = 0;  // to draw with (slabs, tiles of voxels): what is set aside, and what was needed
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
   std::vector<RankStatistics> ranks;  // where there are several

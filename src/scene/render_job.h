@@ -36,8 +36,8 @@ struct VisibilityOptions {
   VisibilityMethod method = VisibilityMethod::kMask;
   ProjectedArea area = ProjectedArea::kBox;
   int epsilon_px = 0;  // kQuadtree: projected areas are enlarged by this on every side, at most kLargestEpsilon
-  /// Asked also for each sample's own footprint, before it is shaded. Lee and Ihm ask for nodes only. The quadtree,
-  /// which may err, is never asked.
+  /// Samples whose own footprints lie on closed pixels are left out before they are shaded; the tile's pixels say it,
+  /// whatever the method. Lee and Ihm ask for nodes only, and so it is with the quadtree.
   bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };

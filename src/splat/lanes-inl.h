@@ -67,7 +67,7 @@ class Packing {
 
 #endif
 
-// Entries of a table of sixteen. requires: 0 <= index < 16; under AVX2 and AVX-512 `table` may have any place.
+// Entries of a table of sixteen, all of which can be read. requires: 0 <= index < 16.
 template <class DT>
 HWY_INLINE hn::Vec<DT> lookUp(DT d, const hn::TFromD<DT>* HWY_RESTRICT table, VI index) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86

@@ -89,6 +89,7 @@ class VoxelLayer {
   int width(std::size_t n) const { return p_.x1[n] - p_.x0[n]; }
   int height(std::size_t n) const { return p_.y1[n] - p_.y0[n]; }
 
+  static constexpr float kMostDepth = 1e30f;
   static constexpr float kHalfLog = -0.72134752f;  // of e, to base 2
   // The logarithm at the footprint's end.
   static constexpr float kLeastLog = kHalfLog * static_cast<float>(kFootprintRadius * kFootprintRadius);
@@ -115,7 +116,8 @@ class VoxelLayer {
     }
     V red, green, blue, tau;
     hn::LoadInterleaved4(d, s_.material + 4 * n, red, green, blue, tau);
-    hn::Store(hn::Mul(tau, depth), d, q_.depth + n);
+    // Where it is infinite, pixels beside the footprint, with a weight of zero, would be more than clear.
+    hn::Store(hn::Min(hn::Mul(tau, depth), hn::Set(d, kMostDepth)), d, q_.depth + n);
     if (w_.light.phong) {
       const Vector slope{hn::Load(d, s_.slope[0] + n), hn::Load(d, s_.slope[1] + n), hn::Load(d, s_.slope[2] + n)};
       V matte = one, gloss = hn::Zero(d);

@@ -19,17 +19,13 @@ template <class T>
 class CellSplatter {
  public:
   CellSplatter(const SplatFrame& frame, const BrickBlock& block, TilePlanes& planes, SplatCounts& counts)
-      : frame_(frame),
-        block_(block),
-        voxels_(block.data<T>()),
-        planes_(planes),
-        counts_(counts),
-        ends_(frame.ends.any()) {}
+      : frame_(frame), block_(block), voxels_(block.data<T>()), planes_(planes), counts_(counts) {}
 
   void cell(const VoxelBox& box) {
     lo_ = box.lo;
     first_ = voxels_ + block_.offsetOf(lo_);
     cut_ = frame_.clip->classify(box) == ClipRegion::Overlap::kCut;
+    ends_ = frame_.ends.any() && endsIn(box);
     more_ = cut_ || ends_ || !frame_.light_is_plain || frame_.gradient_opacity.active() || planes_.aovs().any();
     find(box);
     for (std::size_t n = 0; n < found_count_; n += kVoxelBatch) batch(n);
@@ -37,6 +33,11 @@ class CellSplatter {
 
  private:
   static constexpr std::size_t kMost = std::size_t{kCellSize} * kCellSize * kCellSize;
+
+  bool endsIn(const VoxelBox& box) const {
+    const VoxelCoord& last = frame_.ends.last;
+    return last.x < box.hi.x || last.y < box.hi.y || last.z < box.hi.z;
+  }
 
   void find(const VoxelBox& box) {
     std::uint8_t order[3][kCellSize];
@@ -89,13 +90,27 @@ class CellSplatter {
       });
     }
     counts_.visited += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
-    if (frame_.test_samples) drawn = planes_.open(projected, drawn);
+    if (frame_.test_samples && drawn != 0) drawn = openOf(projected, drawn);
     counts_.splats += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
     if (drawn == 0) return;
     counts_.changed = true;
     ShadedVoxels shaded;
     take(drawn, codes_ + first, shaded);
     layVoxels(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
+  }
+
+  // Those of `asked` that have an open pixel. All of a batch are nearly as large, and where that is large, the
+  // structure knows it in fewer words.
+  std::uint32_t openOf(const ProjectedVoxels& projected, std::uint32_t asked) const {
+    constexpr std::uint64_t kLarge = 1024;  // unit: pixels
+    if (projected.rect(static_cast<std::size_t>(std::countr_zero(asked))).count() <= kLarge)
+      return planes_.open(projected, asked);
+    std::uint32_t out = 0;
+    forEach(asked, [&](std::size_t n) {
+      const bool hidden = frame_.visibility->hidden(intersection(projected.rect(n), planes_.rect()));
+      out |= (hidden ? 0u : 1u) << n;
+    });
+    return out;
   }
 
   template <class F>
@@ -175,11 +190,11 @@ class CellSplatter {
   const T* voxels_;
   TilePlanes& planes_;
   SplatCounts& counts_;
-  const bool ends_;  // whether some voxels exist in part
   // The cell in turn.
   VoxelCoord lo_;
   const T* first_ = nullptr;
   bool cut_ = false;   // by the clip region
+  bool ends_ = false;  // whether some of its voxels exist in part
   bool more_ = false;  // whether voxels need more than the kernels know
   std::size_t found_count_ = 0;
   std::int32_t codes_[kMost + kVoxelBatch];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/tile_planes.cpp"
@@ -86,11 +87,20 @@ HWY_EXPORT(splitRow);
 HWY_EXPORT(joinRow);
 HWY_EXPORT(openOf);
 
-void TilePlanes::take(const TilePixels& tile) {
+void TilePlanes::reserve(const PixelRect& tile) {
+  const std::size_t needed =
+      bytesFor(static_cast<std::size_t>(tile.width()), static_cast<std::size_t>(tile.height())) / sizeof(float);
+  if (values_.size() >= needed) return;
+  // Not beside what there was, nor with room for more: it is charged.
+  values_ = {};
+  values_ = std::vector<float>(needed);
+}
+
+void TilePlanes::take(const TilePixels& tile) noexcept {
+  assert(bytesFor(static_cast<std::size_t>(tile.rect.width()), static_cast<std::size_t>(tile.rect.height())) <=
+         values_.size() * sizeof(float));
   tile_ = tile;
   plane_ = tile.rect.width() + 2 * kBeside;
-  const auto needed = static_cast<std::size_t>(4 * plane_) * static_cast<std::size_t>(tile.rect.height());
-  if (values_.size() < needed) values_.resize(needed);
   const auto split = HWY_DYNAMIC_DISPATCH(splitRow);
   for (int y = tile.rect.y0; y < tile.rect.y1; ++y) {
     float* const row = at(tile.rect.x0, y);

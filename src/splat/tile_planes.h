@@ -18,8 +18,10 @@ class TilePlanes {
   static constexpr int kWide = 8;
   static constexpr int kBeside = kWide;
 
-  /// Holds the pixels of `tile` from now on, which nobody else may draw into.
-  void take(const TilePixels& tile);
+  /// Has room for any part of a tile of this size, and for no more than the largest asked for. throws: std::bad_alloc.
+  void reserve(const PixelRect& tile);
+  /// Holds the pixels of `tile` from now on, which nobody else may draw into. requires: room for it.
+  void take(const TilePixels& tile) noexcept;
   /// Puts them back where they are from.
   void putBack() const;
 

@@ -33,7 +33,7 @@ HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, T t) {
   return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
 }
 
-// row[index] of a row of at most 16.
+// row[index] of a row of 16.
 HWY_INLINE V pick(D d, const float* HWY_RESTRICT row, VI index) { return lookUp(d, row, index); }
 
 // What fields of either kind are made of.

@@ -12,8 +12,7 @@ namespace kiln {
 
 class VoxelFootprint {
  public:
-  /// Parts of a pixel that are told from one another. At 64 of them a weight is off by up to a hundredth of the
-  /// largest.
+  /// Parts of a pixel that are told from one another: a weight is off by up to half a hundredth of the largest.
   static constexpr int kPhases = 128;
   /// The most pixels along each axis.
   static constexpr int kColumns = 8, kRows = 16;

@@ -303,6 +303,7 @@ void layBatch(benchmark::State& state) {
   TilePixels tile;
   tile.rect = s.tile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kPicture;
   TilePlanes planes;
+  planes.reserve(tile.rect);
   planes.take(tile);
   double pixels = 0;
   for (std::size_t i = 0; i < kVoxelBatch; ++i)
@@ -332,6 +333,7 @@ void splatVoxels(benchmark::State& state) {
   frame.opaque_at = 0.998f;
   frame.test_samples = options.method != VisibilityMethod::kNone;
   TilePlanes planes;
+  planes.reserve({0, 0, kPicture, kPicture});
   std::int64_t splats = 0;
   for (auto _ : state) {
     Image image(kPicture, kPicture);

@@ -250,7 +250,24 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
             sumOf(stats["memory"], {"cache_bytes", "framebuffer_bytes", "visibility_bytes", "index_bytes",
                                     "slabs_bytes", "trace_bytes"}));
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["cache_bytes"]);
-  EXPECT_LE(stats["memory"]["peak_slabs_bytes"], stats["memory"]["slabs_bytes"]);
+}
+
+// Known from the account of a frame: nothing draws with more than is set aside for it.
+TEST_F(Cli, WhatLatticesDrawWithIsInTheAccount) {
+  makeRampStore();
+  for (const char* lattice : {"pixel", "voxel", "ray"}) {
+    // In one tile, and in some of which bricks touch parts of different sizes.
+    for (const char* tile : {"0", "64"}) {
+      SCOPED_TRACE(fmt::format("{} in tiles of {}", lattice, tile));
+      expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "200x150", "--lattice", lattice, "--tile", tile,
+                  "--stats", in("s.json")});
+      const Json memory = Json::parse(readTextFile(in("s.json")))["memory"];
+      EXPECT_LE(memory["peak_slabs_bytes"], memory["slabs_bytes"]);
+      if (std::string(lattice) != "ray") {
+        EXPECT_GT(memory["peak_slabs_bytes"], 0);
+      }
+    }
+  }
 }
 
 // Known from STYLE, Options: how fast a picture appears changes no bit of it.

@@ -12,29 +12,20 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kSize{70, 61};
+constexpr ImageSize kSetsSize{70, 61};
 
-void expectTheSame(const std::filesystem::path& store, const FrameRequest& request) {
+void expectTheSameOnAllSets(const std::filesystem::path& store, const FrameRequest& request) {
   const Image best = draw(store, request);
   EXPECT_TRUE(showsSomething(best));
   onEveryInstructionSet(
       [&](std::int64_t target) { EXPECT_TRUE(equalBits(best, draw(store, request))) << "instruction set " << target; });
 }
 
-// Of floats some are NaN.
-DenseVolume someHead(VoxelType type) {
-  DenseVolume out = head({{38, 45, 33}, type, anisotropicAffine()}, usualRange(type));
-  if (type != VoxelType::f32) return out;
-  for (std::int64_t i = 0; i < 200; ++i)
-    out.set(2 + 7 * i % 33, 3 + 11 * i % 39, 2 + 5 * i % 28, std::numeric_limits<float>::quiet_NaN());
-  return out;
-}
-
 class InstructionSetsFor : public testing::TestWithParam<Lattice> {};
 
 TEST_P(InstructionSetsFor, DrawTheSame) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32}) {
-    const DenseVolume volume = someHead(type);
+    const DenseVolume volume = smallHead(type);
     const auto store = makeStore(volume, "head", 32);
     const ValueRange range = volume.range();
     const auto at = [&](double part) { return range.lo + part * (range.hi - range.lo); };
@@ -49,7 +40,7 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
       // Along an axis, where footprints of voxels are straight, and across.
       for (const glm::dvec3& from : {glm::dvec3(0, -1, 0), glm::dvec3(0.7, -1, 0.4)}) {
-        request.view = resolve(cameraFrom(volume.geometry, from, projection), kSize);
+        request.view = resolve(cameraFrom(volume.geometry, from, projection), kSetsSize);
         // A coarser level stands for intervals of values.
         for (const int level : {0, 1}) {
           SCOPED_TRACE(testing::Message()
@@ -57,7 +48,7 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
                        << from.x << ", level " << level);
           request.level = level;
           request.aovs.depth = request.aovs.normal = level == 1;
-          expectTheSame(store, request);
+          expectTheSameOnAllSets(store, request);
         }
       }
     }
@@ -66,16 +57,16 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
 INSTANTIATE_TEST_SUITE_P(Lattices, InstructionSetsFor, testing::ValuesIn(kLattices));
 
 TEST(InstructionSets, InterpolateTheSame) {
-  const DenseVolume volume = someHead(VoxelType::i16);
+  const DenseVolume volume = smallHead(VoxelType::i16);
   const auto store = makeStore(volume, "head", 32);
   FrameRequest request;
   request.transfer_function.unit = volume.geometry.meanSpacing();
   const ValueRange range = volume.range();
   request.transfer_function.points = {{range.lo, {1, 0.7, 0.5}, 0}, {range.hi, {1, 1, 0.8}, 0.7}};
-  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSize);
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
   for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
     request.interpolation = interpolation;
-    expectTheSame(store, request);
+    expectTheSameOnAllSets(store, request);
   }
 }
 

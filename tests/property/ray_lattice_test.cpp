@@ -18,15 +18,6 @@ namespace {
 
 constexpr ImageSize kRaySize{70, 61};
 
-// Of floats some are NaN.
-DenseVolume someHead(VoxelType type) {
-  DenseVolume out = head({{38, 45, 33}, type, anisotropicAffine()}, usualRange(type));
-  if (type != VoxelType::f32) return out;
-  for (std::int64_t i = 0; i < 200; ++i)
-    out.set(2 + 7 * i % 33, 3 + 11 * i % 39, 2 + 5 * i % 28, std::numeric_limits<float>::quiet_NaN());
-  return out;
-}
-
 FrameRequest rayRequest(const DenseVolume& volume, Projection projection) {
   FrameRequest out;
   out.lattice = Lattice::kRay;
@@ -88,7 +79,7 @@ std::array<double, 4> compositedAlone(const DenseVolume& volume, const FrameRequ
 
 TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
-    const DenseVolume volume = someHead(type);
+    const DenseVolume volume = smallHead(type);
     const auto path = makeStore(volume, "head", 16);
     const StoreReader store(path);
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {

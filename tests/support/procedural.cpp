@@ -210,6 +210,14 @@ DenseVolume head(const VolumeShape& shape, const ValueRange& range) {
   });
 }
 
+DenseVolume smallHead(VoxelType type) {
+  DenseVolume out = head({{38, 45, 33}, type, anisotropicAffine()}, usualRange(type));
+  if (type != VoxelType::f32) return out;
+  for (std::int64_t i = 0; i < 200; ++i)
+    out.set(2 + 7 * i % 33, 3 + 11 * i % 39, 2 + 5 * i % 28, std::numeric_limits<float>::quiet_NaN());
+  return out;
+}
+
 std::uint64_t hashBits(std::uint64_t seed, std::uint64_t counter) {
   const auto mix = [](std::uint64_t z) {
     z += 0x9e3779b97f4a7c15u;

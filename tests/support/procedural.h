@@ -86,6 +86,8 @@ DenseVolume noise(const VolumeShape& shape, std::uint64_t seed, const ValueRange
 DenseVolume cheese(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range);
 /// Nested ellipsoids: air, skin, skull, brain, ventricles, and two eye sockets on the side of -y.
 DenseVolume head(const VolumeShape& shape, const ValueRange& range);
+/// A head of 38 × 45 × 33 voxels of unequal edges; of floats some are NaN.
+DenseVolume smallHead(VoxelType type);
 
 /// 64 well-mixed bits of (seed, counter): the same on every machine, in any order of asking. source: SplitMix64.
 std::uint64_t hashBits(std::uint64_t seed, std::uint64_t counter);

@@ -192,7 +192,7 @@ void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& p, const Shad
     const glm::vec3 color = colorOf(view, material, slope, p.u[n], p.v[n], oblique);
     const PixelRect rect = p.rect(n);
     const auto columns = static_cast<std::size_t>(rect.width());
-    const std::vector<float> opacities = opacitiesOf(view, p, n, material[3] * length);
+    const std::vector<float> opacities = opacitiesOf(view, p, n, std::min(material[3] * length, 1e30f));
     const PixelRect within = intersection(rect, tile.rect);
     for (int y = within.y0; y < within.y1; ++y) {
       for (int x = within.x0; x < within.x1; ++x) {

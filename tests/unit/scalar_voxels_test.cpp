@@ -1,8 +1,7 @@
 // The kernels of the voxel lattice on every instruction set against the same written plainly (support/scalar_voxels.h),
 // bit for bit: operations are fused where both say so and never approximate, and a footprint's weights are added in one
-// order. From the
-// voxels' places to the picture, which pixels are closed and in which order, AOVs, and that nothing happens beside a
-// tile.
+// order. From the voxels' places to the picture, which pixels are closed and in which order, AOVs, and that nothing
+// happens beside a tile.
 #include "support/scalar_voxels.h"
 
 #include <gtest/gtest.h>
@@ -58,6 +57,7 @@ VoxelView viewAt(bool perspective, double px_per_voxel, bool phong, double edge_
 void layIntoTile(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
                  const TilePixels& tile, float opaque_at, Visibility& visibility) {
   TilePlanes planes;
+  planes.reserve(tile.rect);
   planes.take(tile);
   layVoxels(view, voxels, shaded, drawn, planes, opaque_at, visibility);
   planes.putBack();

@@ -12,18 +12,18 @@
 namespace kiln::test {
 namespace {
 
-constexpr int kEdge = 70;
+constexpr int kPlanesEdge = 70;
 
-struct Picture {
-  explicit Picture(const PixelRect& rect) {
+struct PlanesPicture {
+  explicit PlanesPicture(const PixelRect& rect) {
     for (std::size_t i = 0; i < rgba.size(); ++i) rgba[i] = static_cast<float>(hashUnit(5, i));
     tile.rect = rect;
-    tile.stride = 4 * kEdge;
+    tile.stride = 4 * kPlanesEdge;
     tile.rgba = pixel(rect.x0, rect.y0);
   }
-  float* pixel(int x, int y) { return &rgba[static_cast<std::size_t>(4 * (y * kEdge + x))]; }
+  float* pixel(int x, int y) { return &rgba[static_cast<std::size_t>(4 * (y * kPlanesEdge + x))]; }
 
-  std::vector<float> rgba = std::vector<float>(4 * kEdge * kEdge);
+  std::vector<float> rgba = std::vector<float>(4 * kPlanesEdge * kPlanesEdge);
   TilePixels tile;
 };
 
@@ -33,8 +33,9 @@ TEST(TilePlanes, HoldTheTilesPixels) {
     // The last is smaller than the one before: what is left of that must not show.
     for (const PixelRect& rect : {PixelRect{3, 5, 4, 6}, PixelRect{0, 0, 64, 64}, PixelRect{9, 6, 33, 31}}) {
       SCOPED_TRACE(::testing::Message() << "instruction set " << target << ", " << rect.width() << " columns");
-      Picture picture(rect);
+      PlanesPicture picture(rect);
       const std::vector<float> before = picture.rgba;
+      planes.reserve(rect);
       planes.take(picture.tile);
       for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) {
@@ -47,10 +48,10 @@ TEST(TilePlanes, HoldTheTilesPixels) {
         }
       }
       planes.putBack();
-      for (int y = 0; y < kEdge; ++y) {
-        for (int x = 0; x < kEdge; ++x) {
+      for (int y = 0; y < kPlanesEdge; ++y) {
+        for (int x = 0; x < kPlanesEdge; ++x) {
           for (std::size_t c = 0; c < 4; ++c) {
-            const auto i = static_cast<std::size_t>(4 * (y * kEdge + x)) + c;
+            const auto i = static_cast<std::size_t>(4 * (y * kPlanesEdge + x)) + c;
             EXPECT_EQ(picture.rgba[i], before[i] + (rect.contains(x, y) ? 1 : 0));
           }
         }
@@ -61,10 +62,10 @@ TEST(TilePlanes, HoldTheTilesPixels) {
 
 // Pixels are closed in runs, so that footprints of all sizes are found closed; most of them reach over the tile's edge.
 TEST(TilePlanes, KnowWhatIsOpen) {
-  constexpr PixelRect kTile = {9, 6, 33, 31};
-  Picture picture(kTile);
-  for (int y = 0; y < kEdge; ++y) {
-    for (int x = 0; x < kEdge; ++x)
+  constexpr PixelRect kPlanesTile = {9, 6, 33, 31};
+  PlanesPicture picture(kPlanesTile);
+  for (int y = 0; y < kPlanesEdge; ++y) {
+    for (int x = 0; x < kPlanesEdge; ++x)
       picture.pixel(x, y)[3] = hashUnit(7, static_cast<std::uint64_t>(x / 9 + 8 * (y / 7))) < 0.7 ? 1.0f : 0.999f;
   }
   int hidden = 0;
@@ -76,11 +77,11 @@ TEST(TilePlanes, KnowWhatIsOpen) {
       voxels.x1[n] = voxels.x0[n] + 1 + static_cast<int>(20 * unit(1));
       voxels.y0[n] = static_cast<int>(40 * unit(2)) - 4,
       voxels.y1[n] = voxels.y0[n] + 1 + static_cast<int>(12 * unit(3));
-      if (!intersection(voxels.rect(n), kTile).empty() && unit(4) < 0.9) voxels.touching |= 1u << n;
+      if (!intersection(voxels.rect(n), kPlanesTile).empty() && unit(4) < 0.9) voxels.touching |= 1u << n;
     }
     std::uint32_t truth = 0;
     for (std::size_t n = 0; n < kVoxelBatch; ++n) {
-      const PixelRect rect = intersection(voxels.rect(n), kTile);
+      const PixelRect rect = intersection(voxels.rect(n), kPlanesTile);
       for (int y = rect.y0; y < rect.y1; ++y) {
         for (int x = rect.x0; x < rect.x1; ++x) truth |= picture.pixel(x, y)[3] < 1 ? 1u << n : 0u;
       }
@@ -89,6 +90,7 @@ TEST(TilePlanes, KnowWhatIsOpen) {
     hidden += std::popcount(voxels.touching & ~truth);
     onEveryInstructionSet([&](std::int64_t target) {
       TilePlanes planes;
+      planes.reserve(kPlanesTile);
       planes.take(picture.tile);
       EXPECT_EQ(planes.open(voxels, voxels.touching), truth) << "instruction set " << target;
     });

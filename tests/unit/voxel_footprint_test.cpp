@@ -29,7 +29,7 @@ void expectGaussians(const float* row, int pixels, int phase, double half) {
     sum += weight;
     // Wherever in the phase the first pixel is, none beyond the half width has anything, and none well within it is
     // left out.
-    if (first - 0.5 * part + i > half) {
+    if (first + 0.5 * part + i > half) {
       EXPECT_EQ(weight, 0) << i;
     }
     if (first + part + i < half) {

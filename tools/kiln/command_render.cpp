@@ -276,7 +276,7 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
   if (memory.band > 0) fmt::print("{} of a band of its samples, ", formatBytes(memory.band));
   if (memory.face > 0) fmt::print("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) fmt::print("{} of deep samples, ", formatBytes(memory.deep));
-  fmt::print("{} of visibility, {} of index, {} of slabs, {}{} {}\n", formatBytes(memory.visibility),
+  fmt::print("{} of visibility, {} of index, {} to draw with, {}{} {}\n", formatBytes(memory.visibility),
              formatBytes(memory.index), formatBytes(memory.slabs),
              memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
              memory.brickText());
