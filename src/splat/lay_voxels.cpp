@@ -382,8 +382,8 @@ class VoxelLayer {
       float* const pixel = planes_.at(x + i, y);
       const float before = pixel[3 * plane];
       if (!(before < 1)) continue;
-      const float added = std::fma(-opacities[i], before, opacities[i]);
-      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = std::fma(added, q_.light[c][n], pixel[c * plane]);
+      const float added = fused(-opacities[i], before, opacities[i]);
+      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = fused(added, q_.light[c][n], pixel[c * plane]);
       pixel[3 * plane] = before + added;
       const bool closes = pixel[3 * plane] >= opaque_at_;
       addAovs(s_.aov[n], planes_.placeOf(x + i, y), before, added, closes);

@@ -12,6 +12,7 @@
 
 #include <cmath>
 
+#include "splat/fused.h"
 #include "splat/plain_light.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -31,6 +32,13 @@ struct Vector {
 };
 
 // a b + c, rounded once, as std::fma is; also where the processor cannot.
+HWY_INLINE float fused(float a, float b, float c) {
+#if HWY_NATIVE_FMA
+  return std::fma(a, b, c);
+#else
+  return fusedInDoubles(a, b, c);
+#endif
+}
 template <class Floats>
 HWY_INLINE Floats fused(Floats a, Floats b, Floats c) {
 #if HWY_NATIVE_FMA
@@ -39,7 +47,7 @@ HWY_INLINE Floats fused(Floats a, Floats b, Floats c) {
   const hn::DFromV<Floats> d;
   alignas(64) float of_a[hn::MaxLanes(d)], of_b[hn::MaxLanes(d)], of_c[hn::MaxLanes(d)];
   hn::Store(a, d, of_a), hn::Store(b, d, of_b), hn::Store(c, d, of_c);
-  for (std::size_t i = 0; i < hn::Lanes(d); ++i) of_c[i] = std::fma(of_a[i], of_b[i], of_c[i]);
+  for (std::size_t i = 0; i < hn::Lanes(d); ++i) of_c[i] = fusedInDoubles(of_a[i], of_b[i], of_c[i]);
   return hn::Load(d, of_c);
 #endif
 }
