@@ -41,7 +41,7 @@ large+='|(Scene|Views|Volumes|Sequence|Labels|Progress)Cli|CliKilled|Cli.(AnInte
 # In these, one thread does what is looked at, or the others show the same of threads, and faster.
 of_one_thread='Phantom|RealExactness|HiddenBricks|VisitingOrder|VisibilityMethods|ImageFile|Samples|Crop|Paging|Pyramid'
 of_one_thread+='|Skipping|(PictureEquality|MixedLevels).*/\([12],|SharedConversion|Stereo\.|DeepImages|PartialImages|SubBricks'
-of_one_thread+='|Labels.AreDrawn|VolumeMixEquality.(ATransp|TooLittle|HoldsWhere)|FrameProgressOf.(PartsAre|ACheckpoint)|SampleWindow|SoftBlocks'
+of_one_thread+='|Labels.AreDrawn|InstructionSets|VolumeMixEquality.(ATransp|TooLittle|HoldsWhere)|FrameProgressOf.(PartsAre|ACheckpoint)|SampleWindow|SoftBlocks'
 
 export ASAN_OPTIONS=detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
