@@ -39,12 +39,11 @@ struct Walk {
     const VoxelBox box = cube(lo, kCellSize);
     const std::size_t voxel = sizeOf(block.type);
     const std::byte* const first = block.voxels.data() + static_cast<std::size_t>(block.offsetOf(box.lo)) * voxel;
-    const auto rows = [&](std::int64_t count, std::int64_t stride, const auto& each) {
-      for (std::int64_t i = 0; i < count; ++i) each(static_cast<std::size_t>(i * stride) * voxel);
-    };
-    rows(box.hi.z - box.lo.z, block.strideZ(), [&](std::size_t plane) {
-      rows(box.hi.y - box.lo.y, block.strideY(), [&](std::size_t row) { __builtin_prefetch(first + plane + row); });
-    });
+    const Extent3 count = box.extent();
+    for (std::int64_t z = 0; z < count.z; ++z) {
+      for (std::int64_t y = 0; y < count.y; ++y)
+        __builtin_prefetch(first + static_cast<std::size_t>(z * block.strideZ() + y * block.strideY()) * voxel);
+    }
   }
 
   void subCell(const VoxelCoord& lo) noexcept {

@@ -114,11 +114,6 @@ ImageSize bandSize(const PixelRect& drawn, const PixelFilter& filter, int rows) 
   return {edge * drawn.width() + beside, std::min(rows, edge * drawn.height()) + beside};
 }
 
-// One tile for all of it is as high as the band.
-std::uint64_t bandPlanesBytes(const RenderJob& job, const ImageSize& band) {
-  return splatsVoxels(job) && job.speed.tile_px == 0 ? planesBytes(job, band) : 0;
-}
-
 std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
   return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * drawnPixelBytes(job);
 }
@@ -167,11 +162,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.image += PixelFilter::copiedBytes(size);
     out.band_px = kNoBands;
   }
-  if (banded) {
-    const ImageSize least = bandSize(drawn, filter, out.band_px);
-    out.band = out.least_band = bandBytes(job, least);
-    out.slabs = out.least_slabs = bandPlanesBytes(job, least);
-  }
+  if (banded) out.band = out.least_band = bandBytes(job, bandSize(drawn, filter, out.band_px));
   if (drawsSlabs(job) || castsRays(job)) {
     const std::uint64_t budget = job.speed.memory_bytes;
     const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
@@ -183,10 +174,12 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
     if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
-  if (splatsVoxels(job) && !(banded && job.speed.tile_px == 0)) {
+  if (splatsVoxels(job)) {
     const bool faces = job.picture.camera.projection == Projection::kEquirectangular;
-    out.slabs = out.least_slabs =
-        planesBytes(job, faces ? tested : ImageSize{edge * drawn.width(), edge * drawn.height()});
+    const ImageSize at_a_time = banded  ? bandSize(drawn, filter, out.band_px)
+                                : faces ? tested
+                                        : ImageSize{drawn.width(), drawn.height()};
+    out.slabs = out.least_slabs = planesBytes(job, at_a_time);
   }
   if (edges) {
     const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() + out.brick);
@@ -194,17 +187,16 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
   }
   if (banded) {
-    const std::uint64_t beside =
-        out.besideBricks() - out.band - bandPlanesBytes(job, bandSize(drawn, filter, out.band_px));
-    const std::uint64_t share = shareOf(job.speed.memory_bytes, beside + out.brick);
-    const auto bytes = [&](int rows) {
+    const std::uint64_t planes = splatsVoxels(job) ? out.slabs : 0;
+    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() - out.band - planes + out.brick);
+    const auto charge = [&](int rows) {
       const ImageSize band = bandSize(drawn, filter, rows);
-      return bandBytes(job, band) + bandPlanesBytes(job, band);
+      out.band = bandBytes(job, band);
+      if (splatsVoxels(job)) out.slabs = planesBytes(job, band);
+      return out.band + (splatsVoxels(job) ? out.slabs : 0);
     };
-    while (out.band_px < edge * drawn.height() && bytes(2 * out.band_px) <= share) out.band_px *= 2;
-    const ImageSize band = bandSize(drawn, filter, out.band_px);
-    out.band = bandBytes(job, band);
-    if (const std::uint64_t planes = bandPlanesBytes(job, band); planes > 0) out.slabs = planes;
+    while (out.band_px < edge * drawn.height() && charge(2 * out.band_px) <= share) out.band_px *= 2;
+    charge(out.band_px);
   }
   return out;
 }

@@ -393,14 +393,15 @@ class CellCaster {
       const VI index = hn::Iota(di, static_cast<int>(n));
       M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
       if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
+      V tau = hn::Zero(d);
       if (l_.integral != nullptr) {
-        const V tau = meanExtinctionOf(n, value, entry, shows);
+        tau = meanExtinctionOf(n, value, entry, shows);
         shows = hn::And(shows, hn::Gt(tau, hn::Zero(d)));
-        hn::StoreU(Packing(shows)(tau), d, s_.opacity + kept_);
       } else {
         shows = hn::And(shows, visible(entry, entry));
       }
       const Packing packed(shows);
+      if (l_.integral != nullptr) hn::StoreU(packed(tau), d, s_.opacity + kept_);
       hn::StoreU(packed(index), di, s_.index + kept_);
       hn::StoreU(packed(entry), d, s_.entry + kept_);
       kept_ += hn::CountTrue(d, shows);
@@ -454,8 +455,7 @@ class CellCaster {
       const V entry = hn::Load(d, s_.entry + n);
       V here, next;
       hn::LoadInterleaved2(d, s_.pair + 2 * n, here, next);
-      const V between = hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry)));
-      V tau = fused(between, hn::Sub(next, here), here);
+      V tau = between(here, next, hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry))));
       if (l_.integral != nullptr) tau = hn::Load(d, s_.opacity + n);
       V length = hn::Set(d, l_.thickness);
       if (asks) {
@@ -595,7 +595,7 @@ class CellCaster {
       const auto t = hn::Set(d4, entry - static_cast<float>(whole));
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
         const auto here = hn::LoadU(d4, at + c);
-        hn::Store(fused(t, hn::Sub(hn::LoadU(d4, at + 4 + c), here), here), d4, s_.rows[0] + 4 * i + c);
+        hn::Store(between(here, hn::LoadU(d4, at + 4 + c), t), d4, s_.rows[0] + 4 * i + c);
       }
     }
     if (finishes_) finishColors(n, count);
@@ -667,7 +667,7 @@ class CellCaster {
   // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
-    const Vec out = fused(t, hn::Sub(b, a), a);
+    const Vec out = between(a, b, t);
     if constexpr (kGaps) return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, out);
     return out;
   }

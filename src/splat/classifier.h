@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "grid/value_range.h"
@@ -32,20 +33,21 @@ class Classifier {
     }
   }
 
-  /// Whether `value` has an opacity above zero. requires: as above.
+  /// Whether a value has an opacity above zero, which NaN has not, as a function that a loop may keep. requires: values
+  /// inside the range given, or NaN; that this outlives it.
   template <class T>
-  bool shows(T value) const {
+  auto shows() const {
     if constexpr (sizeof(T) <= 2) {
-      return shown_[static_cast<std::size_t>(static_cast<int>(value) - first_)] != 0;
+      return [shown = shown_.data(), first = first_](T value) { return shown[static_cast<int>(value) - first] != 0; };
     } else {
-      return function_.interesting(static_cast<double>(value));
+      return [this](T value) {
+        if constexpr (std::is_floating_point_v<T>) {
+          if (std::isnan(value)) return false;
+        }
+        return function_.interesting(static_cast<double>(value));
+      };
     }
   }
-
-  /// The same of types of one or two bytes, as a table that a loop may keep: 0 for values that have none. shape: from
-  /// firstValue() on.
-  const std::uint8_t* shown() const { return shown_.data(); }
-  int firstValue() const { return first_; }
 
   /// Whether some value of the range may have an opacity above zero. Conservative only at a step of the function.
   /// cost: a binary search over the function's points.

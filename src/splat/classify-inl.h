@@ -25,7 +25,7 @@ HWY_INLINE V placeOf(D d, const UnitLattice& l, V value) {
 HWY_INLINE V extinctionAt(D d, const UnitLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V here = hn::GatherIndex(d, l.extinctions, entry), next = hn::GatherIndex(d, l.extinctions + 1, entry);
-  return fused(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(next, here), here);
+  return between(here, next, hn::Sub(place, hn::ConvertTo(d, entry)));
 }
 
 // The values that a sample of a coarser level stands for. They go `reach` above and below the sample's own, half a
@@ -51,7 +51,7 @@ HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after
 HWY_INLINE V integralTo(D d, const UnitLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V a = hn::GatherIndex(d, l.integral, entry), b = hn::GatherIndex(d, l.integral + 1, entry);
-  return fused(hn::Sub(place, hn::ConvertTo(d, entry)), hn::Sub(b, a), a);
+  return between(a, b, hn::Sub(place, hn::ConvertTo(d, entry)));
 }
 
 // Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.

@@ -270,10 +270,9 @@ class Refiner {
     using D4 = hn::CappedTag<float, 4>;
     const D4 d;
     const float* const entry = l_.table + kept_.entry[lane];
-    const auto between = hn::Set(d, kept_.between[lane]);
+    const auto part = hn::Set(d, kept_.between[lane]);
     for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
-      const auto here = hn::LoadU(d, entry + i);
-      const auto material = fused(between, hn::Sub(hn::LoadU(d, entry + 4 + i), here), here);
+      const auto material = between(hn::LoadU(d, entry + i), hn::LoadU(d, entry + 4 + i), part);
       hn::Store(material, d, kept_.material + 4 * lane + i);
     }
   }

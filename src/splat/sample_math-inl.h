@@ -61,6 +61,12 @@ HWY_INLINE Floats fusedLess(Floats a, Floats b, Floats c) {
 #endif
 }
 
+// From a, where t is 0, to b, where it is 1.
+template <class Floats>
+HWY_INLINE Floats between(Floats a, Floats b, Floats t) {
+  return fused(t, hn::Sub(b, a), a);
+}
+
 // 2^x = whole + whole · rest, `whole` a power of two, for -126 <= x <= 0; to 2e-6 of its value.
 template <class DF>
 struct Power {

@@ -46,7 +46,7 @@ class CellSplatter {
       count[axis] = static_cast<int>(box.hi[axis] - box.lo[axis]);
       frame_.projector->order().axisOrder(axis, box.lo[axis], count[axis], order[axis]);
     }
-    const auto shows = showsOf();
+    const auto shows = frame_.classifier->shows<T>();
     std::size_t n = 0;
     for (int k = 0; k < count[2]; ++k) {
       for (int j = 0; j < count[1]; ++j) {
@@ -61,22 +61,6 @@ class CellSplatter {
       }
     }
     found_count_ = n;
-  }
-
-  // Whether a value is not transparent.
-  auto showsOf() const {
-    if constexpr (sizeof(T) <= 2) {
-      return [shown = frame_.classifier->shown(), first = frame_.classifier->firstValue()](T value) {
-        return shown[static_cast<int>(value) - first] != 0;
-      };
-    } else {
-      return [&classifier = *frame_.classifier](T value) {
-        if constexpr (std::is_floating_point_v<T>) {
-          if (std::isnan(value)) return false;
-        }
-        return classifier.shows(value);
-      };
-    }
   }
 
   void batch(std::size_t first) {

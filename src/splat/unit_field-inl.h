@@ -22,19 +22,16 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
-HWY_INLINE V mix(D d, V a, V b, V t) { return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, fused(t, hn::Sub(b, a), a)); }
+HWY_INLINE V mix(D d, V a, V b, V t) { return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, between(a, b, t)); }
 
 // The same where all lanes have one t.
-HWY_INLINE V mix(D d, V a, V b, float t) { return t == 0 ? a : fused(hn::Set(d, t), hn::Sub(b, a), a); }
+HWY_INLINE V mix(D d, V a, V b, float t) { return t == 0 ? a : between(a, b, hn::Set(d, t)); }
 
 // The central difference between a and b, at t of the way.
 template <class T>
 HWY_INLINE V slopeOf(D d, V before, V a, V b, V after, T t) {
   return hn::Mul(hn::Set(d, 0.5f), hn::Sub(mix(d, b, after, t), mix(d, before, a, t)));
 }
-
-// row[index] of a row of 16.
-HWY_INLINE V pick(D d, const float* HWY_RESTRICT row, VI index) { return lookUp(d, row, index); }
 
 // What fields of either kind are made of.
 class UnitVoxels {
@@ -106,7 +103,7 @@ class LinearField : public UnitVoxels {
     const UnitAxis& axis = *u_.axis[0];
     const VI base = hn::LoadU(di, &axis.base[i]);
     const VI next = hn::Add(base, hn::Set(di, 1));
-    const V raw = mix(d, pick(d, row_, base), pick(d, row_, next), hn::LoadU(d, &axis.fraction[i]));
+    const V raw = mix(d, lookUp(d, row_, base), lookUp(d, row_, next), hn::LoadU(d, &axis.fraction[i]));
     known = hn::Eq(raw, raw);
     return hn::Min(hn::Max(raw, hn::Set(d, u_.least)), hn::Set(d, u_.most));
   }
@@ -123,9 +120,9 @@ class LinearField : public UnitVoxels {
     const VI after = hn::Add(next, hn::Set(di, 1));
     const VI previous = hn::Sub(base, hn::Set(di, 1));
     const V along_x =
-        slopeOf(d, pick(d, row_, previous), pick(d, row_, base), pick(d, row_, next), pick(d, row_, after), t);
-    return {along_x, mix(d, pick(d, row_y_, base), pick(d, row_y_, next), t),
-            mix(d, pick(d, row_z_, base), pick(d, row_z_, next), t)};
+        slopeOf(d, lookUp(d, row_, previous), lookUp(d, row_, base), lookUp(d, row_, next), lookUp(d, row_, after), t);
+    return {along_x, mix(d, lookUp(d, row_y_, base), lookUp(d, row_y_, next), t),
+            mix(d, lookUp(d, row_z_, base), lookUp(d, row_z_, next), t)};
   }
 
  private:
@@ -211,10 +208,10 @@ class CubicField : public UnitVoxels {
     const D d;
     const V raw = along(row_, taps, i);
     known = hn::Eq(raw, raw);
-    const V lo = hn::Min(hn::Min(pick(d, row_least_, at[0]), pick(d, row_least_, at[1])),
-                         hn::Min(pick(d, row_least_, at[2]), pick(d, row_least_, at[3])));
-    const V hi = hn::Max(hn::Max(pick(d, row_most_, at[0]), pick(d, row_most_, at[1])),
-                         hn::Max(pick(d, row_most_, at[2]), pick(d, row_most_, at[3])));
+    const V lo = hn::Min(hn::Min(lookUp(d, row_least_, at[0]), lookUp(d, row_least_, at[1])),
+                         hn::Min(lookUp(d, row_least_, at[2]), lookUp(d, row_least_, at[3])));
+    const V hi = hn::Max(hn::Max(lookUp(d, row_most_, at[0]), lookUp(d, row_most_, at[1])),
+                         hn::Max(lookUp(d, row_most_, at[2]), lookUp(d, row_most_, at[3])));
     return hn::Min(hn::Max(raw, lo), hi);
   }
 
@@ -271,7 +268,7 @@ class CubicField : public UnitVoxels {
   static V along(const Row& row, const CubicTaps& taps, std::size_t i) {
     const D d;
     const auto term = [&](std::size_t n) {
-      return hn::Mul(hn::LoadU(d, &taps.weight[n][i]), pick(d, row, tap(taps, n, i)));
+      return hn::Mul(hn::LoadU(d, &taps.weight[n][i]), lookUp(d, row, tap(taps, n, i)));
     };
     return hn::Add(hn::Add(term(0), term(1)), hn::Add(term(2), term(3)));
   }
