@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "base/vectors.h"
+
 namespace kiln {
 namespace {
 
@@ -59,6 +61,37 @@ Slopes tangents(double x, double z, double radius) {
   const double root = radius * std::sqrt(x * x + z * z - radius * radius);
   const double scale = 1 / (z * z - radius * radius);
   return {(x * z - root) * scale, (x * z + root) * scale};
+}
+
+// What the corners of a box span: slopes x/z and y/z, depths and their reciprocals.
+struct CornerSpan {
+  Slopes x, y;
+  double nearest, farthest, most_inverse;
+};
+// From one corner by three edges. Every node asks for it: eight corners are two vectors, and a division each. Slopes
+// say nothing where a depth is not above zero.
+KILN_VECTORS CornerSpan spanOfCorners(const glm::dvec3& first, const glm::dvec3* edges) noexcept {
+  double x[8] = {first.x}, y[8] = {first.y}, z[8] = {first.z};
+  for (int edge = 0, known = 1; edge < 3; ++edge, known *= 2) {
+    for (int i = 0; i < known; ++i) x[known + i] = x[i] + edges[edge].x;
+    for (int i = 0; i < known; ++i) y[known + i] = y[i] + edges[edge].y;
+    for (int i = 0; i < known; ++i) z[known + i] = z[i] + edges[edge].z;
+  }
+  double inverse[8];
+  for (int i = 0; i < 8; ++i) inverse[i] = 1 / z[i];
+  for (int i = 0; i < 8; ++i) x[i] *= inverse[i];
+  for (int i = 0; i < 8; ++i) y[i] *= inverse[i];
+  const auto least = [](const double* v) {
+    double four[4];
+    for (int i = 0; i < 4; ++i) four[i] = v[i] < v[4 + i] ? v[i] : v[4 + i];
+    return std::min(std::min(four[0], four[1]), std::min(four[2], four[3]));
+  };
+  const auto most = [](const double* v) {
+    double four[4];
+    for (int i = 0; i < 4; ++i) four[i] = v[i] > v[4 + i] ? v[i] : v[4 + i];
+    return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
+  };
+  return {{least(x), most(x)}, {least(y), most(y)}, least(z), most(z), most(inverse)};
 }
 
 }  // namespace
@@ -123,10 +156,10 @@ double Projector::longestDiagonal(const glm::dvec3& edges) const {
 
 // The footprint's variance along an image axis is s² (C_aa - 2 u C_az + u² C_zz), s = f/z: convex in the slope u, so
 // largest at an end of its interval, and largest at the nearest depth.
-double Projector::largestHalfWidth(int axis, double nearest, double u0, double u1) const {
+double Projector::largestHalfWidth(int axis, double most_inverse, double u0, double u1) const {
   const glm::dmat3& c = covariance_;
   const auto variance = [&](double u) { return c[axis][axis] + u * (u * c[2][2] - 2 * c[2][axis]); };
-  const double s = focal_px_ / nearest;
+  const double s = focal_px_ * most_inverse;
   return kFootprintRadius * std::sqrt(s * s * std::max(variance(u0), variance(u1)) + kPixelSigma * kPixelSigma) +
          kRounding;
 }
@@ -150,7 +183,7 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
   const auto span = [&](int axis) {
     const Slopes outer = tangents(centre[axis], centre.z, cube);
     const Slopes inner = tangents(centre[axis], centre.z, centres);
-    const double kernel = largestHalfWidth(axis, centre.z - centres, inner.lo, inner.hi);
+    const double kernel = largestHalfWidth(axis, 1 / (centre.z - centres), inner.lo, inner.hi);
     const double origin = centre_px_[axis];
     return Slopes{origin + std::min(focal_px_ * outer.lo, focal_px_ * inner.lo - kernel),
                   origin + std::max(focal_px_ * outer.hi, focal_px_ * inner.hi + kernel)};
@@ -177,26 +210,16 @@ PixelRect Projector::boundsInParallel(const VoxelBox& box) const {
 }
 
 PixelRect Projector::boundsInPerspective(const VoxelBox& box) const {
-  const double inf = std::numeric_limits<double>::infinity();
-  double x0 = inf, y0 = inf, x1 = -inf, y1 = -inf, nearest = inf, farthest = -inf;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p =
-        viewOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x, (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
-                (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
-    nearest = std::min(nearest, p.z);
-    farthest = std::max(farthest, p.z);
-    if (p.z < near_depth_) continue;
-    const glm::dvec2 at = pixelOf(p);
-    x0 = std::min(x0, at.x);
-    x1 = std::max(x1, at.x);
-    y0 = std::min(y0, at.y);
-    y1 = std::max(y1, at.y);
-  }
-  if (farthest < near_depth_) return {};
-  if (nearest < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
-  const double rx = largestHalfWidth(0, nearest, (x0 - centre_px_.x) / focal_px_, (x1 - centre_px_.x) / focal_px_);
-  const double ry = largestHalfWidth(1, nearest, (y0 - centre_px_.y) / focal_px_, (y1 - centre_px_.y) / focal_px_);
-  return rectOf(x0 - rx, y0 - ry, x1 + rx, y1 + ry);
+  const Extent3 extent = box.extent();
+  const glm::dvec3 edges[3] = {static_cast<double>(extent.x - 1) * axis_x_, static_cast<double>(extent.y - 1) * axis_y_,
+                               static_cast<double>(extent.z - 1) * axis_z_};
+  const CornerSpan span = spanOfCorners(viewOf(box.lo), edges);
+  if (span.farthest < near_depth_) return {};
+  if (span.nearest < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
+  const double rx = largestHalfWidth(0, span.most_inverse, span.x.lo, span.x.hi);
+  const double ry = largestHalfWidth(1, span.most_inverse, span.y.lo, span.y.hi);
+  return rectOf(centre_px_.x + focal_px_ * span.x.lo - rx, centre_px_.y + focal_px_ * span.y.lo - ry,
+                centre_px_.x + focal_px_ * span.x.hi + rx, centre_px_.y + focal_px_ * span.y.hi + ry);
 }
 
 }  // namespace kiln

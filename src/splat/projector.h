@@ -88,7 +88,7 @@ class Projector {
   PixelRect boundsInPerspective(const VoxelBox& box) const;
   PixelRect boundsOfSphere(const VoxelBox& box) const;
   double longestDiagonal(const glm::dvec3& edges) const;
-  double largestHalfWidth(int axis, double nearest, double u0, double u1) const;
+  double largestHalfWidth(int axis, double most_inverse, double u0, double u1) const;
 
   ProjectedArea area_;
   bool perspective_;
