@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/tile_planes.cpp"
@@ -63,16 +64,102 @@ bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
   return false;
 }
 
+// Of a batch of footprints those that have an open pixel. `alpha` is that of the tile's first pixel, rows are `stride`
+// apart.
+class OpenFootprints {
+  using DI = hn::CappedTag<std::int32_t, kVoxelBatch>;
+  using VI = hn::Vec<DI>;
+  static constexpr int kMost = 31;  // columns and rows
+
+ public:
+  OpenFootprints(const ProjectedVoxels& voxels, std::uint32_t asked, const PixelRect& tile, const float* alpha,
+                 std::ptrdiff_t stride)
+      : p_(voxels), asked_(asked), tile_(tile), alpha_(alpha), stride_(stride) {}
+
+  // Neighbours' footprints overlap: a pixel is asked once for all of them, and its row is a word in which each
+  // footprint finds its columns.
+  std::uint32_t find() {
+    const PixelRect all = intersection(touched(), tile_);
+    if (all.width() > kMost || all.height() > kMost) return findEach();
+    std::int32_t rows[kMost];
+    for (int y = 0; y < all.height(); ++y) rows[y] = openOfRow(all.x0, all.y0 + y, all.width());
+    const DI d;
+    const VI most = hn::Set(d, kMost), one = hn::Set(d, 1);
+    std::uint32_t out = 0;
+    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
+      const VI y0 = hn::Sub(hn::Load(d, p_.y0 + n), hn::Set(d, all.y0));
+      const VI y1 = hn::Sub(hn::Load(d, p_.y1 + n), hn::Set(d, all.y0));
+      VI open = hn::Zero(d);
+      for (int y = 0; y < all.height(); ++y) {
+        const VI row = hn::Set(d, y);
+        open = hn::Or(open, hn::IfThenElseZero(hn::AndNot(hn::Gt(y0, row), hn::Gt(y1, row)), hn::Set(d, rows[y])));
+      }
+      // Of those that nobody asks about, columns may be anywhere.
+      const auto column = [&](const std::int32_t* x) {
+        return hn::Min(hn::Max(hn::Sub(hn::Load(d, x + n), hn::Set(d, all.x0)), hn::Zero(d)), most);
+      };
+      const VI columns = hn::Sub(hn::Shl(one, column(p_.x1)), hn::Shl(one, column(p_.x0)));
+      out |= bitsOf(d, hn::Ne(hn::And(open, columns), hn::Zero(d))) << n;
+    }
+    return out & asked_;
+  }
+
+ private:
+  // The rectangle around all that is asked about.
+  PixelRect touched() const {
+    const DI d;
+    const VI none = hn::Set(d, std::numeric_limits<std::int32_t>::max());
+    VI x0 = none, y0 = none, x1 = hn::Not(none), y1 = hn::Not(none);
+    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
+      const VI bits = hn::Set(d, static_cast<std::int32_t>(asked_ >> n));
+      const auto asked = hn::TestBit(bits, hn::Shl(hn::Set(d, 1), hn::Iota(d, 0)));
+      x0 = hn::Min(x0, hn::IfThenElse(asked, hn::Load(d, p_.x0 + n), none));
+      y0 = hn::Min(y0, hn::IfThenElse(asked, hn::Load(d, p_.y0 + n), none));
+      x1 = hn::Max(x1, hn::IfThenElse(asked, hn::Load(d, p_.x1 + n), hn::Not(none)));
+      y1 = hn::Max(y1, hn::IfThenElse(asked, hn::Load(d, p_.y1 + n), hn::Not(none)));
+    }
+    return {hn::GetLane(hn::MinOfLanes(d, x0)), hn::GetLane(hn::MinOfLanes(d, y0)), hn::GetLane(hn::MaxOfLanes(d, x1)),
+            hn::GetLane(hn::MaxOfLanes(d, y1))};
+  }
+
+  // A bit for each open pixel; of those behind the last one, too.
+  std::int32_t openOfRow(int x, int y, int columns) const {
+    const D d;
+    const float* const row = at(x, y);
+    std::uint32_t out = 0;
+    for (int i = 0; i < columns; i += static_cast<int>(hn::Lanes(d)))
+      out |= bitsOf(d, hn::Lt(hn::LoadU(d, row + i), hn::Set(d, 1.0f))) << i;
+    return static_cast<std::int32_t>(out);
+  }
+
+  std::uint32_t findEach() const {
+    std::uint32_t out = 0;
+    for (std::uint32_t rest = asked_; rest != 0; rest &= rest - 1) {
+      const auto n = static_cast<std::size_t>(std::countr_zero(rest));
+      const PixelRect rect = intersection(p_.rect(n), tile_);
+      out |= static_cast<std::uint32_t>(anyOpen(at(rect.x0, rect.y0), rect.width(), rect.height(), stride_)) << n;
+    }
+    return out;
+  }
+
+  const float* at(int x, int y) const { return alpha_ + (y - tile_.y0) * stride_ + (x - tile_.x0); }
+  template <class Tag>
+  static std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, mask, bytes);
+    return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+  }
+
+  const ProjectedVoxels& p_;
+  const std::uint32_t asked_;
+  const PixelRect tile_;
+  const float* const alpha_;
+  const std::ptrdiff_t stride_;
+};
+
 std::uint32_t openOf(const ProjectedVoxels& voxels, std::uint32_t asked, const PixelRect& tile, const float* alpha,
                      std::ptrdiff_t stride) {
-  std::uint32_t out = 0;
-  for (std::uint32_t rest = asked; rest != 0; rest &= rest - 1) {
-    const auto n = static_cast<std::size_t>(std::countr_zero(rest));
-    const PixelRect rect = intersection(voxels.rect(n), tile);
-    const float* const first = alpha + (rect.y0 - tile.y0) * stride + (rect.x0 - tile.x0);
-    out |= static_cast<std::uint32_t>(anyOpen(first, rect.width(), rect.height(), stride)) << n;
-  }
-  return out;
+  return OpenFootprints(voxels, asked, tile, alpha, stride).find();
 }
 
 }  // namespace
