@@ -3,10 +3,9 @@
 namespace kiln {
 namespace {
 
-// Visibility is asked once more for each eighth of a cell, by the cell's own order. Smaller than the cells of the
-// store, because a test is cheaper than eight rows of voxels behind an opaque surface, and not smaller still, because
-// then the tests cost more than they save (ARCHITECTURE.md has the figures).
+// Visibility is asked once more for each eighth of a cell, by the cell's own order.
 constexpr std::int64_t kSubCellSize = kCellSize / 2;
+static_assert(kSubCellSize == kSplatCellSize);
 
 struct Walk {
   const SplatFrame& frame;

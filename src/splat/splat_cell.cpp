@@ -12,6 +12,28 @@
 namespace kiln {
 namespace {
 
+// Which voxels of a row are found, in which order: a row is one look-up. By the voxel that is first from front to back
+// (from it those below it descend, then those above it ascend) and by the bits of those that show something.
+struct RowOrders {
+  std::int32_t codes[kSplatCellSize][1 << kSplatCellSize][kSplatCellSize];  // then anything
+  std::uint8_t count[1 << kSplatCellSize];
+};
+constexpr RowOrders kRowOrders = [] {
+  RowOrders out{};
+  for (unsigned shown = 0; shown < 1 << kSplatCellSize; ++shown) {
+    out.count[shown] = static_cast<std::uint8_t>(std::popcount(shown));
+    for (int first = 0; first < kSplatCellSize; ++first) {
+      std::int32_t* to = out.codes[first][shown];
+      const auto find = [&](int x) {
+        if ((shown >> x & 1) != 0) *to++ = voxelCode(x, 0, 0);
+      };
+      for (int x = first; x >= 0; --x) find(x);
+      for (int x = first + 1; x < kSplatCellSize; ++x) find(x);
+    }
+  }
+  return out;
+}();
+
 // The voxels of a cell that are not transparent are found first, front to back, and then go through the kernels batch
 // by batch. Between the kernels each of them is asked about, so that what is hidden costs neither gradient nor light;
 // what a batch's own voxels close of each other is asked of the next one.
@@ -32,7 +54,7 @@ class CellSplatter {
   }
 
  private:
-  static constexpr std::size_t kMost = std::size_t{kCellSize} * kCellSize * kCellSize;
+  static constexpr std::size_t kMost = std::size_t{kSplatCellSize} * kSplatCellSize * kSplatCellSize;
 
   bool endsIn(const VoxelBox& box) const {
     const VoxelCoord& last = frame_.ends.last;
@@ -40,27 +62,30 @@ class CellSplatter {
   }
 
   void find(const VoxelBox& box) {
-    std::uint8_t order[3][kCellSize];
+    std::uint8_t order[3][kSplatCellSize];
     int count[3] = {};
     for (int axis = 0; axis < 3; ++axis) {
       count[axis] = static_cast<int>(box.hi[axis] - box.lo[axis]);
       frame_.projector->order().axisOrder(axis, box.lo[axis], count[axis], order[axis]);
     }
     const auto shows = frame_.classifier->shows<T>();
-    std::size_t n = 0;
+    const auto& packed = kRowOrders.codes[order[0][0]];
+    std::int32_t* to = codes_;
     for (int k = 0; k < count[2]; ++k) {
       for (int j = 0; j < count[1]; ++j) {
         const std::int32_t row = voxelCode(0, order[1][j], order[2][k]);
         const T* const values = first_ + offsetOf(row);
-        for (int i = 0; i < count[0]; ++i) {
-          const int x = order[0][i];
-          // Where it is transparent, the next one takes its place.
-          codes_[n] = row + x;
-          n += shows(values[x]) ? 1 : 0;
+        unsigned shown = 0;
+        if (count[0] == kSplatCellSize) {
+          for (int x = 0; x < kSplatCellSize; ++x) shown |= static_cast<unsigned>(shows(values[x])) << x;
+        } else {
+          for (int x = 0; x < count[0]; ++x) shown |= static_cast<unsigned>(shows(values[x])) << x;
         }
+        for (int i = 0; i < kSplatCellSize; ++i) to[i] = row + packed[shown][i];
+        to += kRowOrders.count[shown];
       }
     }
-    found_count_ = n;
+    found_count_ = static_cast<std::size_t>(to - codes_);
   }
 
   void batch(std::size_t first) {

@@ -56,7 +56,13 @@ struct SplatCounts {
   }
 };
 
-/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kCellSize voxels along an axis.
+/// The voxels along an axis that are splatted at a time: smaller than the cells of the store, because a test is cheaper
+/// than eight rows of voxels behind an opaque surface, and not smaller still, because then the tests cost more than
+/// they save (ARCHITECTURE.md has the figures).
+inline constexpr int kSplatCellSize = 4;
+
+/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kSplatCellSize voxels along an
+/// axis.
 /// The result for a pixel does not depend on the tile's rectangle.
 void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                SplatCounts& counts) noexcept;
