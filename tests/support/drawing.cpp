@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 
+#include "base/parallel.h"
 #include "support/procedural.h"
 
 namespace kiln::test {
@@ -24,7 +25,8 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
     opened.push_back(std::make_unique<StoreReader>(store));
     readers.push_back(opened.back().get());
   }
-  BrickCache cache(readers, budget_bytes, 2);
+  // As the program does: one thread reads nothing ahead.
+  BrickCache cache(readers, budget_bytes, ThreadLimit::active() == 1 ? 0 : 2);
   Progress silent;
   FrameStatistics unused;
   return renderFrame(*readers.front(), cache, request, silent, statistics != nullptr ? *statistics : unused);
