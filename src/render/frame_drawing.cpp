@@ -268,6 +268,7 @@ void FrameDrawing::drawDue(const TilePixels& all) {
   std::vector<DueTile> tiles = dueTiles(all.rect);
   std::atomic<std::size_t> drawn = 0;
   parallelFor(tiles.size(), [&](std::size_t i) {
+    progress_.throwIfCancelled("rendering");
     DueTile& tile = tiles[i];
     for (std::size_t k = 0; k < tile.bricks.size(); ++k)
       drawTile(due_[tile.bricks[k]], all.of(tile.rect), tile.counts[k]);

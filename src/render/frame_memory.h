@@ -35,7 +35,7 @@ struct FrameMemory {
   std::uint64_t least_edges = 0;  // with the fewest layers
   std::uint64_t edge_pixel_bytes = EdgeLayers::kLeastPixelBytes;
   int sweep_px = 64;  // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
-  int bricks_together = kMostBricksTogether;  // that are drawn at a time: one where slabs else were too much
+  int bricks_together = kMostBricksTogether;  // that are drawn at a time, as many as leave room for the rest
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace + shared; }
