@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -77,6 +78,21 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
       tbb::simple_partitioner());
   observe(&end);
   failure.rethrow();
+}
+
+void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body) {
+  std::atomic<std::size_t> begun = 0;
+  std::atomic<bool> failed = false;
+  parallelFor(std::min<std::size_t>(count, ThreadLimit::active()), [&](std::size_t) {
+    for (std::size_t i = begun++; i < count && !failed.load(std::memory_order_relaxed); i = begun++) {
+      try {
+        body(i);
+      } catch (...) {
+        failed.store(true, std::memory_order_relaxed);
+        throw;
+      }
+    }
+  });
 }
 
 // It is built where it stays: TBB knows a control by its address, and a copy of one limits nothing.

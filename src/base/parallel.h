@@ -13,6 +13,10 @@ namespace kiln {
 /// thread of a body begins no other before its end, whatever loops of their own a body and its libraries run.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// The same, but items are begun one after the other as threads come free: with the longest first, threads end
+/// together.
+void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body);
+
 /// While it lives, at most `threads` threads run the loops of one caller; 0 leaves the machine's number.
 class ThreadLimit {
  public:

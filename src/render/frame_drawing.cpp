@@ -248,11 +248,13 @@ std::vector<FrameDrawing::DueTile> FrameDrawing::dueTiles(const PixelRect& drawn
   for (std::size_t i = 0; i < due_.size(); ++i) {
     for (const PixelRect& tile : tilesOf(drawn, due_[i].rect)) {
       const auto [place, is_new] = places.try_emplace({tile.x0, tile.y0}, out.size());
-      if (is_new) out.push_back({tile, {}, {}});
+      if (is_new) out.push_back({tile, {}, {}, 0});
       out[place->second].bricks.push_back(i);
+      out[place->second].pixels += intersection(due_[i].rect, tile).count();
     }
   }
   for (DueTile& tile : out) tile.counts.resize(tile.bricks.size());
+  std::stable_sort(out.begin(), out.end(), [](const DueTile& a, const DueTile& b) { return a.pixels > b.pixels; });
   return out;
 }
 
@@ -267,7 +269,7 @@ void FrameDrawing::drawDue(const TilePixels& all) {
   }
   std::vector<DueTile> tiles = dueTiles(all.rect);
   std::atomic<std::size_t> drawn = 0;
-  parallelFor(tiles.size(), [&](std::size_t i) {
+  parallelForInOrder(tiles.size(), [&](std::size_t i) {
     progress_.throwIfCancelled("rendering");
     DueTile& tile = tiles[i];
     for (std::size_t k = 0; k < tile.bricks.size(); ++k)

@@ -92,11 +92,13 @@ class FrameDrawing {
     PixelRect rect;
     std::vector<std::size_t> bricks;
     std::vector<SplatCounts> counts;
+    std::uint64_t pixels;  // that its bricks may touch, each its own: what its time is likely to grow with
   };
   /// The brick if it may be drawn with those that are due, else, when these are drawn and it is still seen, from disk.
   std::shared_ptr<const BrickBlock> blockOf(const BrickInView& brick, const TilePixels& all);
   /// Draws the bricks that are due, tiles in parallel.
   void drawDue(const TilePixels& all);
+  /// Those that are likely to take longest come first.
   std::vector<DueTile> dueTiles(const PixelRect& drawn) const;
   void drawTile(const DueBrick& brick, const TilePixels& tile, SplatCounts& counts);
   /// Adds what drawing a brick has cost.
