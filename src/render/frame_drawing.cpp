@@ -229,7 +229,9 @@ std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelR
 
 std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick, const TilePixels& all) {
   if (!due_.empty()) {
-    if (std::shared_ptr<const BrickBlock> block = cache_.find(brick.key)) return block;
+    if (!mayHide(brick)) {
+      if (std::shared_ptr<const BrickBlock> block = cache_.find(brick.key)) return block;
+    }
     // While it is read, those that are due are drawn; they may hide it.
     drawDue(all);
     if (plan_.bricks->hidden(brick, *visibility_)) {
@@ -240,6 +242,14 @@ std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick
   std::shared_ptr<const BrickBlock> block = cache_.get(brick.key);
   if (!block) statistics_.damaged.insert({brick.key});
   return block;
+}
+
+bool FrameDrawing::mayHide(const BrickInView& brick) const {
+  constexpr std::size_t kEnough = 4;
+  if (due_.size() < kEnough) return false;
+  std::vector<PixelRect> covered;
+  for (const DueBrick& due : due_) covered.push_back(due.rect);
+  return plan_.bricks->hidden(brick, *visibility_, covered);
 }
 
 std::vector<FrameDrawing::DueTile> FrameDrawing::dueTiles(const PixelRect& drawn) const {

@@ -94,6 +94,8 @@ class FrameDrawing {
     std::vector<SplatCounts> counts;
     std::uint64_t pixels;  // that its bricks may touch, each its own: what its time is likely to grow with
   };
+  /// Whether those that are due would hide it, were they opaque, and are enough to keep threads busy.
+  bool mayHide(const BrickInView& brick) const;
   /// The brick if it may be drawn with those that are due, else, when these are drawn and it is still seen, from disk.
   std::shared_ptr<const BrickBlock> blockOf(const BrickInView& brick, const TilePixels& all);
   /// Draws the bricks that are due, tiles in parallel.
