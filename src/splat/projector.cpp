@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -81,16 +82,13 @@ KILN_VECTORS CornerSpan spanOfCorners(const glm::dvec3& first, const glm::dvec3*
   for (int i = 0; i < 8; ++i) inverse[i] = 1 / z[i];
   for (int i = 0; i < 8; ++i) x[i] *= inverse[i];
   for (int i = 0; i < 8; ++i) y[i] *= inverse[i];
-  const auto least = [](const double* v) {
+  const auto first_of = [](const double* v, auto before) {
     double four[4];
-    for (int i = 0; i < 4; ++i) four[i] = v[i] < v[4 + i] ? v[i] : v[4 + i];
-    return std::min(std::min(four[0], four[1]), std::min(four[2], four[3]));
+    for (int i = 0; i < 4; ++i) four[i] = before(v[i], v[4 + i]) ? v[i] : v[4 + i];
+    return std::min(std::min(four[0], four[1], before), std::min(four[2], four[3], before), before);
   };
-  const auto most = [](const double* v) {
-    double four[4];
-    for (int i = 0; i < 4; ++i) four[i] = v[i] > v[4 + i] ? v[i] : v[4 + i];
-    return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
-  };
+  const auto least = [&](const double* v) { return first_of(v, std::less<>()); };
+  const auto most = [&](const double* v) { return first_of(v, std::greater<>()); };
   return {{least(x), most(x)}, {least(y), most(y)}, least(z), most(z), most(inverse)};
 }
 
