@@ -8,7 +8,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <utility>
 
 #if defined(__SANITIZE_THREAD__)
 #include <sanitizer/tsan_interface.h>
@@ -35,10 +34,15 @@ void observe([[maybe_unused]] void* from) {
 class FirstFailure {
  public:
   bool happened() const { return happened_.load(std::memory_order_relaxed); }
-  void keep(std::exception_ptr failure) {
-    const std::scoped_lock lock(mutex_);
-    if (!failure_) failure_ = std::move(failure);
-    happened_.store(true, std::memory_order_relaxed);
+  template <class F>
+  void keepOf(F&& f) {
+    try {
+      f();
+    } catch (...) {
+      const std::scoped_lock lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+      happened_.store(true, std::memory_order_relaxed);
+    }
   }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
@@ -66,12 +70,8 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
       [&](const tbb::blocked_range<std::size_t>& range) {
         observe(&begin);
         for (std::size_t i = range.begin(); i != range.end() && !failure.happened(); ++i) {
-          try {
-            // A thread that waits for a loop inside of the body would else take another body from this one.
-            tbb::this_task_arena::isolate([&] { body(i); });
-          } catch (...) {
-            failure.keep(std::current_exception());
-          }
+          // A thread that waits for a loop inside of the body would else take another body from this one.
+          failure.keepOf([&] { tbb::this_task_arena::isolate([&] { body(i); }); });
         }
         publish(&end);
       },
@@ -82,17 +82,11 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
 
 void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body) {
   std::atomic<std::size_t> begun = 0;
-  std::atomic<bool> failed = false;
+  FirstFailure failure;
   parallelFor(std::min<std::size_t>(count, ThreadLimit::active()), [&](std::size_t) {
-    for (std::size_t i = begun++; i < count && !failed.load(std::memory_order_relaxed); i = begun++) {
-      try {
-        body(i);
-      } catch (...) {
-        failed.store(true, std::memory_order_relaxed);
-        throw;
-      }
-    }
+    for (std::size_t i = begun++; i < count && !failure.happened(); i = begun++) failure.keepOf([&] { body(i); });
   });
+  failure.rethrow();
 }
 
 // It is built where it stays: TBB knows a control by its address, and a copy of one limits nothing.

@@ -229,9 +229,8 @@ std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelR
 
 std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick, const TilePixels& all) {
   if (!due_.empty()) {
-    if (!mayHide(brick)) {
-      if (std::shared_ptr<const BrickBlock> block = cache_.find(brick.key)) return block;
-    }
+    std::shared_ptr<const BrickBlock> block = mayHide(brick) ? nullptr : cache_.find(brick.key);
+    if (block) return block;
     // While it is read, those that are due are drawn; they may hide it.
     drawDue(all);
     if (plan_.bricks->hidden(brick, *visibility_)) {
@@ -245,8 +244,7 @@ std::shared_ptr<const BrickBlock> FrameDrawing::blockOf(const BrickInView& brick
 }
 
 bool FrameDrawing::mayHide(const BrickInView& brick) const {
-  constexpr std::size_t kEnough = 4;
-  if (due_.size() < kEnough) return false;
+  if (due_.size() < kEnoughBricksTogether) return false;
   std::vector<PixelRect> covered;
   for (const DueBrick& due : due_) covered.push_back(due.rect);
   return plan_.bricks->hidden(brick, *visibility_, covered);

@@ -71,9 +71,6 @@ constexpr std::uint64_t kSweepMargin = 4;
 // A unit's voxels and samples.
 constexpr std::uint64_t kUnitBytes = 512u << 10;
 
-// So many bricks at a time are worth more than large squares, and room to read ahead; more of them are worth less.
-constexpr int kFewBricks = 4;
-
 // In smaller squares, units that touch several are refined too often. unit: pixels.
 constexpr int kLeastSweep = 16;
 
@@ -174,7 +171,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
     out.least_slabs = slabBytes(job, kLeastSweep, 1, brick_size);
     const auto sized = [&] { return slabBytes(job, out.sweep_px, out.bricks_together, brick_size); };
     out.slabs = sized();
-    while (out.bricks_together > kFewBricks && !fits()) out.bricks_together /= 2, out.slabs = sized();
+    while (out.bricks_together > kEnoughBricksTogether && !fits()) out.bricks_together /= 2, out.slabs = sized();
     while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
     if (!fits()) out.bricks_together = 1, out.slabs = sized();
   }
@@ -204,8 +201,8 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   }
   // Those that are drawn stay in memory; half of it is for what is read meanwhile.
   const std::uint64_t rest = job.speed.memory_bytes - std::min(job.speed.memory_bytes, out.besideBricks());
-  const std::uint64_t held =
-      std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out.brick, 1), kFewBricks, kMostBricksTogether);
+  const std::uint64_t held = std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out.brick, 1),
+                                                       kEnoughBricksTogether, kMostBricksTogether);
   out.bricks_together = std::min(out.bricks_together, static_cast<int>(held));
   return out;
 }

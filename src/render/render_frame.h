@@ -26,6 +26,8 @@ struct VolumeRequest {
 /// With so many bricks at a time a thread that has no tile of one has another's: after each set threads wait for the
 /// last tile of it, and of four bricks that is up to a tenth of the time.
 inline constexpr int kMostBricksTogether = 32;
+/// And so many are worth more than room for other things, or than knowing what they hide of the next one.
+inline constexpr int kEnoughBricksTogether = 4;
 
 /// What a frame needs beside the volume, every choice made.
 struct FrameRequest {

@@ -69,18 +69,18 @@ class CellSplatter {
       frame_.projector->order().axisOrder(axis, box.lo[axis], count[axis], order[axis]);
     }
     const auto shows = frame_.classifier->shows<T>();
+    const auto shownOf = [&](const T* values, int voxels) {
+      unsigned bits = 0;
+      for (int x = 0; x < voxels; ++x) bits |= static_cast<unsigned>(shows(values[x])) << x;
+      return bits;
+    };
     const auto& packed = kRowOrders.codes[order[0][0]];
     std::int32_t* to = codes_;
     for (int k = 0; k < count[2]; ++k) {
       for (int j = 0; j < count[1]; ++j) {
         const std::int32_t row = voxelCode(0, order[1][j], order[2][k]);
         const T* const values = first_ + offsetOf(row);
-        unsigned shown = 0;
-        if (count[0] == kSplatCellSize) {
-          for (int x = 0; x < kSplatCellSize; ++x) shown |= static_cast<unsigned>(shows(values[x])) << x;
-        } else {
-          for (int x = 0; x < count[0]; ++x) shown |= static_cast<unsigned>(shows(values[x])) << x;
-        }
+        const unsigned shown = count[0] == kSplatCellSize ? shownOf(values, kSplatCellSize) : shownOf(values, count[0]);
         for (int i = 0; i < kSplatCellSize; ++i) to[i] = row + packed[shown][i];
         to += kRowOrders.count[shown];
       }

@@ -51,7 +51,7 @@ TEST_P(BricksTogether, LeaveRoomToReadAhead) {
     const FrameMemory memory = frameMemory(store, job);
     ASSERT_LE(memory.besideBricks() + memory.brick, budget);
     const auto held = static_cast<std::uint64_t>(memory.bricks_together) * memory.brick;
-    if (memory.bricks_together > 4) EXPECT_LE(2 * held, budget - memory.besideBricks()) << budget;
+    if (memory.bricks_together > kEnoughBricksTogether) EXPECT_LE(2 * held, budget - memory.besideBricks()) << budget;
     most = memory.bricks_together;
   }
   EXPECT_EQ(most, kMostBricksTogether);
