@@ -187,7 +187,7 @@ void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const 
     const Imf::Channel* const channel = file.header().channels().findChannel(name);
     if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)
       throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing, or is not of every pixel");
-    image.planes.push_back({name, std::vector<float>(image.rgba.size() / 4)});
+    image.planes.push_back({name, PagedVector<float>(image.rgba.size() / 4)});
   }
   Imf::FrameBuffer buffer;
   const std::size_t row = static_cast<std::size_t>(image.width) * sizeof(float);

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/unset_bytes.h"
+#include "base/large_pages.h"
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
 #include "store/cell_supports.h"

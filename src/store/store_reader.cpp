@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/large_pages.h"
 #include "base/span.h"
-#include "base/unset_bytes.h"
 #include "store/store_writer.h"
 
 namespace kiln {

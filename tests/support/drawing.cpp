@@ -33,7 +33,7 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
 }
 
 bool equalBits(const Image& a, const Image& b) {
-  const auto equal = [](const std::vector<float>& p, const std::vector<float>& q) {
+  const auto equal = [](const PagedVector<float>& p, const PagedVector<float>& q) {
     return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(float)) == 0;
   };
   const auto same = [&](const Plane& p, const Plane& q) { return p.name == q.name && equal(p.values, q.values); };

@@ -1,0 +1,67 @@
+// Memory in pages of 2 MiB, for buffers of some MiB: a page costs a fault when it is first touched, and on virtual
+// machines 512 small ones cost up to twenty times what one large one does. Of a cold frame that was a third.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace kiln {
+
+/// Buffers of at least this are worth pages of their own. unit: bytes.
+inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
+
+/// Bytes that begin at a multiple of kLargePage, in large pages as far as they fill them and where the system has them;
+/// it gets them back when they are given back. throws: std::bad_alloc.
+void* takePages(std::size_t bytes);
+void giveBackPages(void* pages, std::size_t bytes) noexcept;
+
+/// As std::allocator, but what is large has pages of its own.
+template <class T>
+struct LargePageAllocator {
+  using value_type = T;
+  LargePageAllocator() = default;
+  template <class U>
+  LargePageAllocator(const LargePageAllocator<U>&) {}
+
+  T* allocate(std::size_t count) {
+    if (count < kLargePage / sizeof(T)) return std::allocator<T>().allocate(count);
+    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
+    return static_cast<T*>(takePages(count * sizeof(T)));
+  }
+  void deallocate(T* at, std::size_t count) noexcept {
+    if (count < kLargePage / sizeof(T)) return std::allocator<T>().deallocate(at, count);
+    giveBackPages(at, count * sizeof(T));
+  }
+  template <class U>
+  bool operator==(const LargePageAllocator<U>&) const {
+    return true;
+  }
+};
+
+template <class T>
+using PagedVector = std::vector<T, LargePageAllocator<T>>;
+
+/// As LargePageAllocator, but elements that are not given a value have none: for what is written anyway. Of decoding a
+/// brick setting its bytes to zero first would be a tenth.
+template <class T>
+struct UnsetAllocator : LargePageAllocator<T> {
+  template <class U>
+  struct rebind {
+    using other = UnsetAllocator<U>;
+  };
+  template <class U>
+  void construct(U* at) {
+    ::new (static_cast<void*>(at)) U;
+  }
+  template <class U, class... Args>
+  void construct(U* at, Args&&... args) {
+    std::construct_at(at, std::forward<Args>(args)...);
+  }
+};
+
+using UnsetBytes = std::vector<std::byte, UnsetAllocator<std::byte>>;
+
+}  // namespace kiln

@@ -1,0 +1,76 @@
+// Large buffers have pages of their own, and what is given back is the system's again.
+#include "base/large_pages.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <new>
+#include <numeric>
+
+namespace kiln {
+namespace {
+
+#ifndef __SANITIZE_ADDRESS__
+std::size_t residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+#endif
+
+TEST(LargePages, OfAnySizeAreAllTheirs) {
+  for (const std::size_t bytes : {kLargePage - 1, kLargePage, kLargePage + 1, 3 * kLargePage + 12345}) {
+    std::vector<PagedVector<std::uint8_t>> held;
+    for (std::uint8_t i = 0; i < 4; ++i) {
+      held.emplace_back(bytes);
+      EXPECT_EQ(std::accumulate(held.back().begin(), held.back().end(), std::size_t{0}), 0u);
+      std::fill(held.back().begin(), held.back().end(), i);
+    }
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      EXPECT_EQ(std::accumulate(held[i].begin(), held[i].end(), std::size_t{0}), i * bytes);
+      if (bytes >= kLargePage) {
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(held[i].data()) % kLargePage, 0u);
+      }
+    }
+  }
+}
+
+TEST(LargePages, GrowAsAnyVectorDoes) {
+  PagedVector<std::uint32_t> values;
+  for (std::uint32_t i = 0; i < (5u << 20) / 4; ++i) values.push_back(i);
+  for (std::uint32_t i = 0; i < values.size(); ++i) ASSERT_EQ(values[i], i);
+  const PagedVector<std::uint32_t> copy = values;
+  values.clear();
+  values.shrink_to_fit();
+  EXPECT_EQ(copy.back(), copy.size() - 1);
+}
+
+TEST(LargePages, MoreThanThereIsIsRefused) {
+  const std::size_t most = static_cast<std::size_t>(-1) / 2;
+  EXPECT_THROW(LargePageAllocator<std::uint64_t>().allocate(most), std::bad_alloc);
+#ifndef __SANITIZE_ADDRESS__
+  EXPECT_THROW(takePages(most), std::bad_alloc);
+#endif
+}
+
+// The sanitizer keeps what is freed, to tell who uses it afterwards.
+#ifndef __SANITIZE_ADDRESS__
+TEST(LargePages, GoBackToTheSystem) {
+  constexpr std::size_t kBytes = 37 * kLargePage + 4711;
+  const std::size_t before = residentBytes();
+  for (int i = 0; i < 8; ++i) {
+    const PagedVector<std::byte> bytes(kBytes, std::byte{1});
+    EXPECT_GE(residentBytes(), before + kBytes / 10 * 9);
+    // Not a page more than it has bytes for, but for what else goes on.
+    EXPECT_LE(residentBytes(), before + kBytes + kLargePage / 2);
+  }
+  EXPECT_LE(residentBytes(), before + kLargePage / 2);
+}
+#endif
+
+}  // namespace
+}  // namespace kiln
