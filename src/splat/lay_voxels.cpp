@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "splat/sample_math-inl.h"
+#include "splat/voxel_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -53,22 +54,14 @@ class VoxelLayer {
              float opaque_at, Visibility& visibility)
       : w_(view), p_(voxels), s_(shaded), planes_(planes), opaque_at_(opaque_at), visibility_(visibility) {}
 
-  // Step by step for all of the batch, so that no voxel's sums and quotients keep the next one waiting; but blended one
-  // after the other.
+  // Step by step for all of the batch, so that no voxel's sums and quotients keep the next one waiting; but in a pixel
+  // they are blended one after the other.
   void run(std::uint32_t drawn) {
     const std::uint32_t of_vector = (1u << hn::Lanes(D())) - 1;
     for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(D())) {
       if ((drawn >> n & of_vector) != 0) prepare(n);
     }
-    float* to = weights_;
-    if (w_.footprint != nullptr) {
-      forEach(drawn, [&](std::size_t n) { to = makeOpaqueOfTable(n, to); });
-      forEach(drawn, [&](std::size_t n) { lay<true>(n); });
-      return;
-    }
-    forEach(drawn, [&](std::size_t n) { to = weigh(n, to); });
-    forEach(drawn, [&](std::size_t n) { makeOpaque(n); });
-    forEach(drawn, [&](std::size_t n) { lay<false>(n); });
+    w_.footprint != nullptr ? runOf<true>(drawn) : runOf<false>(drawn);
   }
 
  private:
@@ -81,6 +74,30 @@ class VoxelLayer {
     float sum[kVoxelBatch];       // of weights
     float* weights[kVoxelBatch];  // then opacities; null where they are found row by row
   };
+
+  template <bool kOfTable>
+  HWY_INLINE void runOf(std::uint32_t drawn) {
+    float* to = weights_ + kBeside;
+    if constexpr (!kOfTable) {
+      forEach(drawn, [&](std::size_t n) { to = weigh(n, to); });
+      forEach(drawn, [&](std::size_t n) { makeOpaque(n); });
+    }
+    if constexpr (!kAovs) {
+      if (sharesRows(drawn)) {
+        layTogether<kOfTable>(drawn);
+        return;
+      }
+    }
+    if constexpr (kOfTable) forEach(drawn, [&](std::size_t n) { to = makeOpaqueOfTable(n, to); });
+    forEach(drawn, [&](std::size_t n) { lay<kOfTable>(n); });
+  }
+  // Whether so many of a batch touch each row, and so few pixels of it, that it is worth being read and written but
+  // once for all of them: of the few that are left where most is hidden, those rows cost more that pixels close in.
+  bool sharesRows(std::uint32_t drawn) const {
+    constexpr int kMostColumns = 4, kLeastVoxels = 12;
+    return !any_large_ && std::popcount(drawn) >= kLeastVoxels &&
+           width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
+  }
 
   template <class F>
   HWY_INLINE static void forEach(std::uint32_t bits, F f) {
@@ -117,7 +134,10 @@ class VoxelLayer {
     V red, green, blue, tau;
     hn::LoadInterleaved4(d, s_.material + 4 * n, red, green, blue, tau);
     // Where it is infinite, pixels beside the footprint, with a weight of zero, would be more than clear.
-    hn::Store(hn::Min(hn::Mul(tau, depth), hn::Set(d, kMostDepth)), d, q_.depth + n);
+    depth = hn::Min(hn::Mul(tau, depth), hn::Set(d, kMostDepth));
+    hn::Store(depth, d, q_.depth + n);
+    if (w_.footprint != nullptr)
+      thin_ |= bitsOf(d, hn::Le(hn::Mul(depth, hn::Set(d, w_.footprint->most())), hn::Set(d, kThin))) << n;
     if (w_.light.phong) {
       const Vector slope{hn::Load(d, s_.slope[0] + n), hn::Load(d, s_.slope[1] + n), hn::Load(d, s_.slope[2] + n)};
       V matte = one, gloss = hn::Zero(d);
@@ -168,6 +188,7 @@ class VoxelLayer {
     const int columns = width(n), rows = height(n);
     if (HWY_LIKELY(columns <= kPacked && rows <= kPackedRows)) return weighPacked(n, to);
     q_.weights[n] = nullptr;
+    any_large_ = true;
     q_.sum[n] = columns <= kSmall && rows <= kSmall && columns * rows <= kSmall ? sumOfRows(n) : areaOf(n);
     return to;
   }
@@ -256,8 +277,7 @@ class VoxelLayer {
   // The opacities of a footprint out of the table, at `to`: eight a row. The next one's place.
   HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) {
     q_.weights[n] = to;
-    return q_.depth[n] * w_.footprint->most() <= kThin ? makeOpaqueOfTable<true>(n, to)
-                                                       : makeOpaqueOfTable<false>(n, to);
+    return (thin_ >> n & 1) != 0 ? makeOpaqueOfTable<true>(n, to) : makeOpaqueOfTable<false>(n, to);
   }
   template <bool kIsThin>
   HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) const {
@@ -295,6 +315,126 @@ class VoxelLayer {
     }
   }
 
+  // Neighbours' footprints overlap: row by row of all that they touch, pixels stay in registers while one voxel after
+  // the other is blended into them. Voxel by voxel each would wait for the row to be written by the one before, and
+  // most of the work would be to read and to write.
+  template <bool kOfTable>
+  HWY_INLINE void layTogether(std::uint32_t drawn) {
+    const PixelRect all = intersection(rectAround(p_, drawn), planes_.rect());
+    constexpr int kLanes = static_cast<int>(hn::MaxLanes(D8()));
+    const bool is_thin = kOfTable && (drawn & ~thin_) == 0;
+    for (int x = all.x0; x < all.x1; x += kLanes) {
+      const std::uint32_t here = all.width() <= kLanes ? drawn : drawn & reaching(p_.x0, p_.x1, x, x + kLanes);
+      for (int y = all.y0; y < all.y1; ++y) {
+        const std::uint32_t of_row = here & reaching(p_.y0, p_.y1, y, y + 1);
+        if (of_row == 0) continue;
+        if (is_thin)
+          layRow<kOfTable, true>(of_row, x, y);
+        else
+          layRow<kOfTable, false>(of_row, x, y);
+      }
+    }
+  }
+
+  // A vector of a row's pixels. A closed one has an alpha of one, and nothing is added to it.
+  struct Pixels {
+    V8 red, green, blue, alpha;
+  };
+  template <bool kOfTable, bool kIsThin>
+  HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
+    const D8 d;
+    float* const at = planes_.at(x, y);
+    const std::ptrdiff_t plane = planes_.plane();
+    const auto held = hn::LoadU(d, at + 3 * plane), one = hn::Set(d, 1.0f);
+    const auto open = hn::Lt(held, one);
+    if (hn::AllFalse(d, open)) return;
+    // One that is half opaque is likely to be closed.
+    if (hn::AllFalse(d, hn::And(open, hn::Ge(held, hn::Set(d, 0.5f))))) {
+      Pixels pixels{hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane), held};
+      forEach(voxels, [&](std::size_t n) { blend(n, opacities<kOfTable, kIsThin>(n, x, y), pixels); });
+      // No alpha becomes less: where none has reached the threshold, none had to be closed on the way.
+      if (HWY_LIKELY(hn::AllFalse(d, closingOf(held, pixels.alpha)))) {
+        store(pixels, at);
+        return;
+      }
+    }
+    layClosing<kOfTable, kIsThin>(voxels, x, y);
+  }
+  // The same, with a look at each pixel after each voxel.
+  template <bool kOfTable, bool kIsThin>
+  HWY_NOINLINE void layClosing(std::uint32_t voxels, int x, int y) {
+    const D8 d;
+    float* const at = planes_.at(x, y);
+    const std::ptrdiff_t plane = planes_.plane();
+    const auto one = hn::Set(d, 1.0f);
+    Pixels pixels{hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane),
+                  hn::LoadU(d, at + 3 * plane)};
+    unsigned closed = 0;
+    forEach(voxels, [&](std::size_t n) {
+      const auto held = pixels.alpha;
+      blend(n, opacities<kOfTable, kIsThin>(n, x, y), pixels);
+      const auto closing = closingOf(held, pixels.alpha);
+      if (HWY_LIKELY(hn::AllFalse(d, closing))) return;
+      const auto full = hn::Div(one, pixels.alpha);
+      const auto filled = [&](auto color) { return hn::IfThenElse(closing, hn::Mul(color, full), color); };
+      pixels = {filled(pixels.red), filled(pixels.green), filled(pixels.blue),
+                hn::IfThenElse(closing, one, pixels.alpha)};
+      closed |= bitsOf(d, closing);
+    });
+    store(pixels, at);
+    for (; closed != 0; closed &= closed - 1) visibility_.close(x + std::countr_zero(closed), y);
+  }
+  HWY_INLINE M8 closingOf(V8 held, V8 after) const {
+    const D8 d;
+    return hn::And(hn::Lt(held, hn::Set(d, 1.0f)), hn::Ge(after, hn::Set(d, opaque_at_)));
+  }
+  HWY_INLINE void store(const Pixels& pixels, float* at) {
+    const D8 d;
+    const std::ptrdiff_t plane = planes_.plane();
+    hn::StoreU(pixels.red, d, at);
+    hn::StoreU(pixels.green, d, at + plane);
+    hn::StoreU(pixels.blue, d, at + 2 * plane);
+    hn::StoreU(pixels.alpha, d, at + 3 * plane);
+  }
+  HWY_INLINE void blend(std::size_t n, V8 opacity, Pixels& to) const {
+    const D8 d;
+    const auto added = fusedLess(opacity, to.alpha, opacity);
+    to.alpha = hn::Add(to.alpha, added);
+    to.red = fused(added, hn::Set(d, q_.light[0][n]), to.red);
+    to.green = fused(added, hn::Set(d, q_.light[1][n]), to.green);
+    to.blue = fused(added, hn::Set(d, q_.light[2][n]), to.blue);
+  }
+
+  // Those of a voxel over the pixels from (x, y) on, zero beside its footprint. requires: row y has some of it.
+  template <bool kOfTable, bool kIsThin>
+  HWY_INLINE V8 opacities(std::size_t n, int x, int y) const {
+    const D8 d;
+    const int before = p_.x0[n] - x, row = y - p_.y0[n];
+    if constexpr (kOfTable) {
+      const float* const columns = w_.footprint->columns(q_.column[n]) - before;
+      const float of_row = q_.depth[n] * w_.footprint->rows(q_.row[n])[row];
+      const auto depth = hn::Mul(hn::LoadU(d, columns), hn::Set(d, of_row));
+      return kIsThin || (thin_ >> n & 1) != 0 ? opacityOfThin(d, depth) : opacityOf(d, depth);
+    } else {
+      const int columns = width(n);
+      const auto column = hn::Iota(d, static_cast<float>(-before));
+      const auto within = hn::And(hn::Ge(column, hn::Zero(d)), hn::Lt(column, hn::Set(d, static_cast<float>(columns))));
+      return hn::IfThenElseZero(within, hn::LoadU(d, q_.weights[n] + row * columns - before));
+    }
+  }
+
+  // Bits of the voxels that reach into [begin, end), by where their footprints begin and end.
+  HWY_INLINE static std::uint32_t reaching(const std::int32_t* first, const std::int32_t* last, int begin, int end) {
+    const DB d;
+    std::uint32_t out = 0;
+    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
+      const auto reaches =
+          hn::And(hn::Lt(hn::Load(d, first + n), hn::Set(d, end)), hn::Gt(hn::Load(d, last + n), hn::Set(d, begin)));
+      out |= bitsOf(d, reaches) << n;
+    }
+    return out;
+  }
+
   // Sixteen pixels of a row at a time.
   HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
     alignas(64) float chunk[kChunk];
@@ -329,8 +469,7 @@ class VoxelLayer {
     V8 red, green, blue, opaque;
   };
 
-  // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold. A closed pixel has an
-  // alpha of one, and nothing is added to it.
+  // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold.
   template <bool kPart>
   HWY_INLINE static unsigned blendEight(const Brush& brush, const float* opacities, int count, float* pixels) {
     const D8 d;
@@ -340,7 +479,7 @@ class VoxelLayer {
     for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
       V8 opacity = hn::LoadU(d, opacities + i);
       if constexpr (kPart) {
-        const M8 counted = hn::Lt(hn::Iota(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(count)));
+        const auto counted = hn::Lt(hn::Iota(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(count)));
         opacity = hn::IfThenElseZero(counted, opacity);
       }
       float* const at = pixels + i;
@@ -350,14 +489,9 @@ class VoxelLayer {
       hn::StoreU(fused(added, brush.red, hn::LoadU(d, at)), d, at);
       hn::StoreU(fused(added, brush.green, hn::LoadU(d, at + plane)), d, at + plane);
       hn::StoreU(fused(added, brush.blue, hn::LoadU(d, at + 2 * plane)), d, at + 2 * plane);
-      closing |= bitsOf(hn::And(hn::Lt(held, one), hn::Ge(after, brush.opaque))) << i;
+      closing |= bitsOf(d, hn::And(hn::Lt(held, one), hn::Ge(after, brush.opaque))) << i;
     }
     return closing;
-  }
-  HWY_INLINE static unsigned bitsOf(M8 mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(D8(), mask, bytes);
-    return bytes[0];
   }
 
   // Those of the pixels from (x, y) on that have their bit set are divided by their alpha, and take nothing more.
@@ -406,8 +540,11 @@ class VoxelLayer {
   const float opaque_at_;
   Visibility& visibility_;
   Prepared q_;
-  // Of the last row's last pixels eight are read, too.
-  alignas(64) float weights_[kVoxelBatch * kPacked * kPackedRows + kWide];
+  std::uint32_t thin_ = 0;  // bits of those whose opacities are opacityOfThin's, where weights are of a table
+  bool any_large_ = false;  // whether weights of one are found row by row
+  // A vector of pixels may begin before a footprint's row, and end behind it.
+  static constexpr std::size_t kBeside = kChunk;
+  alignas(64) float weights_[kBeside + kVoxelBatch * kPacked * kPackedRows + kBeside];
 };
 
 void layVoxelsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/tile_planes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "splat/voxel_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -67,8 +68,7 @@ bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
 // Of a batch of footprints those that have an open pixel. `alpha` is that of the tile's first pixel, rows are `stride`
 // apart.
 class OpenFootprints {
-  using DI = hn::CappedTag<std::int32_t, kVoxelBatch>;
-  using VI = hn::Vec<DI>;
+  using VI = hn::Vec<DB>;
   static constexpr int kMost = 31;  // columns and rows
 
  public:
@@ -79,11 +79,11 @@ class OpenFootprints {
   // Neighbours' footprints overlap: a pixel is asked once for all of them, and its row is a word in which each
   // footprint finds its columns.
   std::uint32_t find() {
-    const PixelRect all = intersection(touched(), tile_);
+    const PixelRect all = intersection(rectAround(p_, asked_), tile_);
     if (all.width() > kMost || all.height() > kMost) return findEach();
     std::int32_t rows[kMost];
     for (int y = 0; y < all.height(); ++y) rows[y] = openOfRow(all.x0, all.y0 + y, all.width());
-    const DI d;
+    const DB d;
     const VI most = hn::Set(d, kMost), one = hn::Set(d, 1);
     std::uint32_t out = 0;
     for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
@@ -105,23 +105,6 @@ class OpenFootprints {
   }
 
  private:
-  // The rectangle around all that is asked about.
-  PixelRect touched() const {
-    const DI d;
-    const VI none = hn::Set(d, std::numeric_limits<std::int32_t>::max());
-    VI x0 = none, y0 = none, x1 = hn::Not(none), y1 = hn::Not(none);
-    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
-      const VI bits = hn::Set(d, static_cast<std::int32_t>(asked_ >> n));
-      const auto asked = hn::TestBit(bits, hn::Shl(hn::Set(d, 1), hn::Iota(d, 0)));
-      x0 = hn::Min(x0, hn::IfThenElse(asked, hn::Load(d, p_.x0 + n), none));
-      y0 = hn::Min(y0, hn::IfThenElse(asked, hn::Load(d, p_.y0 + n), none));
-      x1 = hn::Max(x1, hn::IfThenElse(asked, hn::Load(d, p_.x1 + n), hn::Not(none)));
-      y1 = hn::Max(y1, hn::IfThenElse(asked, hn::Load(d, p_.y1 + n), hn::Not(none)));
-    }
-    return {hn::GetLane(hn::MinOfLanes(d, x0)), hn::GetLane(hn::MinOfLanes(d, y0)), hn::GetLane(hn::MaxOfLanes(d, x1)),
-            hn::GetLane(hn::MaxOfLanes(d, y1))};
-  }
-
   // A bit for each open pixel; of those behind the last one, too.
   std::int32_t openOfRow(int x, int y, int columns) const {
     const D d;
@@ -143,12 +126,6 @@ class OpenFootprints {
   }
 
   const float* at(int x, int y) const { return alpha_ + (y - tile_.y0) * stride_ + (x - tile_.x0); }
-  template <class Tag>
-  static std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
-  }
 
   const ProjectedVoxels& p_;
   const std::uint32_t asked_;

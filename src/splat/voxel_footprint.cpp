@@ -10,9 +10,11 @@ namespace {
 // asked about. unit: pixels.
 constexpr double kRounding = 1e-4;
 
-std::vector<float> weightsAlong(double half, int pixels) {
+// shape: for each phase, `pixels` and as many zeros as are `beside`, which are before the first phase, too.
+std::vector<float> weightsAlong(double half, int pixels, int beside) {
   const double sigma = half / kFootprintRadius;
-  std::vector<float> out;
+  const auto zeros = static_cast<std::size_t>(beside);
+  std::vector<float> out(zeros);
   for (int phase = 0; phase < VoxelFootprint::kPhases; ++phase) {
     const double first = (phase + 0.5) / VoxelFootprint::kPhases - half;
     const double last = half - 0.5 / VoxelFootprint::kPhases - kRounding;
@@ -24,6 +26,7 @@ std::vector<float> weightsAlong(double half, int pixels) {
     for (int i = 0; i < pixels; ++i) sum += weightOf(i);
     // One that lies between two pixels' centres and reaches neither shows nothing.
     for (int i = 0; i < pixels; ++i) out.push_back(static_cast<float>(sum > 0 ? weightOf(i) / sum : 0));
+    out.resize(out.size() + zeros);
   }
   return out;
 }
@@ -38,8 +41,8 @@ bool VoxelFootprint::fits(const Ellipse& ellipse) {
 }
 
 VoxelFootprint::VoxelFootprint(const Ellipse& ellipse)
-    : columns_(weightsAlong(static_cast<double>(ellipse.half_x), kColumns)),
-      rows_(weightsAlong(static_cast<double>(ellipse.half_y), kRows)),
+    : columns_(weightsAlong(static_cast<double>(ellipse.half_x), kColumns, kBeside)),
+      rows_(weightsAlong(static_cast<double>(ellipse.half_y), kRows, 0)),
       most_(*std::max_element(columns_.begin(), columns_.end()) * *std::max_element(rows_.begin(), rows_.end())) {}
 
 }  // namespace kiln

@@ -16,6 +16,8 @@ class VoxelFootprint {
   static constexpr int kPhases = 128;
   /// The most pixels along each axis.
   static constexpr int kColumns = 8, kRows = 16;
+  /// A vector of pixels may begin before a footprint, and end behind it.
+  static constexpr int kBeside = 8;
 
   /// Whether it is the footprint of all voxels of an orthographic view whose ellipse this is.
   static bool fits(const Ellipse& ellipse);
@@ -28,8 +30,10 @@ class VoxelFootprint {
     return phase < 0 ? 0 : phase < kPhases ? phase : kPhases - 1;
   }
   /// Weights from the footprint's first pixel on, then zeros; none but zeros beyond the pixels whose centres are within
-  /// the half width. shape: kColumns, kRows.
-  const float* columns(int phase) const { return &columns_[static_cast<std::size_t>(phase * kColumns)]; }
+  /// the half width. shape: kColumns, and kBeside zeros before and behind them; kRows.
+  const float* columns(int phase) const {
+    return &columns_[static_cast<std::size_t>(kBeside + phase * (kColumns + kBeside))];
+  }
   const float* rows(int phase) const { return &rows_[static_cast<std::size_t>(phase * kRows)]; }
   /// No product of a row's weight and a column's is above this.
   float most() const { return most_; }

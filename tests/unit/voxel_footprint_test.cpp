@@ -48,6 +48,10 @@ TEST(VoxelFootprint, IsAProductOfGaussians) {
     for (int phase = 0; phase < VoxelFootprint::kPhases; ++phase) {
       expectGaussians(footprint.columns(phase), VoxelFootprint::kColumns, phase, 3 * sigma);
       expectGaussians(footprint.rows(phase), VoxelFootprint::kRows, phase, 6 * sigma);
+      for (int i = 0; i < VoxelFootprint::kBeside; ++i) {
+        EXPECT_EQ(footprint.columns(phase)[-1 - i], 0);
+        EXPECT_EQ(footprint.columns(phase)[VoxelFootprint::kColumns + i], 0);
+      }
     }
   }
 }
