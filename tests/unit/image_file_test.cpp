@@ -156,7 +156,7 @@ TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
   Imf::InputFile file((folder_ / "a.exr").c_str());
   EXPECT_EQ(file.header().channels()["R"].type, Imf::HALF);
   Imf::FrameBuffer buffer;
-  std::vector<std::vector<float>> back(2, std::vector<float>(20));
+  std::vector<PagedVector<float>> back(2, PagedVector<float>(20));
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(file.header().channels()[image.planes[i].name].type, Imf::FLOAT);
     buffer.insert(image.planes[i].name,
