@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/large_pages.h"
 #include "base/memory.h"
 
 namespace kiln {
@@ -22,31 +23,32 @@ class RingInMemory : public SliceRing {
       : dims_(info.geometry.dims),
         voxel_(sizeOf(info.type)),
         slices_(slices),
-        bytes_(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(slices) * sliceBytes(info))) {}
+        bytes_(static_cast<std::size_t>(slices) * sliceBytes(info)) {}
 
   std::int64_t slices() const override { return slices_; }
 
   void read(VolumeSource& source, const VoxelBox& rows) override {
-    source.read(rows, {at(rows.lo), static_cast<std::size_t>(rows.count()) * voxel_});
+    source.read(rows, {bytes_.data() + offsetOf(rows.lo), static_cast<std::size_t>(rows.count()) * voxel_});
   }
 
   void copy(const VoxelBox& box, std::span<std::byte> out) const override {
     const std::size_t row = static_cast<std::size_t>(box.extent().x) * voxel_;
     std::byte* to = out.data();
     for (VoxelCoord from = box.lo; from.z < box.hi.z; ++from.z) {
-      for (from.y = box.lo.y; from.y < box.hi.y; ++from.y, to += row) std::memcpy(to, at(from), row);
+      for (from.y = box.lo.y; from.y < box.hi.y; ++from.y, to += row)
+        std::memcpy(to, bytes_.data() + offsetOf(from), row);
     }
   }
 
  private:
-  std::byte* at(const VoxelCoord& v) const {
-    return bytes_.get() + static_cast<std::size_t>((v.z % slices_ * dims_.y + v.y) * dims_.x + v.x) * voxel_;
+  std::size_t offsetOf(const VoxelCoord& v) const {
+    return static_cast<std::size_t>((v.z % slices_ * dims_.y + v.y) * dims_.x + v.x) * voxel_;
   }
 
   const Extent3 dims_;
   const std::size_t voxel_;
   const std::int64_t slices_;
-  std::unique_ptr<std::byte[]> bytes_;
+  UnsetBytes bytes_;
 };
 
 // In the file a slice lies column by column, each as wide as a usual brick and row after row, so that a box is read in
