@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <atomic>
 #include <cstdint>
 
 namespace kiln {
@@ -14,10 +15,31 @@ void giveBackPages(void* pages, std::size_t) noexcept { ::operator delete(pages,
 
 #else
 
-void* takePages(std::size_t bytes) {
+namespace {
+
+std::atomic<std::size_t> held_pages = 0;
+
+bool isPaged(const void* at) { return reinterpret_cast<std::uintptr_t>(at) % kLargePage == 0; }
+
+// From the heap, at a place that no large page begins at; the byte before it says how far it is from the beginning.
+void* takeFromHeap(std::size_t bytes) {
+  constexpr std::size_t kRoom = 64;
+  char* const room = static_cast<char*>(::operator new(bytes + 2 * kRoom));
+  const std::size_t offset = isPaged(room + kRoom) ? 2 * kRoom : kRoom;
+  room[offset - 1] = static_cast<char>(offset);
+  return room + offset;
+}
+
+void giveBackToHeap(void* at) {
+  char* const bytes = static_cast<char*>(at);
+  ::operator delete(bytes - static_cast<unsigned char>(bytes[-1]));
+}
+
+// Null where the system has none.
+void* map(std::size_t bytes) {
   const std::size_t room = bytes + kLargePage;
   void* const found = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (found == MAP_FAILED) throw std::bad_alloc();
+  if (found == MAP_FAILED) return nullptr;
   const std::size_t small_page = 4096;
   const std::size_t before = (kLargePage - reinterpret_cast<std::uintptr_t>(found) % kLargePage) % kLargePage;
   char* const pages = static_cast<char*>(found) + before;
@@ -36,7 +58,21 @@ void* takePages(std::size_t bytes) {
   return pages;
 }
 
-void giveBackPages(void* pages, std::size_t bytes) noexcept { ::munmap(pages, bytes); }
+}  // namespace
+
+void* takePages(std::size_t bytes) {
+  if (held_pages.fetch_add(1, std::memory_order_relaxed) < kMostPaged) {
+    if (void* const pages = map(bytes)) return pages;
+  }
+  held_pages.fetch_sub(1, std::memory_order_relaxed);
+  return takeFromHeap(bytes);
+}
+
+void giveBackPages(void* pages, std::size_t bytes) noexcept {
+  if (!isPaged(pages)) return giveBackToHeap(pages);
+  ::munmap(pages, bytes);
+  held_pages.fetch_sub(1, std::memory_order_relaxed);
+}
 
 #endif
 

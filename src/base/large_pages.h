@@ -13,8 +13,12 @@ namespace kiln {
 /// Buffers of at least this are worth pages of their own. unit: bytes.
 inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
-/// Bytes that begin at a multiple of kLargePage, in large pages as far as they fill them and where the system has them;
-/// it gets them back when they are given back. throws: std::bad_alloc.
+/// So many have them at a time; the rest is the heap's, as systems bound what a process maps (Linux to 65,530 pieces,
+/// of which each may be two).
+inline constexpr std::size_t kMostPaged = 16384;
+
+/// Bytes in large pages, as far as they fill them and where the system has them; it gets them back when they are given
+/// back. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
 

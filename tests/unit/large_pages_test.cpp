@@ -13,7 +13,10 @@
 namespace kiln {
 namespace {
 
+// Sanitizers keep what is freed, to tell who uses it afterwards, or memory of their own for all that is touched, and
+// end the program where there is no more.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define KILN_OWN_PAGES
 std::size_t residentBytes() {
   std::ifstream file("/proc/self/statm");
   std::size_t all = 0, resident = 0;
@@ -52,13 +55,31 @@ TEST(LargePages, GrowAsAnyVectorDoes) {
 TEST(LargePages, MoreThanThereIsIsRefused) {
   const std::size_t most = static_cast<std::size_t>(-1) / 2;
   EXPECT_THROW(LargePageAllocator<std::uint64_t>().allocate(most), std::bad_alloc);
-#ifndef __SANITIZE_ADDRESS__
+#ifdef KILN_OWN_PAGES
   EXPECT_THROW(takePages(most), std::bad_alloc);
 #endif
 }
 
-// Sanitizers keep what is freed, to tell who uses it afterwards, or memory of their own for all that is touched.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifdef KILN_OWN_PAGES
+// More than the system maps for one process: the rest is the heap's, and each goes back where it is from.
+TEST(LargePages, AreTheHeapsWhereThereAreTooMany) {
+  std::vector<PagedVector<std::byte>> few(4);
+  std::vector<void*> many;
+  for (std::size_t i = 0; i < kMostPaged + 20; ++i) {
+    many.push_back(takePages(kLargePage));
+    if (i % 1000 == 0 || i >= kMostPaged - 4) static_cast<char*>(many.back())[0] = static_cast<char>(i);
+  }
+  for (PagedVector<std::byte>& bytes : few) bytes.assign(kLargePage + 5, std::byte{7});
+  for (std::size_t i = kMostPaged - 4; i < many.size(); ++i)
+    EXPECT_EQ(static_cast<char*>(many[i])[0], static_cast<char>(i));
+  for (void* const pages : many) giveBackPages(pages, kLargePage);
+  for (const PagedVector<std::byte>& bytes : few) EXPECT_EQ(bytes.back(), std::byte{7});
+  EXPECT_NE(reinterpret_cast<std::uintptr_t>(few.front().data()) % kLargePage, 0u);
+  few.clear();
+  const PagedVector<std::byte> again(kLargePage);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(again.data()) % kLargePage, 0u);
+}
+
 TEST(LargePages, GoBackToTheSystem) {
   constexpr std::size_t kBytes = 37 * kLargePage + 4711;
   const std::size_t before = residentBytes();
