@@ -1,6 +1,7 @@
 #include "base/large_pages.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdint>
@@ -40,7 +41,7 @@ void* map(std::size_t bytes) {
   const std::size_t room = bytes + kLargePage;
   void* const found = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (found == MAP_FAILED) return nullptr;
-  const std::size_t small_page = 4096;
+  const auto small_page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   const std::size_t before = (kLargePage - reinterpret_cast<std::uintptr_t>(found) % kLargePage) % kLargePage;
   char* const pages = static_cast<char*>(found) + before;
   if (before > 0) ::munmap(found, before);

@@ -672,12 +672,6 @@ class CellCaster {
     return out;
   }
 
-  HWY_INLINE static unsigned bitsOf(M mask) {
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(D(), mask, bits);
-    return bits[0] | unsigned{bits[1]} << 8;
-  }
-
   std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
     return tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
   }

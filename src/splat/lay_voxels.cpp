@@ -305,11 +305,12 @@ class VoxelLayer {
     } else if constexpr (kAovs) {
       for (int y = within.y0; y < within.y1; ++y, row += stride) blendRow(n, row, x, columns, y);
     } else {
-      const Brush brush(q_, n, opaque_at_, planes_.plane());
+      const Brush brush(q_, n);
+      const V8 opaque = hn::Set(D8(), opaque_at_);
       float* pixels = planes_.at(x, within.y0);
       unsigned closing[kPackedRows], any = 0;
-      for (int y = within.y0; y < within.y1; ++y, row += stride, pixels += 4 * brush.plane)
-        any |= closing[y - within.y0] = blendEight<!kOfTable>(brush, row, columns, pixels);
+      for (int y = within.y0; y < within.y1; ++y, row += stride, pixels += 4 * planes_.plane())
+        any |= closing[y - within.y0] = blendEight<!kOfTable>(brush, opaque, row, columns, pixels);
       if (any == 0) return;
       for (int y = within.y0; y < within.y1; ++y) close(x, y, closing[y - within.y0]);
     }
@@ -340,21 +341,27 @@ class VoxelLayer {
   struct Pixels {
     V8 red, green, blue, alpha;
   };
+  // What all pixels of a footprint share.
+  struct Brush {
+    Brush(const Prepared& q, std::size_t n)
+        : red(hn::Set(D8(), q.light[0][n])), green(hn::Set(D8(), q.light[1][n])), blue(hn::Set(D8(), q.light[2][n])) {}
+    V8 red, green, blue;
+  };
   template <bool kOfTable, bool kIsThin>
   HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
     const D8 d;
     float* const at = planes_.at(x, y);
     const std::ptrdiff_t plane = planes_.plane();
-    const auto held = hn::LoadU(d, at + 3 * plane), one = hn::Set(d, 1.0f);
-    const auto open = hn::Lt(held, one);
+    Pixels pixels = load(at, plane);
+    const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_);
+    const M8 open = hn::Lt(held, hn::Set(d, 1.0f));
     if (hn::AllFalse(d, open)) return;
     // One that is half opaque is likely to be closed.
     if (hn::AllFalse(d, hn::And(open, hn::Ge(held, hn::Set(d, 0.5f))))) {
-      Pixels pixels{hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane), held};
-      forEach(voxels, [&](std::size_t n) { blend(n, opacities<kOfTable, kIsThin>(n, x, y), pixels); });
+      forEach(voxels, [&](std::size_t n) { blend(Brush(q_, n), opacities<kOfTable, kIsThin>(n, x, y), pixels); });
       // No alpha becomes less: where none has reached the threshold, none had to be closed on the way.
-      if (HWY_LIKELY(hn::AllFalse(d, closingOf(held, pixels.alpha)))) {
-        store(pixels, at);
+      if (HWY_LIKELY(hn::AllFalse(d, closingOf(held, pixels.alpha, opaque)))) {
+        store(pixels, at, plane);
         return;
       }
     }
@@ -366,14 +373,13 @@ class VoxelLayer {
     const D8 d;
     float* const at = planes_.at(x, y);
     const std::ptrdiff_t plane = planes_.plane();
-    const auto one = hn::Set(d, 1.0f);
-    Pixels pixels{hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane),
-                  hn::LoadU(d, at + 3 * plane)};
+    const V8 one = hn::Set(d, 1.0f), opaque = hn::Set(d, opaque_at_);
+    Pixels pixels = load(at, plane);
     unsigned closed = 0;
     forEach(voxels, [&](std::size_t n) {
       const auto held = pixels.alpha;
-      blend(n, opacities<kOfTable, kIsThin>(n, x, y), pixels);
-      const auto closing = closingOf(held, pixels.alpha);
+      blend(Brush(q_, n), opacities<kOfTable, kIsThin>(n, x, y), pixels);
+      const auto closing = closingOf(held, pixels.alpha, opaque);
       if (HWY_LIKELY(hn::AllFalse(d, closing))) return;
       const auto full = hn::Div(one, pixels.alpha);
       const auto filled = [&](auto color) { return hn::IfThenElse(closing, hn::Mul(color, full), color); };
@@ -381,28 +387,29 @@ class VoxelLayer {
                 hn::IfThenElse(closing, one, pixels.alpha)};
       closed |= bitsOf(d, closing);
     });
-    store(pixels, at);
+    store(pixels, at, plane);
     for (; closed != 0; closed &= closed - 1) visibility_.close(x + std::countr_zero(closed), y);
   }
-  HWY_INLINE M8 closingOf(V8 held, V8 after) const {
-    const D8 d;
-    return hn::And(hn::Lt(held, hn::Set(d, 1.0f)), hn::Ge(after, hn::Set(d, opaque_at_)));
+  HWY_INLINE static M8 closingOf(V8 held, V8 after, V8 opaque) {
+    return hn::And(hn::Lt(held, hn::Set(D8(), 1.0f)), hn::Ge(after, opaque));
   }
-  HWY_INLINE void store(const Pixels& pixels, float* at) {
+  HWY_INLINE static Pixels load(const float* at, std::ptrdiff_t plane) {
     const D8 d;
-    const std::ptrdiff_t plane = planes_.plane();
+    return {hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane), hn::LoadU(d, at + 3 * plane)};
+  }
+  HWY_INLINE static void store(const Pixels& pixels, float* at, std::ptrdiff_t plane) {
+    const D8 d;
     hn::StoreU(pixels.red, d, at);
     hn::StoreU(pixels.green, d, at + plane);
     hn::StoreU(pixels.blue, d, at + 2 * plane);
     hn::StoreU(pixels.alpha, d, at + 3 * plane);
   }
-  HWY_INLINE void blend(std::size_t n, V8 opacity, Pixels& to) const {
-    const D8 d;
-    const auto added = fusedLess(opacity, to.alpha, opacity);
+  HWY_INLINE static void blend(const Brush& brush, V8 opacity, Pixels& to) {
+    const V8 added = fusedLess(opacity, to.alpha, opacity);
     to.alpha = hn::Add(to.alpha, added);
-    to.red = fused(added, hn::Set(d, q_.light[0][n]), to.red);
-    to.green = fused(added, hn::Set(d, q_.light[1][n]), to.green);
-    to.blue = fused(added, hn::Set(d, q_.light[2][n]), to.blue);
+    to.red = fused(added, brush.red, to.red);
+    to.green = fused(added, brush.green, to.green);
+    to.blue = fused(added, brush.blue, to.blue);
   }
 
   // Those of a voxel over the pixels from (x, y) on, zero beside its footprint. requires: row y has some of it.
@@ -439,7 +446,8 @@ class VoxelLayer {
   HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
     alignas(64) float chunk[kChunk];
     constexpr int kColumns = static_cast<int>(kChunk);
-    const Brush brush(q_, n, opaque_at_, planes_.plane());
+    const Brush brush(q_, n);
+    const V8 opaque = hn::Set(D8(), opaque_at_);
     const int first = (within.x0 - p_.x0[n]) / kColumns * kColumns;
     for (int y = within.y0; y < within.y1; ++y) {
       for (int i = first; i < within.x1 - p_.x0[n]; i += kColumns) {
@@ -451,30 +459,17 @@ class VoxelLayer {
           if constexpr (kAovs)
             blendRow(n, chunk + k, x, std::min(kWide, width(n) - i - k), y);
           else
-            close(x, y, blendEight<false>(brush, chunk + k, kWide, planes_.at(x, y)));
+            close(x, y, blendEight<false>(brush, opaque, chunk + k, kWide, planes_.at(x, y)));
         }
       }
     }
   }
 
-  // What all pixels of a footprint share.
-  struct Brush {
-    Brush(const Prepared& q, std::size_t n, float opaque_at, std::ptrdiff_t between_channels)
-        : plane(between_channels),
-          red(hn::Set(D8(), q.light[0][n])),
-          green(hn::Set(D8(), q.light[1][n])),
-          blue(hn::Set(D8(), q.light[2][n])),
-          opaque(hn::Set(D8(), opaque_at)) {}
-    std::ptrdiff_t plane;
-    V8 red, green, blue, opaque;
-  };
-
   // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold.
   template <bool kPart>
-  HWY_INLINE static unsigned blendEight(const Brush& brush, const float* opacities, int count, float* pixels) {
+  HWY_INLINE unsigned blendEight(const Brush& brush, V8 opaque, const float* opacities, int count, float* at) const {
     const D8 d;
-    const V8 one = hn::Set(d, 1.0f);
-    const std::ptrdiff_t plane = brush.plane;
+    const std::ptrdiff_t plane = planes_.plane();
     unsigned closing = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
       V8 opacity = hn::LoadU(d, opacities + i);
@@ -482,14 +477,11 @@ class VoxelLayer {
         const auto counted = hn::Lt(hn::Iota(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(count)));
         opacity = hn::IfThenElseZero(counted, opacity);
       }
-      float* const at = pixels + i;
-      const V8 held = hn::LoadU(d, at + 3 * plane);
-      const V8 added = fusedLess(opacity, held, opacity), after = hn::Add(held, added);
-      hn::StoreU(after, d, at + 3 * plane);
-      hn::StoreU(fused(added, brush.red, hn::LoadU(d, at)), d, at);
-      hn::StoreU(fused(added, brush.green, hn::LoadU(d, at + plane)), d, at + plane);
-      hn::StoreU(fused(added, brush.blue, hn::LoadU(d, at + 2 * plane)), d, at + 2 * plane);
-      closing |= bitsOf(d, hn::And(hn::Lt(held, one), hn::Ge(after, brush.opaque))) << i;
+      Pixels pixels = load(at + i, plane);
+      const V8 held = pixels.alpha;
+      blend(brush, opacity, pixels);
+      store(pixels, at + i, plane);
+      closing |= bitsOf(d, closingOf(held, pixels.alpha, opaque)) << i;
     }
     return closing;
   }

@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "splat/voxel_batch-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
 namespace HWY_NAMESPACE {
@@ -65,8 +67,8 @@ class VoxelProjector {
                     hn::And(hn::Lt(hn::Add(hn::Abs(at_x), half_x), far), hn::Lt(hn::Add(hn::Abs(at_y), half_y), far)));
     drawn = hn::And(drawn, span(at_x, half_x, drawn, tile_.x0, tile_.x1, out_.x0 + n, out_.x1 + n, out_.dx + n));
     drawn = hn::And(drawn, span(at_y, half_y, drawn, tile_.y0, tile_.y1, out_.y0 + n, out_.y1 + n, out_.dy + n));
-    out_.touching |= bitsOf(drawn) << n;
-    out_.inside |= bitsOf(hn::And(within(at_x, tile_.x0, tile_.x1), within(at_y, tile_.y0, tile_.y1))) << n;
+    out_.touching |= bitsOf(D(), drawn) << n;
+    out_.inside |= bitsOf(D(), hn::And(within(at_x, tile_.x0, tile_.x1), within(at_y, tile_.y0, tile_.y1))) << n;
   }
 
   // J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the projection's derivative, and what a pixel adds: where its bounds are.
@@ -112,12 +114,6 @@ class VoxelProjector {
     const D d;
     return hn::And(hn::Ge(at, hn::Set(d, static_cast<double>(first))),
                    hn::Lt(at, hn::Set(d, static_cast<double>(end))));
-  }
-
-  HWY_INLINE static std::uint32_t bitsOf(M mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(D(), mask, bytes);
-    return bytes[0];
   }
 
   const VoxelView& w_;
