@@ -28,6 +28,12 @@ Classifier::Classifier(const TransferFunction& function, double unit, VoxelType 
       table_.push_back(evaluate(value));
       shown_.push_back(table_.back().tau > 0 ? 1 : 0);
     }
+    const auto shown = std::count(shown_.begin(), shown_.end(), 1);
+    const auto first = std::find(shown_.begin(), shown_.end(), 1);
+    if (shown > 0 && std::all_of(first, first + shown, [](std::uint8_t shows) { return shows != 0; })) {
+      const int lo = first_ + static_cast<int>(first - shown_.begin());
+      shown_interval_ = {lo, lo + static_cast<int>(shown) - 1};
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -49,6 +50,12 @@ class Classifier {
     }
   }
 
+  /// The values of types of up to 16 bits that show something, where all between two do and no other.
+  struct Interval {
+    int lo, hi;
+  };
+  const std::optional<Interval>& shownInterval() const { return shown_interval_; }
+
   /// Whether some value of the range may have an opacity above zero. Conservative only at a step of the function.
   /// cost: a binary search over the function's points.
   bool interesting(const ValueRange& range) const;
@@ -66,6 +73,7 @@ class Classifier {
   int first_ = 0;
   std::vector<Material> table_;
   std::vector<std::uint8_t> shown_;  // of the table's entries: what fits a cache where those do not
+  std::optional<Interval> shown_interval_;
 };
 
 }  // namespace kiln

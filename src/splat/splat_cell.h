@@ -7,6 +7,7 @@
 #include "occlusion/visibility.h"
 #include "scene/clip_region.h"
 #include "splat/classifier.h"
+#include "splat/gather_voxels.h"
 #include "splat/gradient_opacity.h"
 #include "splat/project_voxels.h"
 #include "splat/projector.h"
@@ -55,11 +56,6 @@ struct SplatCounts {
     changed = changed || other.changed;
   }
 };
-
-/// The voxels along an axis that are splatted at a time: smaller than the cells of the store, because a test is cheaper
-/// than eight rows of voxels behind an opaque surface, and not smaller still, because then the tests cost more than
-/// they save (ARCHITECTURE.md has the figures).
-inline constexpr int kSplatCellSize = 4;
 
 /// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kSplatCellSize voxels along an
 /// axis.

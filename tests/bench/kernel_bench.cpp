@@ -19,6 +19,7 @@
 #include "scene/framing.h"
 #include "scene/presets.h"
 #include "splat/cast_cells.h"
+#include "splat/gather_voxels.h"
 #include "splat/unit_load.h"
 #include "support/scalar_kernels.h"
 #include "support/scalar_voxels.h"
@@ -279,6 +280,31 @@ struct VoxelScene {
   ShadedVoxels shaded;
 };
 
+// Items are voxels of a brick that show something: seven of two bytes read, eight numbers written; two comparisons and
+// three differences.
+void gatherVoxels(benchmark::State& state) {
+  const OnTarget on(state);
+  const Scene& s = scene();
+  const VisitingOrder& order = s.plan.levels.projector(0).order();
+  std::int64_t voxels = 0;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const VoxelCoord& lo = s.units[next++ % s.units.size()];
+    const VoxelBox cell =
+        intersection({lo, {lo.x + kSplatCellSize, lo.y + kSplatCellSize, lo.z + kSplatCellSize}}, s.block.core);
+    FoundVoxels found;
+    findVoxels(s.plan.classifier, order, s.block, cell, found);
+    ShadedVoxels taken;
+    for (int first = 0; first < found.count; first += kVoxelBatch) {
+      const std::uint32_t all = (1u << std::min(found.count - first, kVoxelBatch)) - 1;
+      takeVoxels(s.plan.classifier, s.block, found, first, all, true, taken);
+      benchmark::DoNotOptimize(taken);
+    }
+    voxels += found.count;
+  }
+  report(state, voxels, 14 + 32, 8);
+}
+
 // Items are voxels: a code read, 13 numbers written; three products of a matrix, a quotient, and two roots.
 void projectBatch(benchmark::State& state) {
   const OnTarget on(state);
@@ -368,6 +394,7 @@ void registerAll() {
   onTargets("footprints", footprints, true);
   onTargets("lay", laySlab, true);
   onTargets("castBrick", castBrick, false);
+  onTargets("voxels/gather", gatherVoxels, false);
   onTargets("voxels/project", projectBatch, true);
   onTargets("voxels/lay", layBatch, true);
   for (const VisibilityMethod method : {VisibilityMethod::kNone, VisibilityMethod::kMask})
