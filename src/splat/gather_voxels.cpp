@@ -140,14 +140,11 @@ class BatchTaker {
         out_(out) {}
 
   void materials() {
-    const auto take = [&](std::size_t n, const Material& material) {
-      std::memcpy(out_.material + 4 * n, &material, sizeof material);
-    };
     forEachRow([&](const FoundVoxels::Row& row, std::ptrdiff_t n, unsigned drawn) {
-      for (; drawn != 0; drawn &= drawn - 1) {
-        const int i = std::countr_zero(drawn);
-        take(static_cast<std::size_t>(n + i), classifier_.at(voxels_[row.offset + row.order[i]]));
-      }
+      forEachBit(drawn, [&](std::size_t i) {
+        const Material material = classifier_.at(voxels_[row.offset + row.order[i]]);
+        std::memcpy(out_.material + 4 * (n + static_cast<std::ptrdiff_t>(i)), &material, sizeof material);
+      });
     });
   }
 
@@ -184,16 +181,16 @@ class BatchTaker {
   template <class F>
   void slopesOf(F of) {
     forEachRow([&](const FoundVoxels::Row& row, std::ptrdiff_t n, unsigned drawn) {
-      for (; drawn != 0; drawn &= drawn - 1) {
-        const int i = std::countr_zero(drawn);
+      forEachBit(drawn, [&](std::size_t i) {
         const T* const at = voxels_ + row.offset + row.order[i];
-        for (int axis = 0; axis < 3; ++axis) out_.slope[axis][n + i] = of(at[strides_[axis]], at[-strides_[axis]]);
-      }
+        const std::ptrdiff_t place = n + static_cast<std::ptrdiff_t>(i);
+        for (int axis = 0; axis < 3; ++axis) out_.slope[axis][place] = of(at[strides_[axis]], at[-strides_[axis]]);
+      });
     });
   }
 
-  // All of a row at once, in the order of its voxels. requires: that a row's kSplatCellSize voxels, and one more, can
-  // be read.
+  // All of a row at once, in the order of its voxels. Of a cell that the brick's end cuts off, the row goes on in the
+  // apron, and behind that there is always another row.
   void slopesOfRows() {
     const DR d;
     const DRF df;

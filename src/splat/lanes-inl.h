@@ -20,6 +20,14 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
+// A bit a lane. requires: at most 16 lanes.
+template <class Tag>
+HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+}
+
 #if HWY_TARGET == HWY_AVX2
 
 // Of each set of eight lanes, their numbers one after the other.

@@ -9,12 +9,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "splat/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 class BlockLayer {
   using D = hn::CappedTag<float, kBlockEdge>;
@@ -85,8 +85,8 @@ class BlockLayer {
     const V alpha = sum(a, light[3]);
     hn::StoreInterleaved4(sum(r, light[0]), sum(g, light[1]), sum(b, light[2]), alpha, d, pixels);
     const auto opaque = hn::And(changed, hn::Ge(alpha, hn::Set(d, b_.opaque_at)));
-    out_.changed[row] |= static_cast<std::uint8_t>(bitsOf(changed) << x);
-    out_.opaque[row] |= static_cast<std::uint8_t>(bitsOf(opaque) << x);
+    out_.changed[row] |= static_cast<std::uint8_t>(bitsOf(D(), changed) << x);
+    out_.opaque[row] |= static_cast<std::uint8_t>(bitsOf(D(), opaque) << x);
     if (pixels_ != nullptr) {
       const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
       hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d, &pixels_->pixels[place].before);
@@ -128,13 +128,6 @@ class BlockLayer {
     const V in_front = hn::Mul(before, hn::Set(d, 1.0f / 255));
     const V density = hn::Min(hn::Div(alpha, hn::Max(in_front, hn::Set(d, 1.0f / 255))), hn::Set(d, 1.0f));
     return hn::Sub(part, hn::Mul(hn::Min(part, in_front), density));
-  }
-
-  template <class Mask>
-  static HWY_INLINE unsigned bitsOf(Mask mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(D(), mask, bytes);
-    return bytes[0];
   }
 
   const SheetBlock& b_;

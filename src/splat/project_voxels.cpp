@@ -14,8 +14,6 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 class VoxelProjector {
   using D = hn::CappedTag<double, 8>;
   using DF = hn::Rebind<float, D>;

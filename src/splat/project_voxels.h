@@ -52,6 +52,8 @@ struct ProjectedVoxels {
   std::uint32_t touching = 0;  // bits of those that are drawn and whose pixels touch the tile
   std::uint32_t inside = 0;    // bits of those whose centre is in the tile
   PixelRect rect(std::size_t n) const { return {x0[n], y0[n], x1[n], y1[n]}; }
+  int width(std::size_t n) const { return x1[n] - x0[n]; }
+  int height(std::size_t n) const { return y1[n] - y0[n]; }
 };
 
 /// Voxels of a cell by their offsets from its first one. requires: below 16.

@@ -16,16 +16,15 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<float, 8>;
+using D8 = hn::CappedTag<float, 8>;
 
 // A row of `count` pixels, RGBA by RGBA, and the same in planes.
 void splitRow(const float* rgba, std::ptrdiff_t count, float* red, std::ptrdiff_t plane) {
-  const D d;
+  const D8 d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   std::ptrdiff_t x = 0;
   for (; x + lanes <= count; x += lanes) {
-    hn::Vec<D> r, g, b, a;
+    hn::Vec<D8> r, g, b, a;
     hn::LoadInterleaved4(d, rgba + 4 * x, r, g, b, a);
     hn::StoreU(r, d, red + x);
     hn::StoreU(g, d, red + plane + x);
@@ -38,7 +37,7 @@ void splitRow(const float* rgba, std::ptrdiff_t count, float* red, std::ptrdiff_
 }
 
 void joinRow(const float* red, std::ptrdiff_t plane, std::ptrdiff_t count, float* rgba) {
-  const D d;
+  const D8 d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   std::ptrdiff_t x = 0;
   for (; x + lanes <= count; x += lanes) {
@@ -53,7 +52,7 @@ void joinRow(const float* red, std::ptrdiff_t plane, std::ptrdiff_t count, float
 // Whether one of `columns` times `rows` pixels is open; `alpha` is that of the first, rows are `stride` apart, and a
 // whole vector may be read where columns are left.
 bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
-  const D d;
+  const D8 d;
   const auto one = hn::Set(d, 1.0f);
   for (int x = 0; x < columns; x += static_cast<int>(hn::Lanes(d))) {
     auto least = one;
@@ -107,7 +106,7 @@ class OpenFootprints {
  private:
   // A bit for each open pixel; of those behind the last one, too.
   std::int32_t openOfRow(int x, int y, int columns) const {
-    const D d;
+    const D8 d;
     const float* const row = at(x, y);
     std::uint32_t out = 0;
     for (int i = 0; i < columns; i += static_cast<int>(hn::Lanes(d)))

@@ -8,9 +8,12 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "splat/lanes-inl.h"
 #include "splat/project_voxels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -18,15 +21,12 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
 using DB = hn::CappedTag<std::int32_t, kVoxelBatch>;
 
-// A bit a lane. requires: at most 16 lanes.
-template <class Tag>
-HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+// f(n) for each bit n.
+template <class F>
+HWY_INLINE void forEachBit(std::uint32_t bits, F f) {
+  for (; bits != 0; bits &= bits - 1) f(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
 // The rectangle around those of a batch that have their bit.
