@@ -41,7 +41,7 @@ class VoxelLayer {
   HWY_INLINE void runOf(std::uint32_t drawn) {
     if constexpr (!kOfTable) v_.weigh(drawn);
     if constexpr (!kAovs) {
-      if (sharesRows(drawn)) {
+      if (sharesRows<kOfTable>(drawn)) {
         layTogether<kOfTable>(drawn);
         return;
       }
@@ -50,9 +50,10 @@ class VoxelLayer {
     forEachBit(drawn, [&](std::size_t n) { lay<kOfTable>(n); });
   }
   // Whether so many of a batch touch each row, and so few pixels of it, that it is worth being read and written but
-  // once for all of them: of the few that are left where most is hidden, those rows cost more that pixels close in.
+  // once for all of them. Without a table opacities have been found before, and each row looks for its part of them.
+  template <bool kOfTable>
   bool sharesRows(std::uint32_t drawn) const {
-    constexpr int kMostColumns = 4, kLeastVoxels = 12;
+    constexpr int kMostColumns = kOfTable ? 6 : 4, kLeastVoxels = 12;
     return !v_.anyLarge() && std::popcount(drawn) >= kLeastVoxels &&
            p_.width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
   }
@@ -109,48 +110,27 @@ class VoxelLayer {
         : red(hn::Set(D8(), v.light(0, n))), green(hn::Set(D8(), v.light(1, n))), blue(hn::Set(D8(), v.light(2, n))) {}
     V8 red, green, blue;
   };
+  // A pixel that reaches the threshold takes nothing of the voxels behind; what it has is divided by its alpha at the
+  // row's end, so that no branch hangs on which of them it was.
   template <bool kOfTable, bool kIsThin>
   HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
     const D8 d;
     float* const at = planes_.at(x, y);
     const std::ptrdiff_t plane = planes_.plane();
     Pixels pixels = load(at, plane);
-    const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_);
-    const M8 open = hn::Lt(held, hn::Set(d, 1.0f));
-    if (hn::AllFalse(d, open)) return;
-    // One that is half opaque is likely to be closed.
-    if (hn::AllFalse(d, hn::And(open, hn::Ge(held, hn::Set(d, 0.5f))))) {
-      forEachBit(voxels, [&](std::size_t n) {
-        blend(Brush(v_, n), v_.template opacities<kOfTable, kIsThin>(n, x, y), pixels);
-      });
-      // No alpha becomes less: where none has reached the threshold, none had to be closed on the way.
-      if (HWY_LIKELY(hn::AllFalse(d, closingOf(held, pixels.alpha, opaque)))) {
-        store(pixels, at, plane);
-        return;
-      }
-    }
-    layClosing<kOfTable, kIsThin>(voxels, x, y);
-  }
-  // The same, with a look at each pixel after each voxel.
-  template <bool kOfTable, bool kIsThin>
-  HWY_NOINLINE void layClosing(std::uint32_t voxels, int x, int y) {
-    const D8 d;
-    float* const at = planes_.at(x, y);
-    const std::ptrdiff_t plane = planes_.plane();
-    const V8 one = hn::Set(d, 1.0f), opaque = hn::Set(d, opaque_at_);
-    Pixels pixels = load(at, plane);
-    unsigned closed = 0;
+    const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_), one = hn::Set(d, 1.0f);
+    if (hn::AllFalse(d, hn::Lt(held, one))) return;
     forEachBit(voxels, [&](std::size_t n) {
-      const auto held = pixels.alpha;
-      blend(Brush(v_, n), v_.template opacities<kOfTable, kIsThin>(n, x, y), pixels);
-      const auto closing = closingOf(held, pixels.alpha, opaque);
-      if (HWY_LIKELY(hn::AllFalse(d, closing))) return;
-      const auto full = hn::Div(one, pixels.alpha);
-      const auto filled = [&](auto color) { return hn::IfThenElse(closing, hn::Mul(color, full), color); };
-      pixels = {filled(pixels.red), filled(pixels.green), filled(pixels.blue),
-                hn::IfThenElse(closing, one, pixels.alpha)};
-      closed |= bitsOf(d, closing);
+      const auto opacity = v_.template opacities<kOfTable, kIsThin>(n, x, y);
+      blend(Brush(v_, n), hn::IfThenElseZero(hn::Lt(pixels.alpha, opaque), opacity), pixels);
     });
+    const M8 closing = closingOf(held, pixels.alpha, opaque);
+    std::uint32_t closed = bitsOf(d, closing);
+    if (closed != 0) {
+      const V8 full = hn::Div(one, hn::IfThenElse(closing, pixels.alpha, one));
+      pixels = {hn::Mul(pixels.red, full), hn::Mul(pixels.green, full), hn::Mul(pixels.blue, full),
+                hn::IfThenElse(closing, one, pixels.alpha)};
+    }
     store(pixels, at, plane);
     for (; closed != 0; closed &= closed - 1) visibility_.close(x + std::countr_zero(closed), y);
   }
