@@ -4,8 +4,7 @@ namespace kiln {
 namespace {
 
 // Visibility is asked once more for each eighth of a cell, by the cell's own order.
-constexpr std::int64_t kSubCellSize = kCellSize / 2;
-static_assert(kSubCellSize == kSplatCellSize);
+static_assert(kCellSize / 2 == kSplatCellSize);
 
 struct Walk {
   const SplatFrame& frame;
@@ -16,26 +15,29 @@ struct Walk {
   NodeLog* log;
   bool taken = false;  // the planes hold the tile's pixels
 
-  // Node (x,y,z) of `level`: 0 is a cell, depth-1 the brick.
-  void node(int level, int x, int y, int z) noexcept {
-    if (!frame.classifier->interesting(block.octree.at(level, x, y, z))) return;
-    const std::int64_t edge = kCellSize << level;
-    const VoxelCoord lo = {block.core.lo.x + x * edge, block.core.lo.y + y * edge, block.core.lo.z + z * edge};
-    if (skipped(cube(lo, edge), level)) return;
-    if (level == 0) fetch(lo);
-    const std::int64_t half = edge / 2;
-    for (const std::uint8_t child : frame.projector->order().children({lo.x + half, lo.y + half, lo.z + half})) {
+  // Node (x,y,z) of `level`, which covers `box`: 0 is a cell, depth-1 the brick.
+  void node(int level, int x, int y, int z, const VoxelBox& box, const PixelRect& rect) noexcept {
+    if (!frame.classifier->interesting(block.octree.at(level, x, y, z)) || skipped(box, rect, level)) return;
+    if (level == 0) fetch(box);
+    const std::int64_t half = kCellSize << level >> 1;
+    const VoxelCoord middle = {box.lo.x + half, box.lo.y + half, box.lo.z + half};
+    Projector::Boxes boxes;
+    for (unsigned child = 0; child < boxes.size(); ++child) {
+      const auto lo = [&](int axis) { return (child >> axis & 1) != 0 ? middle[axis] : box.lo[axis]; };
+      boxes[child] = cube({lo(0), lo(1), lo(2)}, half);
+    }
+    const Projector::Rects rects = frame.projector->bounds(boxes);
+    for (const std::uint8_t child : frame.projector->order().children(middle)) {
       const int right = child & 1, up = child >> 1 & 1, far = child >> 2;
       if (level > 0)
-        node(level - 1, 2 * x + right, 2 * y + up, 2 * z + far);
+        node(level - 1, 2 * x + right, 2 * y + up, 2 * z + far, boxes[child], rects[child]);
       else
-        subCell({lo.x + right * kSubCellSize, lo.y + up * kSubCellSize, lo.z + far * kSubCellSize});
+        subCell(boxes[child], rects[child]);
     }
   }
 
   // Asks for all rows of a cell at once: each of them is a line of its own, and in front of it one would wait for it.
-  void fetch(const VoxelCoord& lo) const noexcept {
-    const VoxelBox box = cube(lo, kCellSize);
+  void fetch(const VoxelBox& box) const noexcept {
     const std::size_t voxel = sizeOf(block.type);
     const std::byte* const first = block.voxels.data() + static_cast<std::size_t>(block.offsetOf(box.lo)) * voxel;
     const Extent3 count = box.extent();
@@ -45,9 +47,8 @@ struct Walk {
     }
   }
 
-  void subCell(const VoxelCoord& lo) noexcept {
-    const VoxelBox box = cube(lo, kSubCellSize);
-    if (box.empty() || skipped(box, -1)) return;
+  void subCell(const VoxelBox& box, const PixelRect& rect) noexcept {
+    if (box.empty() || skipped(box, rect, -1)) return;
     if (taken || takePixels()) splatCell(frame, block, box, planes, counts);
   }
 
@@ -60,10 +61,10 @@ struct Walk {
     return taken = true;
   }
 
-  // Whether nothing of `box` can be seen in this tile.
-  bool skipped(const VoxelBox& box, int level) noexcept {
+  // Whether nothing of `box`, which is seen within `bounds`, can be seen in this tile.
+  bool skipped(const VoxelBox& box, const PixelRect& bounds, int level) noexcept {
     if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
-    const PixelRect rect = intersection(frame.projector->bounds(box), tile.rect);
+    const PixelRect rect = intersection(bounds, tile.rect);
     if (rect.empty()) return true;
     const bool hidden = frame.visibility->hidden(rect);
     ++counts.nodes_tested;
@@ -82,7 +83,7 @@ struct Walk {
 void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               SplatCounts& counts, NodeLog* log) noexcept {
   Walk walk{frame, block, tile, planes, counts, log};
-  walk.node(block.octree.depth() - 1, 0, 0, 0);
+  walk.node(block.octree.depth() - 1, 0, 0, 0, block.core, frame.projector->bounds(block.core));
   if (walk.taken) planes.putBack();
 }
 

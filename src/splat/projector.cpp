@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "base/vectors.h"
 
@@ -41,17 +41,20 @@ VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
   return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)), spacing);
 }
 
-// The pixels whose centres lie in [x0, x1] by [y0, y1]: no other takes light from a footprint in there. Every node asks
-// for it, and without SSE4.1 std::floor is a call.
-PixelRect rectOf(double x0, double y0, double x1, double y1) {
-  const auto floor = [](double v) {
-    const int towards_zero = static_cast<int>(v);
-    return towards_zero - (v < towards_zero ? 1 : 0);
-  };
-  const auto first = [&](double v) { return -floor(0.5 - std::clamp(v, -kFar_px, kFar_px)); };
-  const auto last = [&](double v) { return floor(std::clamp(v, -kFar_px, kFar_px) - 0.5); };
-  return {first(x0), first(y0), last(x1) + 1, last(y1) + 1};
+// The first pixel whose centre is at `v` or beyond, and the one after the last whose centre is not beyond it: no other
+// takes light from a footprint up to there. Every node asks for it, and without SSE4.1 std::floor is a call.
+int floorOf(double v) {
+  const int towards_zero = static_cast<int>(v);
+  return towards_zero - (v < towards_zero ? 1 : 0);
 }
+double inRange(double v) { return v < -kFar_px ? -kFar_px : v > kFar_px ? kFar_px : v; }
+int firstPixel(double v) { return -floorOf(0.5 - inRange(v)); }
+int pixelAfter(double v) { return floorOf(inRange(v) - 0.5) + 1; }
+PixelRect rectOf(double x0, double y0, double x1, double y1) {
+  return {firstPixel(x0), firstPixel(y0), pixelAfter(x1), pixelAfter(y1)};
+}
+constexpr PixelRect kEverywhere = {-static_cast<int>(kFar_px), -static_cast<int>(kFar_px), static_cast<int>(kFar_px),
+                                   static_cast<int>(kFar_px)};
 
 // What a ball's projection spans along one axis of the image, as slopes: the two tangents through the eye to a circle
 // of `radius` around (x, z). requires: z > radius.
@@ -64,32 +67,67 @@ Slopes tangents(double x, double z, double radius) {
   return {(x * z - root) * scale, (x * z + root) * scale};
 }
 
-// What the corners of a box span: slopes x/z and y/z, depths and their reciprocals.
-struct CornerSpan {
-  Slopes x, y;
-  double nearest, farthest, most_inverse;
+// Half of a footprint's width, where a pixel is s times what slopes are and the kernel has this variance among them.
+double halfWidthOf(double s, double variance) {
+  return kFootprintRadius * std::sqrt(s * s * variance + kPixelSigma * kPixelSigma) + kRounding;
+}
+
+// Boxes side by side, so that each step is a vector of them.
+constexpr int kBoxes = std::tuple_size_v<Projector::Boxes>;
+using Lanes = double[kBoxes];
+
+// What eight boxes of voxels are under a perspective: their corners' slopes x/z and y/z, widened by a footprint.
+struct BoxSpans {
+  Lanes lo[2], hi[2];  // unit: pixels from the centre
+  Lanes nearest, farthest;
 };
-// From one corner by three edges. Every node asks for it: eight corners are two vectors, and a division each. Slopes
-// say nothing where a depth is not above zero.
-KILN_VECTORS CornerSpan spanOfCorners(const glm::dvec3& first, const glm::dvec3* edges) noexcept {
-  double x[8] = {first.x}, y[8] = {first.y}, z[8] = {first.z};
-  for (int edge = 0, known = 1; edge < 3; ++edge, known *= 2) {
-    for (int i = 0; i < known; ++i) x[known + i] = x[i] + edges[edge].x;
-    for (int i = 0; i < known; ++i) y[known + i] = y[i] + edges[edge].y;
-    for (int i = 0; i < known; ++i) z[known + i] = z[i] + edges[edge].z;
-  }
-  double inverse[8];
-  for (int i = 0; i < 8; ++i) inverse[i] = 1 / z[i];
-  for (int i = 0; i < 8; ++i) x[i] *= inverse[i];
-  for (int i = 0; i < 8; ++i) y[i] *= inverse[i];
-  const auto first_of = [](const double* v, auto before) {
-    double four[4];
-    for (int i = 0; i < 4; ++i) four[i] = before(v[i], v[4 + i]) ? v[i] : v[4 + i];
-    return std::min(std::min(four[0], four[1], before), std::min(four[2], four[3], before), before);
+struct CornerInput {
+  glm::dvec3 origin, axis[3];  // Projector::viewOf
+  Lanes first[3], edge[3];     // voxels; from the first to the last one
+  double focal;
+  // Of the kernel along an axis of the image (Projector::bounds): own, with depth, and depth's.
+  double own[2], mixed[2], depth;
+};
+KILN_VECTORS void spanBoxes(const CornerInput& in, BoxSpans& out) noexcept {
+  Lanes corner[3][8];  // corner k has the far end of axis a where bit a of k is set
+  const auto lanes = [](auto f) {
+    for (int i = 0; i < kBoxes; ++i) f(i);
   };
-  const auto least = [&](const double* v) { return first_of(v, std::less<>()); };
-  const auto most = [&](const double* v) { return first_of(v, std::greater<>()); };
-  return {{least(x), most(x)}, {least(y), most(y)}, least(z), most(z), most(inverse)};
+  for (int c = 0; c < 3; ++c) {
+    lanes([&](int i) {
+      corner[c][0][i] = ((in.origin[c] + in.first[2][i] * in.axis[2][c]) + in.first[1][i] * in.axis[1][c]) +
+                        in.first[0][i] * in.axis[0][c];
+    });
+    for (int a = 0; a < 3; ++a) {
+      for (int k = 0; k < 1 << a; ++k)
+        lanes([&](int i) { corner[c][k | 1 << a][i] = corner[c][k][i] + in.edge[a][i] * in.axis[a][c]; });
+    }
+  }
+  const auto least = [](double a, double b) { return a < b ? a : b; };
+  const auto most = [](double a, double b) { return a > b ? a : b; };
+  Lanes most_inverse;
+  for (int k = 0; k < 8; ++k) {
+    Lanes inverse;
+    lanes([&](int i) { inverse[i] = 1 / corner[2][k][i]; });
+    lanes([&](int i) { most_inverse[i] = k == 0 ? inverse[i] : most(most_inverse[i], inverse[i]); });
+    lanes([&](int i) { out.nearest[i] = k == 0 ? corner[2][k][i] : least(out.nearest[i], corner[2][k][i]); });
+    lanes([&](int i) { out.farthest[i] = k == 0 ? corner[2][k][i] : most(out.farthest[i], corner[2][k][i]); });
+    for (int c = 0; c < 2; ++c) {
+      Lanes slope;
+      lanes([&](int i) { slope[i] = corner[c][k][i] * inverse[i]; });
+      lanes([&](int i) { out.lo[c][i] = k == 0 ? slope[i] : least(out.lo[c][i], slope[i]); });
+      lanes([&](int i) { out.hi[c][i] = k == 0 ? slope[i] : most(out.hi[c][i], slope[i]); });
+    }
+  }
+  for (int c = 0; c < 2; ++c) {
+    const auto variance = [&](double u) { return in.own[c] + u * (u * in.depth - 2 * in.mixed[c]); };
+    lanes([&](int i) {
+      const double s = in.focal * most_inverse[i];
+      const double half = halfWidthOf(s, most(variance(out.lo[c][i]), variance(out.hi[c][i])));
+      out.lo[c][i] = in.focal * out.lo[c][i] - half;
+      out.hi[c][i] = in.focal * out.hi[c][i] + half;
+    });
+  }
 }
 
 }  // namespace
@@ -142,7 +180,17 @@ double Projector::largestPixels(double length, const VoxelBox& box) const {
 
 PixelRect Projector::bounds(const VoxelBox& box) const {
   if (area_ == ProjectedArea::kSphere) return boundsOfSphere(box);
-  return perspective_ ? boundsInPerspective(box) : boundsInParallel(box);
+  if (!perspective_) return boundsInParallel(box);
+  Boxes boxes;
+  boxes.fill(box);
+  return boundsInPerspective(boxes).front();
+}
+
+Projector::Rects Projector::bounds(const Boxes& boxes) const {
+  if (perspective_ && area_ == ProjectedArea::kBox) return boundsInPerspective(boxes);
+  Rects out;
+  std::transform(boxes.begin(), boxes.end(), out.begin(), [&](const VoxelBox& box) { return bounds(box); });
+  return out;
 }
 
 double Projector::longestDiagonal(const glm::dvec3& edges) const {
@@ -157,9 +205,7 @@ double Projector::longestDiagonal(const glm::dvec3& edges) const {
 double Projector::largestHalfWidth(int axis, double most_inverse, double u0, double u1) const {
   const glm::dmat3& c = covariance_;
   const auto variance = [&](double u) { return c[axis][axis] + u * (u * c[2][2] - 2 * c[2][axis]); };
-  const double s = focal_px_ * most_inverse;
-  return kFootprintRadius * std::sqrt(s * s * std::max(variance(u0), variance(u1)) + kPixelSigma * kPixelSigma) +
-         kRounding;
+  return halfWidthOf(focal_px_ * most_inverse, std::max(variance(u0), variance(u1)));
 }
 
 // Lee and Ihm §2.2.3: the box around the projection of the sphere through the corners of the node's cube. That sphere
@@ -177,7 +223,7 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
     return rectOf(at.x - rx, at.y - ry, at.x + rx, at.y + ry);
   }
   if (centre.z + centres < near_depth_) return {};
-  if (centre.z - cube < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
+  if (centre.z - cube < near_depth_) return kEverywhere;
   const auto span = [&](int axis) {
     const Slopes outer = tangents(centre[axis], centre.z, cube);
     const Slopes inner = tangents(centre[axis], centre.z, centres);
@@ -207,17 +253,31 @@ PixelRect Projector::boundsInParallel(const VoxelBox& box) const {
   return rectOf(lo.x, lo.y, hi.x, hi.y);
 }
 
-PixelRect Projector::boundsInPerspective(const VoxelBox& box) const {
-  const Extent3 extent = box.extent();
-  const glm::dvec3 edges[3] = {static_cast<double>(extent.x - 1) * axis_x_, static_cast<double>(extent.y - 1) * axis_y_,
-                               static_cast<double>(extent.z - 1) * axis_z_};
-  const CornerSpan span = spanOfCorners(viewOf(box.lo), edges);
-  if (span.farthest < near_depth_) return {};
-  if (span.nearest < near_depth_) return rectOf(-kFar_px, -kFar_px, kFar_px, kFar_px);
-  const double rx = largestHalfWidth(0, span.most_inverse, span.x.lo, span.x.hi);
-  const double ry = largestHalfWidth(1, span.most_inverse, span.y.lo, span.y.hi);
-  return rectOf(centre_px_.x + focal_px_ * span.x.lo - rx, centre_px_.y + focal_px_ * span.y.lo - ry,
-                centre_px_.x + focal_px_ * span.x.hi + rx, centre_px_.y + focal_px_ * span.y.hi + ry);
+// Slopes say nothing where a depth is not above zero.
+Projector::Rects Projector::boundsInPerspective(const Boxes& boxes) const {
+  CornerInput in{origin_, {axis_x_, axis_y_, axis_z_}, {}, {}, focal_px_, {}, {}, covariance_[2][2]};
+  for (int i = 0; i < kBoxes; ++i) {
+    const VoxelBox& box = boxes[static_cast<std::size_t>(i)];
+    for (int a = 0; a < 3; ++a) {
+      in.first[a][i] = static_cast<double>(box.lo[a]);
+      in.edge[a][i] = static_cast<double>(box.hi[a] - box.lo[a] - 1);
+    }
+  }
+  for (int c = 0; c < 2; ++c) in.own[c] = covariance_[c][c], in.mixed[c] = covariance_[2][c];
+  BoxSpans spans;
+  spanBoxes(in, spans);
+  Rects out;
+  for (int i = 0; i < kBoxes; ++i) {
+    PixelRect& rect = out[static_cast<std::size_t>(i)];
+    if (spans.farthest[i] < near_depth_)
+      rect = {};
+    else if (spans.nearest[i] < near_depth_)
+      rect = kEverywhere;
+    else
+      rect = rectOf(centre_px_.x + spans.lo[0][i], centre_px_.y + spans.lo[1][i], centre_px_.x + spans.hi[0][i],
+                    centre_px_.y + spans.hi[1][i]);
+  }
+  return out;
 }
 
 }  // namespace kiln

@@ -3,6 +3,7 @@
 // footprint of a Gaussian under a projection; Lee and Ihm §2.4 for the projection of nodes.
 #pragma once
 
+#include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -82,10 +83,14 @@ class Projector {
   /// Every pixel that a splat of a voxel of `box` can touch, and perhaps more; not cut off at the image. Empty where no
   /// voxel of the box is drawn.
   PixelRect bounds(const VoxelBox& box) const;
+  /// The same of eight boxes; in perspective it takes no longer than of one.
+  using Boxes = std::array<VoxelBox, 8>;
+  using Rects = std::array<PixelRect, 8>;
+  Rects bounds(const Boxes& boxes) const;
 
  private:
   PixelRect boundsInParallel(const VoxelBox& box) const;
-  PixelRect boundsInPerspective(const VoxelBox& box) const;
+  Rects boundsInPerspective(const Boxes& boxes) const;
   PixelRect boundsOfSphere(const VoxelBox& box) const;
   double longestDiagonal(const glm::dvec3& edges) const;
   double largestHalfWidth(int axis, double most_inverse, double u0, double u1) const;

@@ -63,6 +63,23 @@ TEST_P(NodeBounds, HoldEveryFootprint) {
   EXPECT_GT(drawn_, 10000);
 }
 
+TEST_P(NodeBounds, OfEightBoxesAreThoseOfEach) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    const VolumeGeometry volume = volumeOf(seed);
+    const Projector projector(volume, resolve(randomCamera(random, volume), {200, 150}), GetParam());
+    Projector::Boxes boxes;
+    for (VoxelBox& box : boxes) {
+      for (int axis = 0; axis < 3; ++axis) {
+        box.lo[axis] = random.between(0, 60);
+        box.hi[axis] = box.lo[axis] + random.between(1, 4);
+      }
+    }
+    const Projector::Rects rects = projector.bounds(boxes);
+    for (std::size_t i = 0; i < boxes.size(); ++i) EXPECT_EQ(rects[i], projector.bounds(boxes[i])) << "seed " << seed;
+  }
+}
+
 // A node of a coarser level, one voxel larger on every side, holds the footprints of all finer voxels below it.
 TEST_P(NodeBounds, HoldEveryFinerFootprint) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
