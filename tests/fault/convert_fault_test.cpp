@@ -202,12 +202,12 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
   const std::uint64_t changes = changesOf(true);
   const DenseVolume old_volume = oldVolume(), new_volume = newVolume();
   const ThreadLimit one(1);
+  const fs::path old_store = makeStore(old_volume, std::string("fault_old_") + GetParam().name, kBrickSize);
   for (std::uint64_t n = 0; n < changes; ++n) {
     SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(changes));
     const fs::path directory = freshDirectory(std::string("fault_over_") + GetParam().name);
     const fs::path out = directory / "volume.kiln";
-    FaultyFileSystem works;
-    ASSERT_FALSE(convertWith(old_volume, out, How::kNew, works));
+    fs::copy(old_store, out, fs::copy_options::recursive);
     FaultyFileSystem disk(faultAt(n));
     const std::optional<Error> error = convertWith(new_volume, out, How::kOverwrite, disk);
     EXPECT_TRUE(disk.failed());
