@@ -1,5 +1,7 @@
 #include "frame/tile_walk.h"
 
+#include "splat/gather_voxels.h"
+
 namespace kiln {
 namespace {
 
@@ -13,6 +15,7 @@ struct Walk {
   TilePlanes& planes;
   SplatCounts& counts;
   NodeLog* log;
+  const PixelRect brick_rect = frame.projector->bounds(block.core);
   bool taken = false;  // the planes hold the tile's pixels
 
   // Node (x,y,z) of `level`, which covers `box`: 0 is a cell, depth-1 the brick.
@@ -55,7 +58,7 @@ struct Walk {
   // Takes all that the brick's footprints can touch; whether they touch the tile at all. A node's spheres may reach
   // farther than they do.
   bool takePixels() noexcept {
-    const PixelRect touched = intersection(frame.projector->bounds(block.core), tile.rect);
+    const PixelRect touched = intersection(brick_rect, tile.rect);
     if (touched.empty()) return false;
     planes.take(tile.of(touched));
     return taken = true;
@@ -83,7 +86,7 @@ struct Walk {
 void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               SplatCounts& counts, NodeLog* log) noexcept {
   Walk walk{frame, block, tile, planes, counts, log};
-  walk.node(block.octree.depth() - 1, 0, 0, 0, block.core, frame.projector->bounds(block.core));
+  walk.node(block.octree.depth() - 1, 0, 0, 0, block.core, walk.brick_rect);
   if (walk.taken) planes.putBack();
 }
 

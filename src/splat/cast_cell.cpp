@@ -14,6 +14,7 @@
 
 #include "splat/cell_rays-inl.h"
 #include "splat/classify-inl.h"
+#include "splat/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {

@@ -10,9 +10,12 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
+#include "base/pixel_rect.h"
 #include "splat/ray_slabs.h"
 #include "splat/slab_frame.h"
 #include "splat/tile_pixels.h"
+#include "splat/tile_windows.h"
+#include "splat/unit_axis.h"
 
 namespace kiln {
 

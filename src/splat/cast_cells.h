@@ -1,7 +1,6 @@
-// The kernel of `--lattice ray`: the samples where pixels' rays meet slabs, cell after cell of a brick in one tile.
+// Along the rays of `--lattice ray`: the samples where pixels' rays meet slabs, cell after cell of a brick in one tile.
 // Each sample is in one cell and fills its pixel of its slab by itself. Cells come front to back, so that a pixel has
-// its samples in the order of their depths, and nothing waits. One implementation in Highway for every instruction set,
-// as in splat/refine_unit.h.
+// its samples in the order of their depths, and nothing waits. What a cell shows is the kernel's (splat/cast_cell.h).
 #pragma once
 
 #include <span>

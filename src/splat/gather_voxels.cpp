@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <type_traits>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/gather_voxels.cpp"
@@ -190,7 +192,7 @@ class BatchTaker {
   }
 
   // All of a row at once, in the order of its voxels. Of a cell that the brick's end cuts off, the row goes on in the
-  // apron, and behind that there is always another row.
+  // apron, and behind that there is another row of the apron.
   void slopesOfRows() {
     const DR d;
     const DRF df;

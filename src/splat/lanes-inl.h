@@ -1,7 +1,7 @@
-// Lanes of vectors moved about, where Highway's own words for it are slow: under AVX2 a gather is as slow as eight
-// loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table of 1 KiB to the stack at each call, which
-// took a sixth of a frame of the pixel lattice and a quarter of one on rays. Compiled once for each instruction set;
-// hence no #pragma once.
+// Lanes of vectors as bits, and moved about where Highway's own words for it are slow: under AVX2 a gather is as slow
+// as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table of 1 KiB to the stack at each
+// call, which took a sixth of a frame of the pixel lattice and a quarter of one on rays. Compiled once for each
+// instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_LANES_INL_H
 #undef KILN_SPLAT_LANES_INL_H
@@ -50,9 +50,7 @@ class Packing {
  public:
   HWY_INLINE explicit Packing(M lanes) {
     const DI di;
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(D(), lanes, bits);
-    order_ = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint8_t, DI>(), kLaneOrders.of[bits[0]]));
+    order_ = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint8_t, DI>(), kLaneOrders.of[bitsOf(D(), lanes)]));
   }
   HWY_INLINE V operator()(V v) const { return hn::TableLookupLanes(v, hn::IndicesFromVec(D(), order_)); }
   HWY_INLINE VI operator()(VI v) const { return hn::TableLookupLanes(v, hn::IndicesFromVec(DI(), order_)); }

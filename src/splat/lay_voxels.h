@@ -1,5 +1,5 @@
 // Footprints of voxels over the pixels of a tile, one after the other, front to back: light, weights, opacities,
-// blending; the second of the two kernels of `--lattice voxel`. A footprint's weights sum to one over all of its
+// blending; the last of the kernels of `--lattice voxel`. A footprint's weights sum to one over all of its
 // pixels, in the tile or not: they are those of a table (splat/voxel_footprint.h) where there is one, else found pixel
 // by pixel and divided by their sum. Eight or sixteen pixels are a vector when weights and opacities are found, eight
 // of a row when they are blended. One implementation in Highway, without approximate operations, fused where it says
@@ -30,8 +30,8 @@ struct ShadedVoxels {
 };
 
 /// Draws those of the voxels that have their bit in `drawn` into what `planes` holds. A pixel that reaches the alpha
-/// `opaque_at` is divided by it and closed, so that its alpha of one lets nothing more in, whatever the visibility
-/// method. A pixel's result does not depend on the tile's rectangle.
+/// `opaque_at`, above 0, is divided by it and closed, so that its alpha of one lets nothing more in, whatever the
+/// visibility method. A pixel's result does not depend on the tile's rectangle.
 void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
                TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
 

@@ -1,7 +1,7 @@
-// Voxels of a cell in the picture: centres, footprints' sizes and the pixels that they may touch, sixteen at a time;
-// the first of the two kernels of `--lattice voxel`. Centres are in double precision, the same arithmetic as
-// Projector::viewOf: in a picture of any size, at any zoom, what a voxel is does not depend on its cell, brick or tile.
-// One implementation in Highway, without fused or approximate operations: all instruction sets give the same bits.
+// Voxels of a cell in the picture: centres, footprints' sizes and the pixels that they may touch, sixteen at a time; a
+// kernel of `--lattice voxel`. Centres are in double precision, the same arithmetic as Projector::viewOf: in a picture
+// of any size, at any zoom, what a voxel is does not depend on its cell, brick or tile. One implementation in Highway,
+// without fused or approximate operations: all instruction sets give the same bits.
 #pragma once
 
 #include <cstdint>

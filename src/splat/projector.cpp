@@ -67,10 +67,19 @@ Slopes tangents(double x, double z, double radius) {
   return {(x * z - root) * scale, (x * z + root) * scale};
 }
 
-// Half of a footprint's width, where a pixel is s times what slopes are and the kernel has this variance among them.
-double halfWidthOf(double s, double variance) {
-  return kFootprintRadius * std::sqrt(s * s * variance + kPixelSigma * kPixelSigma) + kRounding;
-}
+// A footprint's variance along an image axis is s² (C_aa - 2 u C_az + u² C_zz), s = f/z: convex in the slope u, so
+// largest at an end of its interval, and largest at the nearest depth.
+struct AxisVariance {
+  double own, mixed, depth;  // C_aa, C_az, C_zz
+  double at(double u) const { return own + u * (u * depth - 2 * mixed); }
+  // Of a footprint between two slopes. unit: pixels.
+  double halfWidth(double s, double u0, double u1) const {
+    const double first = at(u0), last = at(u1), most = first > last ? first : last;
+    return kFootprintRadius * std::sqrt(s * s * most + kPixelSigma * kPixelSigma) + kRounding;
+  }
+};
+
+AxisVariance varianceAlong(const glm::dmat3& c, int axis) { return {c[axis][axis], c[2][axis], c[2][2]}; }
 
 // Boxes side by side, so that each step is a vector of them.
 constexpr int kBoxes = std::tuple_size_v<Projector::Boxes>;
@@ -85,8 +94,7 @@ struct CornerInput {
   glm::dvec3 origin, axis[3];  // Projector::viewOf
   Lanes first[3], edge[3];     // voxels; from the first to the last one
   double focal;
-  // Of the kernel along an axis of the image (Projector::bounds): own, with depth, and depth's.
-  double own[2], mixed[2], depth;
+  AxisVariance variance[2];
 };
 KILN_VECTORS void spanBoxes(const CornerInput& in, BoxSpans& out) noexcept {
   Lanes corner[3][8];  // corner k has the far end of axis a where bit a of k is set
@@ -120,10 +128,8 @@ KILN_VECTORS void spanBoxes(const CornerInput& in, BoxSpans& out) noexcept {
     }
   }
   for (int c = 0; c < 2; ++c) {
-    const auto variance = [&](double u) { return in.own[c] + u * (u * in.depth - 2 * in.mixed[c]); };
     lanes([&](int i) {
-      const double s = in.focal * most_inverse[i];
-      const double half = halfWidthOf(s, most(variance(out.lo[c][i]), variance(out.hi[c][i])));
+      const double half = in.variance[c].halfWidth(in.focal * most_inverse[i], out.lo[c][i], out.hi[c][i]);
       out.lo[c][i] = in.focal * out.lo[c][i] - half;
       out.hi[c][i] = in.focal * out.hi[c][i] + half;
     });
@@ -200,14 +206,6 @@ double Projector::longestDiagonal(const glm::dvec3& edges) const {
   return std::max({glm::length(x + y + z), glm::length(x + y - z), glm::length(x - y + z), glm::length(x - y - z)});
 }
 
-// The footprint's variance along an image axis is s² (C_aa - 2 u C_az + u² C_zz), s = f/z: convex in the slope u, so
-// largest at an end of its interval, and largest at the nearest depth.
-double Projector::largestHalfWidth(int axis, double most_inverse, double u0, double u1) const {
-  const glm::dmat3& c = covariance_;
-  const auto variance = [&](double u) { return c[axis][axis] + u * (u * c[2][2] - 2 * c[2][axis]); };
-  return halfWidthOf(focal_px_ * most_inverse, std::max(variance(u0), variance(u1)));
-}
-
 // Lee and Ihm §2.2.3: the box around the projection of the sphere through the corners of the node's cube. That sphere
 // need not hold the footprints of voxels at the corners, so a second one is taken around the voxels' centres, its
 // rectangle is widened by a footprint, and the larger of the two counts: the answer is conservative.
@@ -227,7 +225,8 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
   const auto span = [&](int axis) {
     const Slopes outer = tangents(centre[axis], centre.z, cube);
     const Slopes inner = tangents(centre[axis], centre.z, centres);
-    const double kernel = largestHalfWidth(axis, 1 / (centre.z - centres), inner.lo, inner.hi);
+    const double kernel =
+        varianceAlong(covariance_, axis).halfWidth(focal_px_ * (1 / (centre.z - centres)), inner.lo, inner.hi);
     const double origin = centre_px_[axis];
     return Slopes{origin + std::min(focal_px_ * outer.lo, focal_px_ * inner.lo - kernel),
                   origin + std::max(focal_px_ * outer.hi, focal_px_ * inner.hi + kernel)};
@@ -255,7 +254,7 @@ PixelRect Projector::boundsInParallel(const VoxelBox& box) const {
 
 // Slopes say nothing where a depth is not above zero.
 Projector::Rects Projector::boundsInPerspective(const Boxes& boxes) const {
-  CornerInput in{origin_, {axis_x_, axis_y_, axis_z_}, {}, {}, focal_px_, {}, {}, covariance_[2][2]};
+  CornerInput in{origin_, {axis_x_, axis_y_, axis_z_}, {}, {}, focal_px_, {}};
   for (int i = 0; i < kBoxes; ++i) {
     const VoxelBox& box = boxes[static_cast<std::size_t>(i)];
     for (int a = 0; a < 3; ++a) {
@@ -263,7 +262,7 @@ Projector::Rects Projector::boundsInPerspective(const Boxes& boxes) const {
       in.edge[a][i] = static_cast<double>(box.hi[a] - box.lo[a] - 1);
     }
   }
-  for (int c = 0; c < 2; ++c) in.own[c] = covariance_[c][c], in.mixed[c] = covariance_[2][c];
+  for (int c = 0; c < 2; ++c) in.variance[c] = varianceAlong(covariance_, c);
   BoxSpans spans;
   spanBoxes(in, spans);
   Rects out;

@@ -83,7 +83,7 @@ class Projector {
   /// Every pixel that a splat of a voxel of `box` can touch, and perhaps more; not cut off at the image. Empty where no
   /// voxel of the box is drawn.
   PixelRect bounds(const VoxelBox& box) const;
-  /// The same of eight boxes; in perspective it takes no longer than of one.
+  /// The same of eight boxes, of an empty one anything; in perspective it takes no longer than of one.
   using Boxes = std::array<VoxelBox, 8>;
   using Rects = std::array<PixelRect, 8>;
   Rects bounds(const Boxes& boxes) const;
@@ -93,7 +93,6 @@ class Projector {
   Rects boundsInPerspective(const Boxes& boxes) const;
   PixelRect boundsOfSphere(const VoxelBox& box) const;
   double longestDiagonal(const glm::dvec3& edges) const;
-  double largestHalfWidth(int axis, double most_inverse, double u0, double u1) const;
 
   ProjectedArea area_;
   bool perspective_;

@@ -259,9 +259,7 @@ class Refiner {
   }
 
   HWY_INLINE void keepAll(M alive) {
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(D(), alive, bits);
-    for (unsigned rest = bits[0] | bits[1] << 8; rest != 0; rest &= rest - 1)
+    for (unsigned rest = bitsOf(D(), alive); rest != 0; rest &= rest - 1)
       keep(static_cast<std::size_t>(std::countr_zero(rest)));
   }
 

@@ -1,11 +1,11 @@
 #include "splat/splat_cell.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "splat/gather_voxels.h"
 #include "splat/lay_voxels.h"
 #include "splat/project_voxels.h"
 
@@ -76,7 +76,7 @@ class CellSplatter {
     for (; drawn != 0; drawn &= drawn - 1) f(static_cast<std::size_t>(std::countr_zero(drawn)));
   }
 
-  // What of voxel n is beyond the second kernel: colours of other lights and of cuts, opacity by gradient, AOVs, and
+  // What of voxel n is beyond the kernels: colours of other lights and of cuts, opacity by gradient, AOVs, and
   // voxels that exist in part.
   void takeMore(std::int32_t code, std::size_t n, ShadedVoxels& shaded) const {
     const glm::vec3 measured(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);

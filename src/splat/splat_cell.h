@@ -7,7 +7,6 @@
 #include "occlusion/visibility.h"
 #include "scene/clip_region.h"
 #include "splat/classifier.h"
-#include "splat/gather_voxels.h"
 #include "splat/gradient_opacity.h"
 #include "splat/project_voxels.h"
 #include "splat/projector.h"

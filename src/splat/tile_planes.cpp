@@ -1,7 +1,6 @@
 #include "splat/tile_planes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 
 #undef HWY_TARGET_INCLUDE
@@ -116,11 +115,10 @@ class OpenFootprints {
 
   std::uint32_t findEach() const {
     std::uint32_t out = 0;
-    for (std::uint32_t rest = asked_; rest != 0; rest &= rest - 1) {
-      const auto n = static_cast<std::size_t>(std::countr_zero(rest));
+    forEachBit(asked_, [&](std::size_t n) {
       const PixelRect rect = intersection(p_.rect(n), tile_);
       out |= static_cast<std::uint32_t>(anyOpen(at(rect.x0, rect.y0), rect.width(), rect.height(), stride_)) << n;
-    }
+    });
     return out;
   }
 

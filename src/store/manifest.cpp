@@ -300,7 +300,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   if (m.volume_class == VolumeClass::kLabels && isFloating(m.type)) root.fail("class", "labels are whole numbers");
   m.brick_size = root.integer("brickSize", kCellSize, 1 << 20);
   if ((m.brick_size & (m.brick_size - 1)) != 0) root.fail("brickSize", "is not a power of two");
-  m.apron = root.integer("apron", 0, 64);
+  m.apron = root.integer("apron", 1, 64);
   root.integer("cellSize", kCellSize, kCellSize);
   VolumeGeometry geometry;
   geometry.unit = root.value<std::string>("unit");

@@ -530,6 +530,7 @@ TEST(StoreManifest, RefusesWhatContradictsItself) {
   EXPECT_NE(with("/dimensions/1", 1999).find("levels"), std::string::npos);
   EXPECT_NE(with("/affine/3", 0.5).find("levels"), std::string::npos);
   EXPECT_NE(with("/brickSize", 63).find("brickSize"), std::string::npos);
+  EXPECT_NE(with("/apron", 0).find("apron"), std::string::npos) << "kernels read a voxel beside each";
   EXPECT_NE(with("/dimensions/1", 0).find("dimensions"), std::string::npos);
   EXPECT_NE(with("/dimensions/1", 1ll << 40).find("dimensions"), std::string::npos);
 }
