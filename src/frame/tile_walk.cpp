@@ -18,9 +18,13 @@ struct Walk {
   const PixelRect brick_rect = frame.projector->bounds(block.core);
   bool taken = false;  // the planes hold the tile's pixels
 
-  // Node (x,y,z) of `level`, which covers `box`: 0 is a cell, depth-1 the brick.
-  void node(int level, int x, int y, int z, const VoxelBox& box, const PixelRect& rect) noexcept {
-    if (!frame.classifier->interesting(block.octree.at(level, x, y, z)) || skipped(box, rect, level)) return;
+  // The node of `level` that covers `box`: 0 is a cell, depth-1 the brick.
+  void node(int level, const VoxelBox& box, const PixelRect& rect) noexcept {
+    const auto at = [&](int axis) {
+      return static_cast<int>(((box.lo[axis] - block.core.lo[axis]) >> level) / kCellSize);
+    };
+    if (!frame.classifier->interesting(block.octree.at(level, at(0), at(1), at(2))) || skipped(box, rect, level))
+      return;
     if (level == 0) fetch(box);
     const std::int64_t half = kCellSize << level >> 1;
     const VoxelCoord middle = {box.lo.x + half, box.lo.y + half, box.lo.z + half};
@@ -31,9 +35,8 @@ struct Walk {
     }
     const Projector::Rects rects = frame.projector->bounds(boxes);
     for (const std::uint8_t child : frame.projector->order().children(middle)) {
-      const int right = child & 1, up = child >> 1 & 1, far = child >> 2;
       if (level > 0)
-        node(level - 1, 2 * x + right, 2 * y + up, 2 * z + far, boxes[child], rects[child]);
+        node(level - 1, boxes[child], rects[child]);
       else
         subCell(boxes[child], rects[child]);
     }
@@ -86,7 +89,7 @@ struct Walk {
 void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               SplatCounts& counts, NodeLog* log) noexcept {
   Walk walk{frame, block, tile, planes, counts, log};
-  walk.node(block.octree.depth() - 1, 0, 0, 0, block.core, walk.brick_rect);
+  walk.node(block.octree.depth() - 1, block.core, walk.brick_rect);
   if (walk.taken) planes.putBack();
 }
 

@@ -28,11 +28,10 @@ Classifier::Classifier(const TransferFunction& function, double unit, VoxelType 
       table_.push_back(evaluate(value));
       shown_.push_back(table_.back().tau > 0 ? 1 : 0);
     }
-    const auto shown = std::count(shown_.begin(), shown_.end(), 1);
-    const auto first = std::find(shown_.begin(), shown_.end(), 1);
-    if (shown > 0 && std::all_of(first, first + shown, [](std::uint8_t shows) { return shows != 0; })) {
-      const int lo = first_ + static_cast<int>(first - shown_.begin());
-      shown_interval_ = {lo, lo + static_cast<int>(shown) - 1};
+    const auto begin = std::find(shown_.begin(), shown_.end(), 1), end = std::find(begin, shown_.end(), 0);
+    if (begin != end && std::find(end, shown_.end(), 1) == shown_.end()) {
+      shown_interval_ = {first_ + static_cast<int>(begin - shown_.begin()),
+                         first_ + static_cast<int>(end - shown_.begin()) - 1};
     }
   }
 }
