@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "support/run_tool.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -44,9 +45,7 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
               statistics["memory"]["peak_rss_bytes"].get<double>() / 1048576,
               statistics["memory"]["framebuffer_bytes"].get<double>() / 1048576);
   // A sanitizer keeps what was freed and shadows every byte: its resident memory says nothing.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_LT(statistics["memory"]["peak_rss_bytes"], budget + (128ull << 20));
-#endif
+  if (!kSanitized) EXPECT_LT(statistics["memory"]["peak_rss_bytes"], budget + (128ull << 20));
   // Each visible brick is read once, however small the budget.
   EXPECT_EQ(statistics["bricks"]["read"], statisticsIn(directory / "2G.json")["bricks"]["read"]);
   fs::remove_all(directory);

@@ -28,8 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr VoxelType kTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
-                                VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
+constexpr VoxelType kStoredTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
+                                      VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
 constexpr std::int64_t kBrickSizes[] = {8, 16, 32, 64, 128};
 
 std::vector<BrickKey> keysOf(const StoreReader& store) {
@@ -336,7 +336,7 @@ TEST_P(StoreFormat, OpensInPlainOpenVdb) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kTypes),
+INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kStoredTypes),
                          [](const auto& type) { return std::string(nameOf(type.param)); });
 
 // Known by FORMAT.md: voxel (0,0,0) alone is a volume; its store has one constant brick and no brick file.

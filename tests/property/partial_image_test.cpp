@@ -13,6 +13,7 @@
 #include "render/render_job_run.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -102,8 +103,8 @@ class PartialImages : public ::testing::Test {
 };
 
 TEST_F(PartialImages, OfOctantsMakeTheWhole) {
-  for (std::uint64_t seed = 900; seed < 906; ++seed) checkOctants(seed, seed % 3 == 1);
-  EXPECT_GT(with_something_, 3);
+  for (std::uint64_t seed = 900; seed < casesOf(906u, 903u); ++seed) checkOctants(seed, seed % 3 == 1);
+  EXPECT_GT(with_something_, casesOf(3, 1));
 }
 
 // Where rims of several parts meet in one pixel, each covers some of it, behind or beside the others.

@@ -43,19 +43,35 @@ std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
   return out;
 }
 
-// One after the other, in doubles. The first and the last sample are as long as the volume reaches.
-std::array<double, 4> compositedAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store,
-                                      int x, int y) {
-  const FrameLevels levels(store.manifest(), 0, request.view, ProjectedArea::kBox, {});
-  const Projector& projector = levels.projector(0);
-  ZonedVolume zoned{&store.manifest(), projector.nearDepth()};
-  zoned.sample_distance = request.sample_distance;
-  zoned.on_rays = true;
-  const ReferenceField field(volume, Interpolation::kLinear);
+// A pixel's samples one after the other, in doubles. The first and the last are as long as the volume reaches.
+class SamplesAlone {
+ public:
+  SamplesAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store)
+      : volume_(volume),
+        request_(request),
+        levels_(store.manifest(), 0, request.view, ProjectedArea::kBox, {}),
+        field_(volume, Interpolation::kLinear) {
+    ZonedVolume zoned{&store.manifest(), levels_.projector(0).nearDepth()};
+    zoned.sample_distance = request.sample_distance;
+    zoned.on_rays = true;
+    zones_ = slabZones(zoned, request.view, 0);
+  }
+  std::array<double, 4> composited(int x, int y) const;
+
+ private:
+  const DenseVolume& volume_;
+  const FrameRequest& request_;
+  const FrameLevels levels_;
+  const ReferenceField field_;
+  std::vector<SlabZone> zones_;
+};
+
+std::array<double, 4> SamplesAlone::composited(int x, int y) const {
+  const Projector& projector = levels_.projector(0);
   const PixelRay ray(projector, x, y);
-  const std::array<double, 2> inside = depthsInside(ray, volume.geometry.dims);
+  const std::array<double, 2> inside = depthsInside(ray, volume_.geometry.dims);
   std::vector<std::array<double, 2>> slabs;
-  for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
+  for (const SlabZone& zone : zones_) {
     for (int slab = 0; slab < zone.slabs; ++slab) {
       const double near = zone.near + slab * zone.thickness, middle = near + 0.5 * zone.thickness;
       if (middle >= inside[0] && middle < inside[1]) slabs.push_back({near, near + zone.thickness});
@@ -65,11 +81,11 @@ std::array<double, 4> compositedAlone(const DenseVolume& volume, const FrameRequ
   const double oblique = projector.perspective() ? std::sqrt(1 + glm::dot(across, across)) : 1;
   std::array<double, 4> out{};
   for (std::size_t i = 0; i < slabs.size(); ++i) {
-    const double value = field.at(ray.base() + 0.5 * (slabs[i][0] + slabs[i][1]) * ray.slope());
+    const double value = field_.at(ray.base() + 0.5 * (slabs[i][0] + slabs[i][1]) * ray.slope());
     if (std::isnan(value)) continue;
     const double near = i == 0 ? inside[0] : slabs[i][0], far = i + 1 == slabs.size() ? inside[1] : slabs[i][1];
-    const Classified c = request.transfer_function.at(value);
-    const double tau = extinctionOf(c.opacity, request.transfer_function.unitIn(volume.geometry.meanSpacing()));
+    const Classified c = request_.transfer_function.at(value);
+    const double tau = extinctionOf(c.opacity, request_.transfer_function.unitIn(volume_.geometry.meanSpacing()));
     const double weight = (1 - out[3]) * -std::expm1(-tau * (far - near) * oblique);
     for (std::size_t channel = 0; channel < 3; ++channel) out[channel] += weight * c.color[static_cast<int>(channel)];
     out[3] += weight;
@@ -88,10 +104,11 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
       request.opacity_threshold = 1;
       request.sample_distance = 0.75;  // so far apart that no two are one
       const Image image = draw(path, request);
+      const SamplesAlone samples(volume, request, store);
       double largest = 0, brightest = 0;
       for (int y = 0; y < image.height; y += 2) {
         for (int x = y % 4 / 2; x < image.width; x += 2) {
-          const std::array<double, 4> alone = compositedAlone(volume, request, store, x, y);
+          const std::array<double, 4> alone = samples.composited(x, y);
           for (int c = 0; c < 4; ++c)
             largest = std::max(largest, std::abs(alone[static_cast<std::size_t>(c)] - double{image.pixel(x, y)[c]}));
           brightest = std::max(brightest, alone[3]);
@@ -119,9 +136,10 @@ TEST(RayLattice, RaysInAFaceAreOnOneSideOfIt) {
     const auto path = makeStore(volume, "bricks_of_16", 16);
     const StoreReader store(path);
     const Image image = draw(path, request);
+    const SamplesAlone samples(volume, request, store);
     for (int i = 0; i < image.width; ++i) {
       for (const auto& [x, y] : {std::pair(30, i), {i, 30}}) {
-        const std::array<double, 4> alone = compositedAlone(volume, request, store, x, y);
+        const std::array<double, 4> alone = samples.composited(x, y);
         for (int c = 0; c < 4; ++c)
           EXPECT_NEAR(alone[static_cast<std::size_t>(c)], double{image.pixel(x, y)[c]}, 1e-3) << x << " " << y;
       }

@@ -4,22 +4,21 @@
 
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "base/parallel.h"
 #include "output/compare.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
 namespace {
 
 // Sanitizers slow a store of a hundred one-cell bricks to a minute.
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::int64_t kBricks[] = {16, 64};
-#else
-constexpr std::int64_t kBricks[] = {8, 32, 64};
-#endif
+constexpr std::int64_t kEveryBrick[] = {casesOf(8, 16), 64, 32};
+constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
 
 constexpr float kNan = NAN;
 

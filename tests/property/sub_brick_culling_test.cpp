@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -13,11 +14,7 @@ namespace {
 
 constexpr ImageSize kSize{97, 83};
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::uint64_t kScenes = 4;
-#else
-constexpr std::uint64_t kScenes = 16;
-#endif
+constexpr std::uint64_t kScenes = casesOf(16, 4);
 
 FrameRequest sceneOf(std::uint64_t seed, const DenseVolume& volume) {
   const RandomScene scene = randomScene(seed, volume, kSize);

@@ -6,11 +6,14 @@
 // size, and on nothing else.
 #include <gtest/gtest.h>
 
+#include <span>
+
 #include "base/parallel.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -19,15 +22,10 @@ namespace {
 constexpr ImageSize kEqualSize{150, 117};  // neither is a multiple of a tile
 
 // Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr std::int64_t kSmallestBrick = 16;
-constexpr int kQuickScenes = 1;  // of each lattice
-constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox};
-#else
-constexpr std::int64_t kSmallestBrick = 8;
-constexpr int kQuickScenes = 5;
-constexpr ProjectedArea kAreas[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
-#endif
+constexpr std::int64_t kSmallestBrick = casesOf(8, 16);
+constexpr int kQuickScenes = casesOf(5, 1);  // of each lattice
+constexpr ProjectedArea kEveryArea[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
+constexpr std::span kAreas(kEveryArea, casesOf(2, 1));
 
 // A brick's apron holds every sample that its pixels need where voxels are at least this large; of smaller ones a frame
 // takes a coarser level, if the store has one. unit: pixels.
@@ -159,7 +157,7 @@ class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
       const Image truth = draw(store, request, 1ull << 30, &statistics);
       mixed += statistics.levels[0].bricks > 0 && statistics.levels[1].bricks > 0 ? 1 : 0;
       for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
-        request.visibility = {method, kAreas[seed % std::size(kAreas)]};
+        request.visibility = {method, kAreas[seed % kAreas.size()]};
         request.tile_px = (static_cast<int>(method) + seed) % 2 == 0 ? 64 : 0;
         EXPECT_TRUE(equalBits(truth, draw(store, request)))
             << "method " << static_cast<int>(method) << ", seed " << seed;

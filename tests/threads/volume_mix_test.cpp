@@ -9,6 +9,7 @@
 #include "render/frame_drawing.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -17,11 +18,7 @@ namespace {
 using Paths = std::vector<std::filesystem::path>;
 constexpr ImageSize kMixSize{150, 117};
 
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr int kMixScenes = 2;
-#else
-constexpr int kMixScenes = 6;
-#endif
+constexpr int kMixScenes = casesOf(6, 2);
 
 // Two volumes that overlap: other spacing, turned, of another type.
 std::vector<DenseVolume> mixedVolumes() {
