@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Builds and runs the tests: test.sh [--nightly] [--only dev|asan|tsan].
 # The library's tests under the address and undefined-behaviour sanitizers; those that threads meet in under the thread
-# sanitizer; and in the build nearest to what users run the program's own tests, those that draw many pictures or large
-# ones, and Kiln's use as a library. With --nightly the program is sanitized, too, long tests are run, and that build runs
-# everything, as it does with --only dev. The first stage that fails ends the script with its exit code; what is built
-# is not built again.
+# sanitizer instead; and in the build nearest to what users run the program's own tests, those that draw many pictures or
+# large ones, and Kiln's use as a library. With --nightly the address sanitizer sees the program and threads, too, long
+# tests are run, and that build runs everything, as it does with --only dev. The first stage that fails ends the script
+# with its exit code; what is built is not built again.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -37,11 +37,11 @@ export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
 for preset in "${presets[@]}"; do
   echo "== $preset, after $SECONDS s"
   case $preset in
-    asan) labels=(unit threads property format fault) ;;
+    asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
     dev) labels=(known_answer cli consumer) ;;
   esac
-  if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(cli); fi
+  if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads cli); fi
   if [ "$whole_dev" = ON ] && [ "$preset" = dev ]; then labels+=(unit threads property format fault); fi
   targets=()
   for label in "${labels[@]}"; do

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kScenePixels = 48;
 
-TransferFunction everywhere(double opacity) { return {1, {{0, {0.9, 0.6, 0.3}, opacity}}}; }
+TransferFunction allOver(double opacity) { return {1, {{0, {0.9, 0.6, 0.3}, opacity}}}; }
 
 class Scenes : public ::testing::TestWithParam<Projection> {
  protected:
@@ -29,7 +29,7 @@ class Scenes : public ::testing::TestWithParam<Projection> {
     request_.view = resolve(cameraFrom(volume_.geometry, from, GetParam()), {kScenePixels, kScenePixels});
     request_.level = 0;
     request_.opacity_threshold = 0.9999;
-    request_.transfer_function = everywhere(0.05);
+    request_.transfer_function = allOver(0.05);
   }
   Image splatted() const { return draw(store_, request_); }
   Image reference() const {
@@ -101,7 +101,7 @@ TEST_P(Scenes, ClippingLeavesWhatTheReferenceLeaves) {
 
 // A solid cut square to one direction: its face is as bright as the formula says of that direction.
 TEST_P(Scenes, ACutIsAFaceWithTheNormalOfItsPlane) {
-  request_.transfer_function = everywhere(1);
+  request_.transfer_function = allOver(1);
   request_.shading = Shading{true, 0.2, 0.8, 0, 1, {Light{}}};
   const glm::dvec3 towards = -request_.view.forward_world;
   const glm::dvec3 across = glm::normalize(glm::cross(towards, glm::dvec3(0, 0, 1)));
@@ -154,13 +154,13 @@ TEST_P(Scenes, OpacityFollowsTheGradient) {
   request_.clipping.region = VoxelBox{{2, 0, 0}, {22, 20, 16}};  // towards the border it is half as steep
   request_.transfer_function.gradient_opacity = {{0.5 * slope, 0}, {1.5 * slope, 0.8}};
   const Image modulated = splatted(), judged = reference();
-  request_.transfer_function = everywhere(0.4 * 0.05);
+  request_.transfer_function = allOver(0.4 * 0.05);
   EXPECT_LT(compareImages(modulated, splatted()).largest, 1e-4);
   EXPECT_LT(compareImages(judged, reference()).largest, 1e-2);
 }
 
 TEST_P(Scenes, TheBackgroundRunsFromTopToBottom) {
-  request_.transfer_function = everywhere(0);
+  request_.transfer_function = allOver(0);
   request_.background = {{0, 0.5, 0, 0.5}, {1, 0, 0, 1}};
   const Image image = splatted();
   for (int y = 0; y < kScenePixels; ++y) {

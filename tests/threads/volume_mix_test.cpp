@@ -18,7 +18,7 @@ namespace {
 using Paths = std::vector<std::filesystem::path>;
 constexpr ImageSize kMixSize{150, 117};
 
-constexpr int kMixScenes = casesOf(6, 2);
+constexpr int kMixScenes = casesOf(6, 1);
 
 // Two volumes that overlap: other spacing, turned, of another type.
 std::vector<DenseVolume> mixedVolumes() {
