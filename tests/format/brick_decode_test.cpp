@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "store/brick_codec.h"
 #include "store/minmax_octree.h"
+#include "support/foreign_files.h"
 
 namespace kiln::test {
 namespace {
@@ -85,9 +86,6 @@ void expectBrickVoxels(const BrickBlock& block, const BrickFrame& frame, const s
   }
 }
 
-constexpr std::array kBrickTypes = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
-                                    VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
-
 // Which are kept as such.
 TEST(BrickDecode, GivesBackHalves) {
   for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
@@ -104,7 +102,7 @@ TEST(BrickDecode, GivesBackHalves) {
 }
 
 TEST(BrickDecode, GivesBackWhatWasEncoded) {
-  for (const VoxelType type : kBrickTypes) {
+  for (const VoxelType type : kAllTypes) {
     SCOPED_TRACE(nameOf(type));
     const BrickFrame frame = brickFrame(type);
     const std::vector<std::byte> voxels = brickVoxels(frame);
@@ -114,7 +112,7 @@ TEST(BrickDecode, GivesBackWhatWasEncoded) {
 
 // Before, Blosc split its blocks by the bytes' places.
 TEST(BrickDecode, ReadsSplitBlocks) {
-  for (const VoxelType type : kBrickTypes) {
+  for (const VoxelType type : kAllTypes) {
     SCOPED_TRACE(nameOf(type));
     const BrickFrame frame = brickFrame(type);
     const std::vector<std::byte> voxels = brickVoxels(frame), today = encodedBrick(frame, voxels);

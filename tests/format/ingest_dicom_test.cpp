@@ -42,11 +42,6 @@ void writeSlices(const ForeignFiles& files, const ForeignVolume& volume, DicomSy
   }
 }
 
-void expectBack(const ForeignVolume& volume, const fs::path& path, std::uint64_t seed) {
-  expectReadsBack(
-      volume, [&] { return openSource(path); }, seed);
-}
-
 TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
   std::uint64_t seed = 1;
   for (const DicomSyntax syntax :
@@ -56,10 +51,10 @@ TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
       const ForeignFiles files;
       const ForeignVolume volume = randomVolume(kSeriesDims, type, seed);
       writeSlices(files, volume, syntax);
-      expectBack(volume, files.directory(), seed++);
+      expectReadsBack(volume, files.directory(), seed++);
       const ForeignFiles one;
       const auto path = one.write("all.dcm", dicomFile(specOf(volume, 0, static_cast<int>(kSeriesDims.z), syntax)));
-      expectBack(volume, path, seed++);
+      expectReadsBack(volume, path, seed++);
     }
   }
 }
@@ -75,11 +70,11 @@ TEST(IngestDicom, CompressedFramesAreDecoded) {
       writeSlices(files, volume);
       for (int i = 1; i <= 4; ++i) compressDicom(files.directory() / ("s" + std::to_string(i)), codec);
       EXPECT_GT(openSource(files.directory())->decodeBytes(), 0u);
-      expectBack(volume, files.directory(), seed++);
+      expectReadsBack(volume, files.directory(), seed++);
       const ForeignFiles one;
       const auto path = one.write("all.dcm", dicomFile(specOf(volume, 0, 4, {})));
       compressDicom(path, codec);
-      expectBack(volume, path, seed++);
+      expectReadsBack(volume, path, seed++);
     }
   }
 }

@@ -17,6 +17,7 @@
 #include "store/store_reader.h"
 #include "store/store_writer.h"
 #include "support/drawing.h"
+#include "support/foreign_files.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/sub_bricks.h"
@@ -28,8 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr VoxelType kStoredTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
-                                      VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
 constexpr std::int64_t kBrickSizes[] = {8, 16, 32, 64, 128};
 
 std::vector<BrickKey> keysOf(const StoreReader& store) {
@@ -336,7 +335,7 @@ TEST_P(StoreFormat, OpensInPlainOpenVdb) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kStoredTypes),
+INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kAllTypes),
                          [](const auto& type) { return std::string(nameOf(type.param)); });
 
 // Known by FORMAT.md: voxel (0,0,0) alone is a volume; its store has one constant brick and no brick file.

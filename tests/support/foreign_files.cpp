@@ -169,6 +169,11 @@ void expectReadsBack(const ForeignVolume& volume, const std::function<std::uniqu
   parts->finish();
 }
 
+void expectReadsBack(const ForeignVolume& volume, const fs::path& path, std::uint64_t seed) {
+  expectReadsBack(
+      volume, [&] { return openSource(path); }, seed);
+}
+
 void expectRefused(const fs::path& path, ErrorCode code, const std::string& part, const SourceOptions& options) {
   SCOPED_TRACE(part);
   try {

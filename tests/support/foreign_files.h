@@ -65,6 +65,8 @@ std::vector<std::byte> readWhole(VolumeSource& source);
 /// slices and rows in their order. requires: nothing has been read from the source that `open` returns.
 void expectReadsBack(const ForeignVolume& volume, const std::function<std::unique_ptr<VolumeSource>()>& open,
                      std::uint64_t seed);
+/// The same of the file or folder at `path`.
+void expectReadsBack(const ForeignVolume& volume, const std::filesystem::path& path, std::uint64_t seed);
 /// A failed expectation where opening and reading `path` does not fail with `code` and one line that holds `part`.
 void expectRefused(const std::filesystem::path& path, ErrorCode code, const std::string& part,
                    const SourceOptions& options = {});
