@@ -6,18 +6,21 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "frame/frame_levels.h"
 #include "frame/zone_frames.h"
 #include "splat/slab_sweep.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
 namespace {
 
-constexpr std::int64_t kBricks[] = {16, 32, 64};  // of 64: one brick
+constexpr std::int64_t kEveryBrick[] = {64, 32, 16};  // of 64: one brick
+constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
 
 DenseVolume specks() {
   return fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
@@ -92,6 +95,7 @@ TEST_P(Skipping, ChangesNoBit) {
   for (const std::int64_t brick : kBricks)
     stores.push_back(makeStore(volume, "specks_of_" + std::to_string(brick), brick));
   for (const double px_per_voxel : {0.45, 1.6, 3.1}) {
+    if (kSanitized && px_per_voxel == 1.6) continue;
     FrameRequest request;
     request.interpolation = interpolation;
     request.level = 0;
@@ -103,7 +107,7 @@ TEST_P(Skipping, ChangesNoBit) {
       SCOPED_TRACE(testing::Message() << px_per_voxel << " px/voxel, values of " << lo << " to " << hi);
       request.transfer_function = beside(lo, hi);
       std::size_t skipped = 0;
-      const Image truth = drawnWhole(stores.back(), request, skipped);
+      const Image truth = drawnWhole(stores.front(), request, skipped);
       for (const auto& store : stores) EXPECT_TRUE(equalBits(truth, draw(store, request))) << store;
       EXPECT_EQ(showsSomething(truth), interpolation == Interpolation::kCubic || px_per_voxel > 1);
       EXPECT_GT(skipped, 5u);

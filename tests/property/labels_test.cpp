@@ -5,6 +5,7 @@
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -50,7 +51,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
   const DenseVolume volume = labelBodies();
   const auto large = makeStore(volume, "large", 64, true), small = makeStore(volume, "small", 16, true);
   int shown = 0;
-  for (std::uint64_t seed = 40; seed < 43; ++seed) {
+  for (std::uint64_t seed = 40; seed < casesOf(43u, 41u); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     FrameRequest request = labelRequest(seed, volume, GetParam());
     request.visibility.method = VisibilityMethod::kNone;
@@ -66,7 +67,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
     request.crop = PixelRect{21, 13, 70, 57};
     EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(small, request))) << "cropped";
   }
-  EXPECT_GT(shown, 1);
+  EXPECT_GT(shown, casesOf(1, 0));
 }
 
 // Known because labels that no voxel has change no picture, whatever more of the volume may hold them.

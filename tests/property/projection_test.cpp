@@ -10,6 +10,7 @@
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/reference_renderer.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -48,9 +49,8 @@ TEST(Projection, IsTheSameWhateverIsLeftOutAndHowTheVolumeIsCut) {
                                  withHoles(cheese({{27, 30, 35}, VoxelType::f32, obliqueAffine()}, 2, {-50, 200}))};
   std::uint64_t seed = 500, left_out = 0;
   for (const DenseVolume& volume : volumes) {
-    const auto middle = makeStore(volume, "middle", 16),
-               large = makeStore(volume, "large", 128);
-    for (int i = 0; i < 2; ++i, ++seed) {
+    const auto middle = makeStore(volume, "middle", 16), large = makeStore(volume, "large", 128);
+    for (int i = 0; i < casesOf(2, 1); ++i, ++seed) {
       const RandomScene scene = randomScene(seed, volume, kProjectedSize);
       for (const Mode mode : kProjections) {
         FrameRequest request = requestOf(scene.view, mode);

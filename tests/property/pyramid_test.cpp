@@ -12,6 +12,7 @@
 #include "store/store_reader.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/sub_bricks.h"
 #include "support/test_store.h"
 
@@ -167,7 +168,7 @@ TEST(Pyramid, IsTheMeanOfWhatExists) {
   const std::uint64_t first = 4711;
   std::cout << "seeds from " << first << '\n';
   const VoxelType types[] = {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::i32, VoxelType::f32};
-  for (std::uint64_t seed = first; seed < first + 20; ++seed) {
+  for (std::uint64_t seed = first; seed < first + casesOf(20u, 10u); ++seed) {
     Random random(seed);
     const VoxelType type = types[seed % 5];
     const Extent3 dims = {random.between(1, 45), random.between(1, 45), random.between(1, 30)};
@@ -193,7 +194,7 @@ TEST(Pyramid, OfLabelsIsTheMostFrequent) {
   const std::uint64_t first = 815;
   std::cout << "seeds from " << first << '\n';
   const VoxelType types[] = {VoxelType::u8, VoxelType::i16, VoxelType::u32, VoxelType::i32};
-  for (std::uint64_t seed = first; seed < first + 12; ++seed) {
+  for (std::uint64_t seed = first; seed < first + casesOf(12u, 4u); ++seed) {
     Random random(seed);
     const VoxelType type = types[seed % 4];
     const Extent3 dims = {random.between(1, 45), random.between(1, 45), random.between(1, 30)};

@@ -12,6 +12,7 @@
 #include "output/compare.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -50,7 +51,7 @@ TEST(Stereo, PointsAreShiftedByTheirDepth) {
 TEST(Stereo, IsAPartOfAWiderPictureFromTheEye) {
   const DenseVolume volume = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
   const auto small = makeStore(volume, "small", 16), large = makeStore(volume, "large", 64);
-  for (std::uint64_t seed = 40; seed < 44; ++seed) {
+  for (std::uint64_t seed = 40; seed < casesOf(44u, 42u); ++seed) {
     RandomScene scene = randomScene(seed, volume, kStereoSize);
     scene.camera = cameraFrom(volume.geometry, randomDirection(seed, 1), Projection::kPerspective);
     scene.camera.eye = glm::mix(scene.camera.target, scene.camera.eye, 0.45);

@@ -19,7 +19,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr ImageSize kEqualSize{150, 117};  // neither is a multiple of a tile
+constexpr ImageSize kEqualSize = casesOf(ImageSize{150, 117}, ImageSize{97, 83});  // no multiple of a tile
 
 // Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
 constexpr std::int64_t kSmallestBrick = casesOf(8, 16);
