@@ -52,9 +52,12 @@ std::uint64_t brickCount(const Manifest& manifest) {
   return out;
 }
 
-// Whether the finished bricks are worth keeping: the same conversion may succeed later.
-bool mayBeResumed(ErrorCode code) {
-  return code == ErrorCode::kCancelled || code == ErrorCode::kNoSpace || code == ErrorCode::kIo;
+// Whether the finished bricks are worth keeping: the same conversion may succeed later, as it may where memory or
+// threads ran out.
+bool mayBeResumed(const std::exception& error) {
+  const auto* ours = dynamic_cast<const Error*>(&error);
+  return ours == nullptr || ours->code() == ErrorCode::kCancelled || ours->code() == ErrorCode::kNoSpace ||
+         ours->code() == ErrorCode::kIo;
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
@@ -81,9 +84,9 @@ void finishEarlier(Destination& destination, const fs::path& out, const SourceIn
 
 // The bricks that a failed conversion of one process leaves are kept where they are worth it. Where others still write
 // nothing can be removed.
-void tidyUp(Destination& destination, const Error& error, std::uint64_t finished, std::uint64_t bricks,
+void tidyUp(Destination& destination, const std::exception& error, std::uint64_t finished, std::uint64_t bricks,
             const ConvertOptions& options, Progress& progress) {
-  if (finished == 0 || !mayBeResumed(error.code())) return destination.abandon();
+  if (finished == 0 || !mayBeResumed(error)) return destination.abandon();
   destination.keepForResuming();
   progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished, bricks,
                             destination.building().string(),
@@ -154,13 +157,9 @@ void runAlone(Making& making, Destination& destination, const ConvertOptions& op
   try {
     making.run(report);
     destination.commit();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     const std::uint64_t left = std::max(making.bricksLeft(), report.stored_bricks);
     tidyUp(destination, error, left, making.bricks(), options, progress);
-    throw;
-  } catch (...) {
-    making.bricksLeft();
-    destination.abandon();
     throw;
   }
 }

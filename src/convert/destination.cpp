@@ -34,6 +34,10 @@ bool isUnfinished(const fs::path& directory) {
   return !isStore(directory) && fs::exists(Journal::pathIn(directory), ignored);
 }
 
+// What an --overwrite that was interrupted left of the store that it replaced, whose manifest goes first. With a
+// manifest it is somebody's.
+bool mayBeRemoved(const fs::path& old) { return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old)); }
+
 fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
 }  // namespace
@@ -44,6 +48,7 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
   if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
     building_ = partial;
     finished_ = isStore(partial);
+    requirePlaceForOld();
     return;
   }
   if (isNothing(out_)) return;
@@ -62,10 +67,20 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
     return;
   }
   building_ = partial;
+  requirePlaceForOld();
   if (isNothing(partial)) return;
   if (!holdsOnlyAStore(partial))
     throw Error(ErrorCode::kExists, partial, "", "is in the way and is not an unfinished store; move it");
   disk_.removeAll(partial);
+}
+
+fs::path Destination::old() const { return out_.string() + ".old"; }
+
+void Destination::requirePlaceForOld() const {
+  if (isNothing(out_) || mayBeRemoved(old())) return;
+  throw Error(ErrorCode::kExists, old(), "",
+              "is in the way of replacing the store: one that somebody kept, or that an interrupted --overwrite was to "
+              "remove; move or remove it");
 }
 
 void Destination::clear() {
@@ -75,11 +90,12 @@ void Destination::clear() {
 
 void Destination::commit() {
   if (building_ == out_) return tidy();
-  const fs::path old = out_.string() + ".old";
+  requirePlaceForOld();
   std::error_code ignored;
-  if (fs::exists(out_, ignored)) {
-    disk_.removeAll(old);
-    disk_.rename(out_, old);
+  const bool replaces = fs::exists(out_, ignored);
+  if (replaces) {
+    disk_.removeAll(old());
+    disk_.rename(out_, old());
   }
   try {
     disk_.rename(building_, out_);
@@ -87,13 +103,15 @@ void Destination::commit() {
     disk_.syncAll(out_);
   } catch (...) {
     if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
-    fs::rename(old, out_, ignored);
+    if (replaces) fs::rename(old(), out_, ignored);
     throw;
   }
   try {
-    disk_.removeAll(old);
+    if (replaces) disk_.removeAll(old() / "manifest.json");
+    if (replaces) disk_.removeAll(old());
   } catch (const Error&) {
-    // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old.
+    // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old,
+    // or says that it is there.
   }
   tidy();
 }

@@ -13,7 +13,7 @@ class Destination {
   /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with
   /// `resume` what an interrupted conversion left is gone on with; with both, resumed where there is something to
   /// resume and replaced where not. throws: Error kExists where what is there is neither to be replaced nor resumed,
-  /// kIo.
+  /// or OUT.old, a name that replacing needs, is somebody's; kIo.
   Destination(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk);
 
   /// The directory in which the store is built: `out`, or a name beside it.
@@ -32,6 +32,9 @@ class Destination {
 
  private:
   void tidy() noexcept;
+  // Where the store that is replaced waits until the new one has its name.
+  std::filesystem::path old() const;
+  void requirePlaceForOld() const;
   std::filesystem::path out_, building_;
   FileSystem& disk_;
   bool finished_ = false;
