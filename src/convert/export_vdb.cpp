@@ -3,12 +3,13 @@
 // Invariant: the grid's background is the value of every voxel that is not set, so a brick of it costs nothing.
 #include "convert/export_vdb.h"
 
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/tools/Prune.h>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 
 #include "grid/openvdb_glue.h"
@@ -143,18 +144,24 @@ openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placeme
   return filler.finish();
 }
 
-void writeGrid(const openvdb::GridBase::Ptr& grid, const fs::path& path) {
-  openvdb::io::File file(path.string());
-  file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-  file.write(openvdb::GridCPtrVec{grid});
-  file.close();
-}
+// The bytes of openvdb::io::File, which does not ask whether they could be written: on a full disk it says nothing.
+class CheckedArchive : public openvdb::io::Archive {
+ public:
+  void write(const openvdb::GridBase::Ptr& grid, const fs::path& path) {
+    setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+    std::ofstream file;
+    file.exceptions(std::ios::badbit | std::ios::failbit);
+    file.open(path, std::ios::binary | std::ios::trunc);
+    Archive::write(file, openvdb::GridCPtrVec{grid}, /*seekable=*/true);
+    file.close();
+  }
+};
 
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
   const fs::path temporary = temporaryFor(out);
   try {
     errno = 0;
-    writeGrid(grid, temporary);
+    CheckedArchive().write(grid, temporary);
     disk.syncFile(temporary);
     disk.rename(temporary, out);
   } catch (const std::exception& error) {
@@ -176,6 +183,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   if (!overwrite && fs::exists(out, ignored)) {
     throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
   }
+  disk.requirePlaceFor(out);
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
   const openvdb::GridBase::Ptr grid = withVoxelType(
@@ -183,7 +191,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   ExportReport report;
   report.voxels = grid->activeVoxelCount();
   publish(grid, out, disk);
-  report.bytes = fs::file_size(out);
+  report.bytes = File(out).size();
   return report;
 }
 

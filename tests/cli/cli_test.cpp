@@ -509,6 +509,11 @@ TEST_F(Cli, NoSpaceLeft) {
                 {in("n.kiln"), "free space"}, full);
   EXPECT_EQ(listing(), std::vector<std::string>{"n.raw"});
   expectDone({"convert", in("n.raw"), in("n.kiln"), "--dims", "40,40,40", "--type", "u8"});
+  expectDone({"export", in("n.kiln"), in("n.vdb")});
+  const std::string whole = readTextFile(in("n.vdb"));
+  expectRefused({"export", in("n.kiln"), in("n.vdb"), "--overwrite"}, 1, {in("n.vdb"), "free space"}, full);
+  EXPECT_EQ(readTextFile(in("n.vdb")), whole);
+  fs::remove(in("n.vdb"));
   // Noise in every pixel: no PNG of 40 x 40 such pixels is shorter than the limit.
   full.file_bytes = 512;
   expectRefused({"slice", in("n.kiln"), "-o", in("p.png")}, 1, {in("p.png"), "free space"}, full);
