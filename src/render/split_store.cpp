@@ -52,30 +52,54 @@ void eachBrickOf(const StoreReader& store, const VoxelBox& box, const Use& use) 
   }
 }
 
+// A directory that has another name until all is in it, and is removed where that never comes.
+class NewDirectory {
+ public:
+  explicit NewDirectory(const fs::path& path)
+      : path_(path.has_filename() ? path : path.parent_path()), building_(temporaryFor(path_)) {
+    FileSystem::real().makeDirectories(building_);
+  }
+  ~NewDirectory() {
+    std::error_code ignored;
+    fs::remove_all(building_, ignored);
+  }
+  NewDirectory(const NewDirectory&) = delete;
+  NewDirectory& operator=(const NewDirectory&) = delete;
+
+  const fs::path& building() const { return building_; }
+  void publish() { FileSystem::real().rename(building_, path_); }
+
+ private:
+  const fs::path path_, building_;
+};
+
 }  // namespace
 
 std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& directory,
                              Progress& progress) {
   FileSystem& disk = FileSystem::real();
-  if (fs::exists(directory))
+  std::error_code unreadable;
+  if (fs::exists(directory, unreadable) || unreadable)
     throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
   std::vector<BrickKey> bricks;
   eachBrickOf(store, box, [&](const BrickKey& key) { bricks.push_back(key); });
-  disk.makeDirectories(directory);
+  NewDirectory part(directory);
+  const fs::path& building = part.building();
   std::uint64_t bytes = 0, done = 0;
   for (const BrickKey& key : bricks) {
     progress.throwIfCancelled("splitting");
     const fs::path name = brickPath(key);
-    disk.makeDirectories((directory / name).parent_path());
-    bring(store.path() / name, directory / name);
+    disk.makeDirectories((building / name).parent_path());
+    bring(store.path() / name, building / name);
     bytes += store.index().at(key).file_bytes;
     progress.advance("splitting", "bricks", ++done, bricks.size());
   }
-  bring(store.path() / "index.bin", directory / "index.bin");
-  disk.writeOwn(directory / kPartFile,
+  bring(store.path() / "index.bin", building / "index.bin");
+  disk.writeOwn(building / kPartFile,
                 fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
-  disk.syncAll(directory);
-  disk.writeOwn(directory / "manifest.json", readFile(store.path() / "manifest.json"));
+  disk.syncAll(building);
+  disk.writeOwn(building / "manifest.json", readFile(store.path() / "manifest.json"));
+  part.publish();
   return bytes;
 }
 
