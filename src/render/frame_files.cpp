@@ -101,8 +101,8 @@ bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
   return holdsColors(file.content) && !file.eye && !in_two;
 }
 
-// Names still without numbers.
-std::vector<OutputFile> patternsOf(const RenderJob& job) {
+// The files that a job asks for but the video, their names still without numbers.
+std::vector<OutputFile> askedPatternsOf(const RenderJob& job) {
   std::vector<OutputFile> out;
   if (!job.output.path.empty())
     out.push_back({job.output.path, job.output.deep ? Content::kDeep : Content::kPicture, {}});
@@ -111,9 +111,12 @@ std::vector<OutputFile> patternsOf(const RenderJob& job) {
     if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
     out.push_back(file);
   }
-  const auto in_video = [&](const OutputFile& file) { return isVideoFrame(file, job); };
-  if (!job.output.video.path.empty() && std::none_of(out.begin(), out.end(), in_video))
-    out.push_back(keptFrame(job.output.video));
+  return out;
+}
+
+std::vector<OutputFile> patternsOf(const RenderJob& job) {
+  std::vector<OutputFile> out = askedPatternsOf(job);
+  if (keepsFramesForVideo(job)) out.push_back(keptFrame(job.output.video));
   return ofEyes(out, job.picture.stereo);
 }
 
@@ -161,6 +164,12 @@ std::string differenceOf(const std::string& found_text, const std::string& expec
 }  // namespace
 
 fs::path keptFramesOf(const VideoOptions& video) { return video.path.string() + ".frames"; }
+
+bool keepsFramesForVideo(const RenderJob& job) {
+  const std::vector<OutputFile> asked = askedPatternsOf(job);
+  return !job.output.video.path.empty() &&
+         std::none_of(asked.begin(), asked.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); });
+}
 
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame) {
   std::vector<OutputFile> out = patternsOf(job);

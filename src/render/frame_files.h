@@ -16,7 +16,8 @@ std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
 void requirePlaces(const RenderJob& job, int frame);
 /// Of those, the one whose colours a video takes. requires: a video.
 std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
-/// Where frames are kept that the job asks for as a video only.
+/// Whether the job asks for its frames as a video only, for which they are kept, and where that is.
+bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
 /// throws: Error kUsage where a name is no picture's, has no place for the number of several frames, or is given twice.

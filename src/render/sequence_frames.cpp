@@ -48,8 +48,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
 
 void SequenceFrames::makeFolders() const {
   if (!job_.output.video.path.empty()) FileSystem::real().requirePlaceFor(job_.output.video.path);
-  if (!job_.output.video.path.empty() && videoFrameOf(job_, 0).parent_path() == keptFramesOf(job_.output.video))
-    FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
+  if (keepsFramesForVideo(job_)) FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
   for (const int frame : numbers_) {
     const std::vector<OutputFile> files = filesOf(job_, frame), others = filesOf(job_, frame + 1);
     for (std::size_t i = 0; i < files.size(); ++i) {
@@ -119,8 +118,11 @@ void SequenceFrames::makeVideo() const {
   std::vector<fs::path> pictures;
   for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
   writeVideo(pictures, video, progress_);
-  const fs::path kept = keptFramesOf(video);
-  if (pictures.front().parent_path() == kept) FileSystem::real().removeAll(kept);
+  if (!keepsFramesForVideo(job_)) return;
+  // The folder goes, too, unless somebody has put something there.
+  for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);
+  std::error_code not_empty;
+  fs::remove(keptFramesOf(video), not_empty);
 }
 
 void SequenceFrames::describeMemory(RenderStatistics& statistics) const {

@@ -74,6 +74,8 @@ void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& optio
     progress.advance("making the video", "frames", i + 1, pictures.size());
   }
   encoder.finish();
+  // What it was made of may be removed once it has its name.
+  FileSystem::real().syncFile(temporary);
   FileSystem::real().rename(temporary, options.path);
 }
 
