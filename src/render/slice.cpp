@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/srgb.h"
 
 namespace kiln {
@@ -34,12 +36,12 @@ Window defaultWindow(const ValueHistogram& histogram) {
   return {(lo + hi) / 2, hi > lo ? hi - lo : 1};
 }
 
-// Which axes of the volume run along the picture's columns and rows, and how many pixels a voxel takes.
+// Which axes of the volume run along the picture's columns and rows.
 struct Layout {
   int axis, right, down;
   bool flip_rows;
-  std::int64_t width, height;
   double voxels_per_column, voxels_per_row;
+  std::int64_t width, height;
 };
 
 Layout layoutOf(const VolumeGeometry& volume, int axis) {
@@ -58,25 +60,42 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
   return out;
 }
 
-// Draws the pixels whose voxels are in the brick.
-void drawBrick(const BrickBlock& block, const Layout& layout, std::int64_t index, const Window& window, Image& image) {
+// The voxel of each of a line of pixels.
+std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pixel) {
+  std::vector<std::int64_t> out;
+  for (std::int64_t i = 0; i < pixels; ++i)
+    out.push_back(static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * voxels_per_pixel));
+  return out;
+}
+
+// Those of a line whose voxels are in [lo, hi).
+struct Pixels {
+  std::int64_t begin, end;
+};
+Pixels pixelsIn(const std::vector<std::int64_t>& voxels, std::int64_t lo, std::int64_t hi) {
+  const auto at = [&](std::int64_t voxel) { return std::lower_bound(voxels.begin(), voxels.end(), voxel); };
+  return {at(lo) - voxels.begin(), at(hi) - voxels.begin()};
+}
+
+// Draws the pixels whose voxels are in the brick; `columns` and `rows` are the voxels along the picture's sides.
+void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<std::int64_t>& columns,
+               const std::vector<std::int64_t>& rows, std::int64_t index, const Window& window, Image& image) {
+  const VoxelBox& core = block.core;
+  const Pixels across = pixelsIn(columns, core.lo[layout.right], core.hi[layout.right]);
+  const Pixels along = pixelsIn(rows, core.lo[layout.down], core.hi[layout.down]);
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const voxels = block.data<T>();
-    const auto voxelAt = [](std::int64_t pixel, double step) {
-      return static_cast<std::int64_t>((static_cast<double>(pixel) + 0.5) * step);
-    };
-    for (int y = 0; y < image.height; ++y) {
-      VoxelCoord v;
-      v[layout.axis] = index;
-      v[layout.down] = voxelAt(layout.flip_rows ? image.height - 1 - y : y, layout.voxels_per_row);
-      if (v[layout.down] < block.core.lo[layout.down] || v[layout.down] >= block.core.hi[layout.down]) continue;
-      for (int x = 0; x < image.width; ++x) {
-        v[layout.right] = voxelAt(x, layout.voxels_per_column);
-        if (!block.core.contains(v)) continue;
+    VoxelCoord v;
+    v[layout.axis] = index;
+    for (std::int64_t row = along.begin; row < along.end; ++row) {
+      v[layout.down] = rows[static_cast<std::size_t>(row)];
+      const auto y = static_cast<int>(layout.flip_rows ? image.height - 1 - row : row);
+      for (std::int64_t x = across.begin; x < across.end; ++x) {
+        v[layout.right] = columns[static_cast<std::size_t>(x)];
         const double value = static_cast<double>(voxels[block.offsetOf(v)]);
         if (std::isnan(value)) continue;
         const double grey = std::clamp((value - window.centre) / window.width + 0.5, 0.0, 1.0);
-        float* const pixel = image.pixel(x, y);
+        float* const pixel = image.pixel(static_cast<int>(x), y);
         // The grey is meant as display value; pictures in memory are linear light.
         pixel[0] = pixel[1] = pixel[2] = static_cast<float>(linearFromSrgb(grey));
         pixel[3] = 1;
@@ -88,8 +107,11 @@ void drawBrick(const BrickBlock& block, const Layout& layout, std::int64_t index
 }  // namespace
 
 Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress) {
-  const VolumeGeometry& volume = store.manifest().geometry();
   if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
+  if (request.level < 0 || request.level >= store.index().levels())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
+  const VolumeGeometry& volume = store.level(request.level).geometry;
   const std::int64_t count = volume.dims[request.axis];
   const std::int64_t index = request.index.value_or(count / 2);
   if (index < 0 || index >= count)
@@ -102,8 +124,18 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
     throw Error(ErrorCode::kUsage,
                 fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
   }
+  const std::uint64_t bytes =
+      4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) + store.largestReadBytes();
+  if (bytes > request.memory_bytes) {
+    throw Error(ErrorCode::kBudget, store.path(), "--memory",
+                fmt::format("{} is too little: a slice of {} x {} pixels and a brick take {}; a coarser one (--level) "
+                            "takes less",
+                            formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
+  }
   Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
-  const Extent3& lattice = store.index().lattice(0);
+  const std::vector<std::int64_t> columns = voxelsAlong(layout.width, layout.voxels_per_column);
+  const std::vector<std::int64_t> rows = voxelsAlong(layout.height, layout.voxels_per_row);
+  const Extent3& lattice = store.index().lattice(request.level);
   const std::int64_t row = index / store.manifest().brick_size;
   const std::int64_t bricks = lattice[layout.right] * lattice[layout.down];
   for (std::int64_t i = 0; i < bricks; ++i) {
@@ -112,10 +144,9 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
     brick[layout.axis] = row;
     brick[layout.right] = i % lattice[layout.right];
     brick[layout.down] = i / lattice[layout.right];
-    drawBrick(store.read({0,
-                          {static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
-                           static_cast<std::int32_t>(brick.z)}}),
-              layout, index, window, image);
+    const BrickCoord coord{static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
+                           static_cast<std::int32_t>(brick.z)};
+    drawBrick(store.read({request.level, coord}), layout, columns, rows, index, window, image);
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(bricks));
   }
   return image;

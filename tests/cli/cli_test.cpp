@@ -158,6 +158,15 @@ TEST_F(Cli, Slice) {
   for (int x = 1; x < 24; ++x) EXPECT_GT(image.pixel(x, 7)[1], image.pixel(x - 1, 7)[1]);
   expectDone({"slice", in("v.kiln"), "-o", in("x.png"), "--axis", "x"});
   EXPECT_EQ(readImage(in("x.png")).width, 20);
+  // A coarser level, whose voxels are twice as long, from the same black to the same white.
+  expectDone({"convert", in("v.raw"), in("coarse.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", "8"});
+  expectDone({"slice", in("coarse.kiln"), "-o", in("c.png"), "--level", "1", "--index", "1", "--window", "116,230"});
+  const Image coarse = readImage(in("c.png"));
+  ASSERT_EQ(coarse.width, 12);
+  ASSERT_EQ(coarse.height, 10);
+  for (int x = 0; x < 12; ++x)
+    EXPECT_NEAR(coarse.pixel(x, 3)[1], (image.pixel(2 * x, 7)[1] + image.pixel(2 * x + 1, 7)[1]) / 2, 0.02);
+  expectRefused({"slice", in("v.kiln"), "-o", in("m.png"), "--memory", "1K"}, 1, {in("v.kiln"), "--level"});
 }
 
 // Known because the picture's size is asked for, and the volume is in front of the camera.
@@ -416,6 +425,7 @@ TEST_F(Cli, WrongCommandLines) {
       {{"slice", store, "-o", picture, "--axis", "w"}, "--axis"},
       {{"slice", store, "-o", picture, "--index", "16"}, "index"},
       {{"slice", store, "-o", picture, "--window", "3"}, "--window"},
+      {{"slice", store, "-o", picture, "--level", "2"}, "has levels 0 to 1"},
       {{"export", store, in("v.vdb"), "--level", "7"}, "--level"},
       {{"convert", raw, in("n.kiln")}, "--dims"},
       {{"convert", raw, in("n.kiln"), "--dims", "24,20,16", "--type", "u12"}, "--type"},

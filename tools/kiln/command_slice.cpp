@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/memory.h"
 #include "commands.h"
 #include "output/image_file.h"
 #include "render/slice.h"
@@ -10,7 +11,8 @@ namespace kiln::tool {
 namespace {
 
 struct SliceArguments {
-  std::string store, output, axis = "z", window;
+  std::string store, output, axis = "z", window, memory = "2G";
+  int level = 0;
   std::optional<std::int64_t> index;
 };
 
@@ -21,7 +23,9 @@ void run(const SliceArguments& a, Context& context) {
   if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos)
     throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", a.axis));
   request.axis = static_cast<int>(axes.find(a.axis));
+  request.level = a.level;
   request.index = a.index;
+  request.memory_bytes = parseBytes(a.memory);
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   const Image image = renderSlice(StoreReader(a.store), request, context.progress);
   writeImage(image, {}, {}, a.output);
@@ -37,8 +41,12 @@ void addSlice(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("-o,--output", a->output, "the picture, .png or .exr")->required();
   command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
-  command->add_option("--index", a->index, "the slice; the middle one if not given");
+  command->add_option("--level", a->level, "0 is finest")->capture_default_str();
+  command->add_option("--index", a->index, "the slice, in voxels of the level; the middle one if not given");
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
+  command->add_option("--memory", a->memory, "the most memory, for the picture and a brick")
+      ->capture_default_str()
+      ->type_name("BYTES");
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 
