@@ -1,7 +1,9 @@
 #include "convert/foreign_cache.h"
 
+#include <optional>
 #include <system_error>
 
+#include "convert/journal.h"
 #include "ingest/formats.h"
 #include "store/store_reader.h"
 
@@ -20,6 +22,28 @@ bool sameVolume(const fs::path& store, const SourceInfo& info) {
   } catch (const Error&) {
     return false;  // damaged, or of another format: made anew
   }
+}
+
+// The command that made a store, or that began to; nothing where that cannot be told.
+std::optional<std::string> makerOf(const fs::path& store) {
+  try {
+    if (isStore(store)) return parseManifest(readTextFile(store / "manifest.json"), store).source.command;
+    if (const std::optional<JournalContent> journal = Journal::read(store)) return journal->identity.command;
+  } catch (const Error&) {
+  }
+  return std::nullopt;
+}
+
+// What a rendering made for itself may be made anew; a store that somebody converted may not.
+void requireOwn(const fs::path& store, const fs::path& input) {
+  std::error_code ignored;
+  if (!fs::exists(store, ignored) || (fs::is_directory(store, ignored) && fs::is_empty(store, ignored))) return;
+  const std::optional<std::string> maker = makerOf(store);
+  if (maker && maker->starts_with("kiln render ")) return;
+  throw Error(ErrorCode::kExists, store, "",
+              "was not made by rendering " + input.string() +
+                  ", and is not of it as it is now or as it is described; render that store itself, or convert " +
+                  input.string() + " to another name");
 }
 
 // `input` without what would put a store inside of a directory: "scan/", or a name that only says where one is.
@@ -63,6 +87,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
+  requireOwn(store, input);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
   replacing.overwrite = replacing.resume = true;

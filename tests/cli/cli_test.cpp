@@ -365,6 +365,27 @@ TEST_F(Cli, RenderOfAForeignFile) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
 }
 
+// Known because the store is somebody's: it has spacings that the file has not.
+TEST_F(Cli, RenderOfAForeignFileReplacesNoStoreThatItDidNotMake) {
+  writeRamp();
+  const std::vector<std::string> shape = {"--dims", "24,20,16", "--type", "u8"};
+  std::vector<std::string> convert = {"convert", in("v.raw"), in("v.raw.kiln"), "--spacing", "1,1,2"};
+  std::vector<std::string> render = {"render", in("v.raw"), "-o", in("p.png"), "--size", "16x16"};
+  convert.insert(convert.end(), shape.begin(), shape.end());
+  render.insert(render.end(), shape.begin(), shape.end());
+  expectDone(convert);
+  expectRefused(render, 1, {in("v.raw.kiln"), "another name"});
+  EXPECT_EQ(StoreReader(in("v.raw.kiln")).manifest().geometry().spacing().z, 2);
+  // As it is described, it is the file's.
+  render.insert(render.end(), {"--spacing", "1,1,2"});
+  EXPECT_NE(expectDone(render).err.find("kiln: using"), std::string::npos);
+  writeText(in("v.raw.kiln") + "/manifest.json", "{}");
+  expectRefused(render, 1, {in("v.raw.kiln"), "another name"});
+  fs::remove_all(in("v.raw.kiln"));
+  expectDone(render);
+  EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
+}
+
 // Known because the first voxel is 1, 11 read as 16 bits of either order, and the header in front of it is not.
 TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
   writeRamp();
