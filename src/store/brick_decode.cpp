@@ -89,8 +89,8 @@ class LeafReader {
 
   LeafReader(const Grid& grid, MemoryReader& buffer, std::istream& in)
       : half_(grid.saveFloatAsHalf()),
-        packed_(openvdb::io::getDataCompression(in) ==
-                (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)),
+        compression_(openvdb::io::getDataCompression(in)),
+        packed_(compression_ == (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)),
         buffer_(buffer),
         in_(in),
         spare_(openvdb::PartialCreate(), grid.background()) {}
@@ -105,7 +105,7 @@ class LeafReader {
   }
   /// Whether `read` may have the next leaf: Blosc and OpenVDB believe what it says of its length.
   bool isSound(const Mask& active) const {
-    if (!packed_) return true;
+    if (!packed_) return (compression_ & (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ZIP)) == 0;
     const std::size_t bytes = active.countOn() * storedBytes();
     const std::span<const std::byte> packed = packedBytes(active);
     if (packed.empty()) return lengthOf(active) == -static_cast<std::int64_t>(bytes);
@@ -143,7 +143,9 @@ class LeafReader {
     return rest.subspan(kHead, static_cast<std::size_t>(length));
   }
 
-  const bool half_, packed_;
+  const bool half_;
+  const std::uint32_t compression_;
+  const bool packed_;  // as bricks' writer does it
   MemoryReader& buffer_;
   std::istream& in_;
   typename Leaf::Buffer spare_;
@@ -256,6 +258,7 @@ class Decoder {
     grid.readTopology(in_);
     LeafReader<Grid> leaves(grid, buffer_, in_);
     for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+      if (!leaves.isSound(leaf->valueMask())) fail(grid.getName() + " has values that do not unpack");
       leaves.read(*leaf, [&](const auto& whole) {
         for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
           const openvdb::Coord c = voxel.getCoord();

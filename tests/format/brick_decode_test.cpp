@@ -9,9 +9,13 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <span>
+#include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "store/brick_codec.h"
+#include "store/brick_file.h"
 #include "store/minmax_octree.h"
 #include "support/foreign_files.h"
 
@@ -171,6 +175,53 @@ TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, kRounds);
+}
+
+// Where the frames of a grid's leaves begin: behind its name and before the next one's.
+std::vector<std::size_t> framesOf(const std::vector<std::byte>& file, const char* grid, const char* next) {
+  const auto placeOf = [&](const std::string& name) {
+    const auto bytes = std::as_bytes(std::span(name));
+    return std::search(file.begin(), file.end(), bytes.begin(), bytes.end());
+  };
+  const auto end = next == nullptr ? file.end() : placeOf(next);
+  std::vector<std::size_t> out;
+  for (auto at = placeOf(grid); at + 16 < end; ++at) {
+    if (at[0] != std::byte{2} || at[1] != std::byte{1} || at[3] != std::byte{4}) continue;
+    // Its length is said twice.
+    std::uint64_t outside;
+    std::uint32_t inside;
+    std::memcpy(&outside, &at[-8], sizeof outside);
+    std::memcpy(&inside, &at[12], sizeof inside);
+    if (outside == inside) out.push_back(static_cast<std::size_t>(at - file.begin()));
+  }
+  return out;
+}
+
+// OpenVDB and Blosc believe what a leaf says of its length, and write as much.
+TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
+  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
+  for (const auto& [grid, next] :
+       {std::pair{kCellMinGrid, kCellMaxGrid}, std::pair{kCellMaxGrid, static_cast<const char*>(nullptr)}}) {
+    const std::vector<std::size_t> frames = framesOf(whole, grid, next);
+    // Of two nodes, which hold tiles, and of the only leaf.
+    ASSERT_EQ(frames.size(), 3u) << grid;
+    // The number of bytes before the frame, and in Blosc's head those that it unpacks to, and that it has itself.
+    for (const int place : {-8, 4, 12}) {
+      for (const std::int32_t length : {1, 1 << 20, std::numeric_limits<std::int32_t>::max()}) {
+        std::vector<std::byte> file = whole;
+        std::memcpy(&file[frames.back() + place], &length, sizeof length);
+        SCOPED_TRACE(testing::Message() << grid << " " << place << " " << length);
+        try {
+          decodeBrick(frame, file, "b.vdb");
+          ADD_FAILURE() << "was not refused";
+        } catch (const Error& error) {
+          EXPECT_EQ(error.code(), ErrorCode::kDamaged);
+          EXPECT_NE(std::string(error.what()).find(grid), std::string::npos) << error.what();
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
