@@ -42,7 +42,8 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
 
 // Of labels a bin each, where they are few enough.
 ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range) {
-  if (!countsEachLabel(manifest.volume_class, manifest.type, range)) return counter.histogram(range);
+  if (!countsEachLabel(manifest.volume_class, manifest.type, range))
+    return counter.histogram(counter.commonRange(range));
   return counter.histogram({range.lo - 0.5, range.hi + 0.5}, static_cast<std::size_t>(range.hi - range.lo) + 1);
 }
 

@@ -1,4 +1,4 @@
-// The file: "KILNJNL2", then records of a u32 length, the hash of the payload, and the payload. The first is the
+// The file: "KILNJNL3", then records of a u32 length, the hash of the payload, and the payload. The first is the
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 

@@ -48,6 +48,31 @@ ValueRange valuesOf(std::size_t key, bool labels) {
   }
 }
 
+// Values that were counted, from the least on, and how many there are of each key.
+struct CountedKeys {
+  std::vector<ValueRange> values;
+  std::vector<std::uint64_t> counts;
+
+  double width(std::size_t first, std::size_t last) const { return values[last].hi - values[first].lo; }
+};
+
+// How many keys at one end are left out: those of a few voxels, and one that is far from what is left.
+std::size_t strayKeys(const CountedKeys& keys, std::uint64_t few, bool at_end) {
+  // Fewer keys are names of things rather than measurements.
+  constexpr std::size_t kFewestKeys = 16;
+  constexpr double kFar = 1e4;
+  const std::size_t all = keys.counts.size();
+  const auto at = [&](std::size_t i) { return at_end ? all - 1 - i : i; };
+  std::size_t out = 0;
+  std::uint64_t voxels = 0;
+  while (out + kFewestKeys < all && voxels + keys.counts[at(out)] <= few) voxels += keys.counts[at(out++)];
+  if (out + kFewestKeys >= all) return out;
+  const std::size_t first = at_end ? 0 : out + 1, last = at_end ? all - 2 - out : all - 1;
+  const double gap =
+      at_end ? keys.values[last + 1].lo - keys.values[last].hi : keys.values[first].lo - keys.values[first - 1].hi;
+  return gap > kFar * keys.width(first, last) ? out + 1 : out;
+}
+
 }  // namespace
 
 ValueCounter::ValueCounter(VoxelType type, bool labels) : type_(type), labels_(labels), counts_(kKeys) {}
@@ -85,6 +110,28 @@ ValueCounts ValueCounter::take() {
   }
   out.nan_count = std::exchange(nan_count_, 0);
   return out;
+}
+
+ValueRange ValueCounter::commonRange(const ValueRange& range) const {
+  constexpr std::uint64_t kFewIn = 100'000;
+  constexpr double kManyTimes = 64;
+  if (labels_ || range.empty()) return range;
+  CountedKeys keys;
+  std::uint64_t voxels = 0;
+  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t key = 0; key < kKeys; ++key) {
+      if (counts_[key] == 0) continue;
+      keys.values.push_back(valuesOf<T>(key, labels_));
+      keys.counts.push_back(counts_[key]);
+      voxels += counts_[key];
+    }
+  });
+  const std::uint64_t few = std::max<std::uint64_t>(voxels / kFewIn, 1);
+  const std::size_t below = strayKeys(keys, few, false), above = strayKeys(keys, few, true);
+  if (below + above + 1 >= keys.counts.size()) return range;
+  const ValueRange out{std::max(range.lo, keys.values[below].lo),
+                       std::min(range.hi, keys.values[keys.values.size() - 1 - above].hi)};
+  return out.hi > out.lo && kManyTimes * (out.hi - out.lo) < range.hi - range.lo ? out : range;
 }
 
 ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins) const {

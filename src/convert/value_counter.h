@@ -36,7 +36,12 @@ class ValueCounter {
   ValueCounts take();
 
   std::uint64_t nanCount() const { return nan_count_; }
-  /// The counts in equal bins over [least, greatest] value counted; voxels of a wide key are spread evenly over it.
+  /// Of `range`, the least and the greatest value counted, what people want to look at: all of it; but where a voxel in
+  /// 100 000 at either end, or a single value far away from all others, makes it many times as wide, the rest. So what
+  /// a file has where it knows nothing (-3.4e38, 65535) is left out, and so are infinities. Of labels all.
+  ValueRange commonRange(const ValueRange& range) const;
+  /// The counts in equal bins over `range`; voxels of a wide key are spread evenly over it, and those beyond the range
+  /// are in the first and the last bin.
   ValueHistogram histogram(const ValueRange& range, std::size_t bins = kHistogramBins) const;
 
  private:

@@ -51,7 +51,7 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
                             volume.mixed.shading,
                             view_.view,
                             volume.unit,
-                            gradientNoiseOf(volume.mixed.store->manifest()),
+                            gradientNoiseOf(volume.mixed.store->manifest(), volume.mixed.transfer_function),
                             view_.sampling.interpolation};
       const bool reaches = zone.slabs[v].slabs > 0;
       zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look, sharing) : nullptr);

@@ -98,7 +98,7 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
   } else if (request.lattice != Lattice::kVoxel) {
     pixel.emplace(store.manifest(), levels, request.view, request.sampling(), request.transfer_function,
-                  request.shading, gradientNoiseOf(store.manifest()), request.sweep_px);
+                  request.shading, gradientNoiseOf(store.manifest(), request.transfer_function), request.sweep_px);
     bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
   } else {
     bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
@@ -318,7 +318,7 @@ const SplatFrame& FrameDrawing::frameOf(int level) {
 SplatFrame FrameDrawing::frameOfLevel(int level) const {
   SplatFrame out = frame_;
   out.projector = &plan_.levels.projector(level);
-  const float noise = gradientNoiseOf(store_.manifest());
+  const float noise = gradientNoiseOf(store_.manifest(), request_.transfer_function);
   out.shader = Shader(request_.shading, request_.view, noise, *out.projector);
   out.light_is_plain = isPlain(request_.shading);
   out.view = VoxelView(*out.projector, plainLight(request_.shading, noise, *out.projector));

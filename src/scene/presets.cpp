@@ -225,7 +225,11 @@ constexpr std::string_view kIso = "iso:";
 }  // namespace
 
 ValueRange usableRange(const Manifest& manifest) {
-  const ValueRange& range = manifest.range;
+  ValueRange range = manifest.range;
+  const ValueHistogram& histogram = manifest.histogram;
+  // Of labels the bins reach half a label beyond.
+  if (!range.empty() && histogram.lo < histogram.hi)
+    range = {std::max(range.lo, histogram.lo), std::min(range.hi, histogram.hi)};
   if (range.empty() || !std::isfinite(range.lo) || !std::isfinite(range.hi)) return {0, 1};
   if (range.lo == range.hi) return {range.lo, range.lo + std::max(1.0, std::abs(range.lo) * 1e-6)};
   return range;

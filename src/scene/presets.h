@@ -28,7 +28,8 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 /// values; opaque.
 TransferFunction displayGrey(const Manifest& manifest);
 
-/// The volume's range of values, or one to map to where it has none (all NaN) or one value only. Never empty, lo < hi.
+/// The volume's range of values, without a few that are far from all others (as its histogram has it), or one to map to
+/// where it has none (all NaN) or one value only. Never empty, lo < hi.
 ValueRange usableRange(const Manifest& manifest);
 
 /// Opacity per mean voxel spacing at which the box of the volume, seen along its mean diagonal, is nearly opaque.

@@ -6,6 +6,8 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
+#include "splat/telling_range.h"
+
 namespace kiln {
 namespace {
 
@@ -28,14 +30,15 @@ double changeBetween(const Material& a, const Material& b) {
 
 }  // namespace
 
-SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range) {
+SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& all) {
+  const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
+  const ValueRange range = whole ? all : tellingRange(function, all);
   const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
   lo_ = lo;
   if (!function.labels.empty()) {
     addLabels(function.labels, unit);
     return;
   }
-  const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
   const double steps = whole ? hi - lo : kTableSteps;
   const double step = hi > lo ? (hi - lo) / steps : 1;
   scale_ = static_cast<float>(1 / step);

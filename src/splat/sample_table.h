@@ -14,7 +14,8 @@ namespace kiln {
 
 class SampleTable {
  public:
-  /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value.
+  /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value,
+  /// others as many as fit over tellingRange.
   SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
   /// Whether values are labels: then `at` is not asked for values.

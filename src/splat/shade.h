@@ -14,17 +14,18 @@
 #include "scene/shading.h"
 #include "splat/classifier.h"
 #include "splat/projector.h"
+#include "splat/telling_range.h"
 #include "store/manifest.h"
 
 namespace kiln {
 
-/// A gradient shorter than this part of the volume's value range per voxel is noise: such a sample is not shaded.
+/// A gradient shorter than this part of the values that are told apart per voxel is noise: such a sample is not shaded.
 inline constexpr double kGradientNoise = 1e-5;
 /// That of a volume of such values. unit: value per voxel.
-inline float gradientNoiseOf(const Manifest& manifest) {
+inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& function) {
   // Of labels it is the gradient of their opacity.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
-  const ValueRange& range = manifest.range;
+  const ValueRange range = tellingRange(function, manifest.range);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 

@@ -40,6 +40,28 @@ TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
   }
 }
 
+// Known because a function is constant beyond its points, whatever else there may be.
+TEST(SampleTable, TellsApartWhatItsFunctionDoes) {
+  const std::vector<TransferPoint> ramp = {{9, {1, 1, 1}, 0}, {11, {1, 1, 1}, ofDepth(1)}};
+  for (const ValueRange& range : {ValueRange{0, 30}, {0, 1e30}, {-3.4e38, 30}, {-INFINITY, INFINITY}}) {
+    SCOPED_TRACE(testing::Message() << range.lo << " to " << range.hi);
+    const SampleTable table = tableOf(ramp, VoxelType::f32, range);
+    const auto tauOf = [&](double value) { return table.at(static_cast<float>(value - table.offset())).tau; };
+    EXPECT_NEAR(tauOf(10), extinctionOf(ofDepth(1) / 2, 1), 0.01);
+    EXPECT_NEAR(tauOf(9.5), extinctionOf(ofDepth(1) / 4, 1), 0.01);
+    for (const double value : {-3.4e38, -1e5, 0.0, 8.9}) EXPECT_EQ(tauOf(value), 0) << value;
+    for (const double value : {11.1, 30.0, 1e5, 1e30}) EXPECT_NEAR(tauOf(value), 1, 1e-6) << value;
+    EXPECT_FALSE(table.interesting({range.lo, 8.9}));
+    EXPECT_TRUE(table.interesting({9.5, 9.6}));
+    EXPECT_TRUE(table.interesting({1e5, 1e6}));
+  }
+  // Nothing but values far from the points: all look like one end of them.
+  for (const double far : {1e6, -2e6}) {
+    const SampleTable table = tableOf(ramp, VoxelType::f32, {far, far + 1e6});
+    EXPECT_NEAR(table.at(static_cast<float>(far + 5e5 - table.offset())).tau, far > 0 ? 1 : 0, 1e-6);
+  }
+}
+
 TEST(SampleTable, NothingBesideAVoxelIsAValueOfIt) {
   const SampleTable table = tableOf(cliff());
   EXPECT_FALSE(table.soft({0, 100}, 1, true));

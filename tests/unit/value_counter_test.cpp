@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -62,6 +63,45 @@ TEST(ValueCounter, FindsTheMiddleOfUniformFloats) {
   const auto middle = histogram.counts.begin() + 128;
   const double below = static_cast<double>(std::accumulate(histogram.counts.begin(), middle, std::uint64_t{0}));
   EXPECT_NEAR(below / 64000, 0.5, 0.02);
+}
+
+// Known because the noise is from -10 to 30, and it is known what else there is, and how much of it.
+TEST(ValueCounter, FindsWhatIsNotStray) {
+  const DenseVolume clean = noise({{40, 40, 40}, VoxelType::f32}, 5, {-10, 30});
+  const auto commonOf = [&](float stray, std::int64_t voxels) {
+    DenseVolume volume = clean;
+    for (std::int64_t i = 0; i < voxels; ++i) volume.set(i % 40, i / 40 % 40, i / 1600, stray);
+    ValueCounter counter(volume.type);
+    counter.count(volume.voxels, boxOf(volume.geometry.dims), boxOf(volume.geometry.dims));
+    const ValueRange of_clean = clean.range();
+    const ValueRange all{std::min<double>(of_clean.lo, stray), std::max<double>(of_clean.hi, stray)};
+    const ValueRange common = counter.commonRange(all);
+    const ValueHistogram histogram = counter.histogram(common);
+    EXPECT_EQ(std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0}), 64000u);
+    return common.lo == all.lo && common.hi == all.hi ? ValueRange{} : common;
+  };
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float stray : {1e4f, -9999.f, 1e30f, -3.4e38f, kInfinity, -kInfinity}) {
+    const ValueRange common = commonOf(stray, 1);
+    EXPECT_NEAR(common.lo, -10, 0.1) << stray;
+    EXPECT_NEAR(common.hi, 30, 0.2) << stray;
+  }
+  // What half of the voxels have is no stray value, unless it is very far away.
+  EXPECT_TRUE(commonOf(1e4f, 32000).empty());
+  EXPECT_NEAR(commonOf(1e30f, 32000).hi, 30, 0.2);
+  EXPECT_NEAR(commonOf(-9.97e36f, 32000).lo, -10, 0.1);
+  // Nor is what makes the range a few times as wide.
+  EXPECT_TRUE(commonOf(300, 1).empty());
+  EXPECT_TRUE(commonOf(7, 1).empty());
+}
+
+TEST(ValueCounter, KeepsTheRangeOfFewValues) {
+  const DenseVolume volume = fill({{9, 30, 40}, VoxelType::i32}, [](auto x, auto, auto) { return x == 8 ? 1e9 : x; });
+  for (const bool labels : {false, true}) {
+    ValueCounter counter(volume.type, labels);
+    counter.count(volume.voxels, boxOf(volume.geometry.dims), boxOf(volume.geometry.dims));
+    EXPECT_EQ(counter.commonRange(volume.range()).hi, 1e9);
+  }
 }
 
 TEST(ValueCounter, LeavesNanAside) {
