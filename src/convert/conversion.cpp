@@ -82,8 +82,7 @@ bool Conversion::isFinished(const BrickKey& key) const {
 }
 
 std::size_t Conversion::placeOf(const BrickKey& key) const {
-  const Extent3& n = writer_.manifest().levels[static_cast<std::size_t>(key.level)].bricks;
-  return static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
+  return kiln::placeOf(writer_.manifest().levels[static_cast<std::size_t>(key.level)].bricks, key.brick);
 }
 
 void Conversion::run() {

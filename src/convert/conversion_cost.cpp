@@ -19,11 +19,6 @@ constexpr double kStreamSeconds = 2;
 
 using Clock = std::chrono::steady_clock;
 
-Extent3 latticeOf(const Extent3& dims, std::int64_t brick_size) {
-  return {(dims.x + brick_size - 1) / brick_size, (dims.y + brick_size - 1) / brick_size,
-          (dims.z + brick_size - 1) / brick_size};
-}
-
 // The voxels of all bricks of a level with their aprons: along an axis, an apron on both sides of each inner border.
 std::uint64_t storedVoxels(const Extent3& dims, const Extent3& bricks) {
   std::uint64_t out = 1;
@@ -50,7 +45,7 @@ struct Samples {
 // One after the other on one thread, as a lane of a conversion goes.
 Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
   const SourceInfo& info = source.info();
-  const Extent3 lattice = latticeOf(info.geometry.dims, options.brick_size);
+  const Extent3 lattice = brickLattice(info.geometry.dims, options.brick_size);
   const std::int64_t count = std::min(lattice.count(), kSamples);
   Samples out;
   const auto begin = Clock::now();
@@ -72,7 +67,7 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
   const SourceInfo& info = source.info();
   const auto size = static_cast<std::ptrdiff_t>(sizeOf(info.type));
   VolumeGeometry geometry = info.geometry;
-  const Extent3 dims = geometry.dims, lattice = latticeOf({dims.x, dims.y, 1}, options.brick_size);
+  const Extent3 dims = geometry.dims, lattice = brickLattice({dims.x, dims.y, 1}, options.brick_size);
   const std::int64_t edge = options.brick_size + 2 * kApron, brick_bytes = edge * edge * edge * size;
   const std::int64_t affordable = static_cast<std::int64_t>(options.memory_bytes / 2) / brick_bytes;
   const std::int64_t count = std::clamp<std::int64_t>(affordable, 1, std::min(lattice.count(), kSamples));
@@ -122,11 +117,11 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
   out.levels = static_cast<int>(levels.size());
   std::uint64_t stored_voxels = 0;
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    const Extent3 lattice = latticeOf(levels[level].dims, options.brick_size);
+    const Extent3 lattice = brickLattice(levels[level].dims, options.brick_size);
     out.bricks += static_cast<std::uint64_t>(lattice.count());
     stored_voxels += storedVoxels(levels[level].dims, lattice);
   }
-  const std::uint64_t index_bytes = out.bricks * sizeof(BrickEntry);
+  const std::uint64_t index_bytes = BrickIndex::fileBytes(out.bricks, options.brick_size);
   const bool stream = out.order == ReadOrder::kForward;
   const Samples samples = stream ? sampleStream(source, options, progress) : sampleBricks(source, options, progress);
   out.sampled_bricks = samples.bricks;

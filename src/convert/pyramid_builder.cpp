@@ -51,10 +51,7 @@ PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path&
   }
 }
 
-std::size_t PyramidBuilder::place(const BrickKey& key) const {
-  const Extent3 n = lattice(key.level);
-  return static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
-}
+std::size_t PyramidBuilder::place(const BrickKey& key) const { return placeOf(lattice(key.level), key.brick); }
 
 VoxelBox PyramidBuilder::parentsOf(const BrickKey& key) const {
   const VoxelBox part = coarseBox(writer_.frame(key).core(), levels_[static_cast<std::size_t>(key.level)].by);

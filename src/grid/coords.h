@@ -77,6 +77,11 @@ inline BrickCoord brickAt(const Extent3& lattice, std::int64_t i) {
           static_cast<std::int32_t>(i / lattice.x / lattice.y)};
 }
 
+/// Which of the lattice's bricks it is, as brickAt counts them. requires: it is one of them.
+inline std::size_t placeOf(const Extent3& lattice, const BrickCoord& brick) {
+  return static_cast<std::size_t>((brick.z * lattice.y + brick.y) * lattice.x + brick.x);
+}
+
 /// The core voxels of a brick, cut off at the end of the volume.
 inline VoxelBox coreBox(const BrickCoord& brick, std::int64_t brick_size, const Extent3& dims) {
   const VoxelCoord lo = {brick.x * brick_size, brick.y * brick_size, brick.z * brick_size};

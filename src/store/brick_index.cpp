@@ -95,9 +95,7 @@ bool BrickIndex::contains(const BrickKey& key) const {
 }
 
 std::size_t BrickIndex::place(const BrickKey& key) const {
-  const Extent3& n = lattice(key.level);
-  return first_[static_cast<std::size_t>(key.level)] +
-         static_cast<std::size_t>((key.brick.z * n.y + key.brick.y) * n.x + key.brick.x);
+  return first_[static_cast<std::size_t>(key.level)] + placeOf(lattice(key.level), key.brick);
 }
 
 std::uint64_t BrickIndex::bytes() const {
@@ -105,6 +103,10 @@ std::uint64_t BrickIndex::bytes() const {
   std::uint64_t sum = entries_.size() * sizeof(BrickEntry);
   for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? entry.sub_ranges->bytes().size() + kShared : 0;
   return sum;
+}
+
+std::uint64_t BrickIndex::fileBytes(std::uint64_t bricks, std::int64_t brick_size) {
+  return bricks * (sizeof(RawEntry) + SubRanges::bytesOf(subBricksOf(brick_size)));
 }
 
 std::vector<std::byte> BrickIndex::encode() const {
