@@ -28,7 +28,7 @@ void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ran
 Beginning beginAt(Destination& destination, const SourceInfo& info, const Manifest& draft,
                   const ConvertOptions& options, const Ranks& ranks, FileSystem& disk);
 
-/// Collective. Gives all ranks what the first has, but for the counts of bricks.
+/// Collective. Gives all ranks what the first has.
 void share(Beginning& beginning, Ranks& ranks);
 
 }  // namespace kiln

@@ -29,7 +29,7 @@ std::unique_ptr<SliceRing> ringFor(const Conversion::Parts& parts) {
 
 }  // namespace
 
-Conversion::Conversion(const Parts& parts, const JournalContent& earlier)
+Conversion::Conversion(const Parts& parts, JournalContent earlier)
     : parts_(parts),
       writer_(parts.writer),
       ranks_(parts.ranks),
@@ -45,9 +45,9 @@ Conversion::Conversion(const Parts& parts, const JournalContent& earlier)
       of_brick_(counters_) {
   for (const LevelInfo& level : writer_.manifest().levels)
     finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
-  JournalContent kept{earlier.identity, wholeBricksOf(earlier.bricks, parts.directory, ranks_, progress_)};
-  keep(kept.bricks);
-  if (ranks_.first()) journal_.emplace(parts.directory, kept, parts.disk);
+  std::erase_if(earlier.bricks, [&](const FinishedBrick& brick) { return !writer_.contains(brick.key); });
+  keep(wholeBricksOf(earlier.bricks, parts.directory, ranks_, progress_));
+  if (ranks_.first()) goOnWith(earlier.identity);
   const bool in_order = parts.plan.window_slices > 0;
   shares_.emplace(ranks_, bricksToMake(in_order), writer_.manifest().brick_size, in_order);
   if (in_order)
@@ -60,12 +60,26 @@ void Conversion::keep(const std::vector<FinishedBrick>& whole) {
   for (const FinishedBrick& brick : whole) {
     finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)] = 1;
     writer_.keep(brick.key, brick.entry);
-    counters_[0].add(brick.counts);
     if (brick.key.level > 0 && pyramid_.owns(brick.key)) --left_to_build_;
     if (brick.key.level == 0) done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
     ++finished_bricks_;
   }
   known_ = finished_;
+}
+
+// The journal, from now on of the bricks that are kept, and the counts of their values.
+void Conversion::goOnWith(const ConversionIdentity& identity) {
+  std::vector<std::vector<char>> due = finished_;
+  journal_.emplace(
+      parts_.directory, identity,
+      [&](const FinishedBrick& brick) {
+        if (!writer_.contains(brick.key) ||
+            std::exchange(due[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 0) == 0)
+          return false;
+        counters_[0].add(brick.counts);
+        return true;
+      },
+      parts_.disk);
 }
 
 // A stream's end is read, and its checksum compared, also where its last bricks are finished.

@@ -38,8 +38,8 @@ class Conversion {
   };
 
   /// Collective. `earlier` is what an earlier conversion's journal says; of its bricks, those are kept whose files are
-  /// whole. The counts of their values are of use to the first rank only.
-  Conversion(const Parts& parts, const JournalContent& earlier);
+  /// whole; the first rank reads the journal for the counts of their values.
+  Conversion(const Parts& parts, JournalContent earlier);
 
   /// Collective. All bricks are made and on the disk, or on their way to it, when it returns on the first rank; there
   /// the writer then knows all of them. throws: what source and disk throw, Error kCancelled. Other ranks are then not
@@ -55,6 +55,7 @@ class Conversion {
 
  private:
   void keep(const std::vector<FinishedBrick>& whole);
+  void goOnWith(const ConversionIdentity& identity);
   std::vector<std::int64_t> bricksToMake(bool in_order) const;
   void takeUp();
   void work(std::size_t lane, WriteBehind& disk);

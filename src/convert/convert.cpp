@@ -6,6 +6,7 @@
 #include <bit>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "base/elapsed.h"
 #include "cluster/ranks.h"
@@ -97,7 +98,7 @@ void tidyUp(Destination& destination, const std::exception& error, std::uint64_t
 // Makes the bricks; on the first rank, then, a store of them.
 class Making {
  public:
-  Making(const Beginning& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
+  Making(Beginning& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
          VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
       : beginning_(beginning),
         draft_(draft),
@@ -112,7 +113,7 @@ class Making {
     StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_);
     Conversion& conversion = conversion_.emplace(
         Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
-        beginning_.earlier);
+        std::move(beginning_.earlier));
     const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
     if (earlier > 0 && ranks_.first())
       progress_.note(fmt::format("{} of {} bricks are finished already", earlier, bricks));
@@ -141,7 +142,7 @@ class Making {
   std::uint64_t bricks() const { return writer_ ? brickCount(writer_->manifest()) : 0; }
 
  private:
-  const Beginning& beginning_;
+  Beginning& beginning_;
   const Manifest& draft_;
   const ConversionPlan& plan_;
   const ConvertOptions& options_;

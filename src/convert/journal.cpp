@@ -2,6 +2,7 @@
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 
+#include <system_error>
 #include <utility>
 
 #include "base/byte_record.h"
@@ -26,6 +27,25 @@ std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payloa
   out.command = taker.takeText();
   out.time = taker.takeText();
   return taker.ok ? std::optional(out) : std::nullopt;
+}
+
+// Calls take(brick, payload) for each brick of a journal up to the first record that is not whole; its identity is
+// empty where there is none, or its beginning is damaged.
+template <class Take>
+ConversionIdentity readBricks(const fs::path& path, Take&& take) {
+  ConversionIdentity out;
+  bool is_first = true;
+  readRecords(path, kMagic, [&](std::span<const std::byte> payload) {
+    if (std::exchange(is_first, false)) {
+      const std::optional<ConversionIdentity> identity = identityFrom(payload);
+      if (identity) out = *identity;
+      return identity.has_value();
+    }
+    const std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
+    if (brick) take(*brick, payload);
+    return brick.has_value();
+  });
+  return out;
 }
 
 }  // namespace
@@ -63,12 +83,29 @@ std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes)
 
 fs::path Journal::pathIn(const fs::path& directory) { return directory / "journal.bin"; }
 
-Journal::Journal(const fs::path& directory, const JournalContent& content, FileSystem& disk)
+Journal::Journal(const fs::path& directory, const ConversionIdentity& identity,
+                 const std::function<bool(const FinishedBrick&)>& keep, FileSystem& disk)
     : path_(pathIn(directory)), disk_(disk) {
-  std::vector<std::byte> file = beginningOf(kMagic);
-  appendRecord(file, identityPayload(content.identity));
-  for (const FinishedBrick& brick : content.bricks) appendRecord(file, bytesOf(brick));
-  disk_.writeOwn(path_, file, WriteMode::kUnsynced);
+  constexpr std::size_t kAtOnce = 1 << 20;
+  const fs::path next = path_.string() + ".tmp";
+  std::vector<std::byte> bytes = beginningOf(kMagic);
+  appendRecord(bytes, identityPayload(identity));
+  try {
+    disk_.writeFile(next, bytes, WriteMode::kUnsynced);
+    bytes.clear();
+    readBricks(path_, [&](const FinishedBrick& brick, std::span<const std::byte> payload) {
+      if (keep(brick)) appendRecord(bytes, payload);
+      if (bytes.size() < kAtOnce) return;
+      disk_.appendFile(next, bytes);
+      bytes.clear();
+    });
+    if (!bytes.empty()) disk_.appendFile(next, bytes);
+    disk_.rename(next, path_);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(next, ignored);
+    throw;
+  }
 }
 
 void Journal::append(const FinishedBrick& brick) {
@@ -80,16 +117,8 @@ void Journal::append(const FinishedBrick& brick) {
 
 std::optional<JournalContent> Journal::read(const fs::path& directory) {
   JournalContent out;
-  bool is_first = true;
-  readRecords(pathIn(directory), kMagic, [&](std::span<const std::byte> payload) {
-    if (std::exchange(is_first, false)) {
-      const std::optional<ConversionIdentity> identity = identityFrom(payload);
-      if (identity) out.identity = *identity;
-      return identity.has_value();
-    }
-    std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
-    if (brick) out.bricks.push_back(*std::move(brick));
-    return brick.has_value();
+  out.identity = readBricks(pathIn(directory), [&](const FinishedBrick& brick, std::span<const std::byte> /*payload*/) {
+    out.bricks.push_back({brick.key, brick.entry, {}});
   });
   if (out.identity.volume.empty()) return std::nullopt;
   return out;

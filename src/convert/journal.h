@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -33,13 +34,16 @@ std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes)
 
 struct JournalContent {
   ConversionIdentity identity;
+  /// Without their counts, which of a large volume are as much as its journal.
   std::vector<FinishedBrick> bricks;
 };
 
 class Journal {
  public:
-  /// Begins a journal in `directory` with what is done already. throws: Error kNoSpace, kIo.
-  Journal(const std::filesystem::path& directory, const JournalContent& content, FileSystem& disk);
+  /// Begins a journal in `directory` with the bricks of the one that is there, if there is one, of which keep(brick)
+  /// says so; it is given the counts, too. memory: a record. throws: Error kNoSpace, kIo.
+  Journal(const std::filesystem::path& directory, const ConversionIdentity& identity,
+          const std::function<bool(const FinishedBrick&)>& keep, FileSystem& disk);
   /// thread: safe. throws: Error kNoSpace, kIo.
   void append(const FinishedBrick& brick);
 

@@ -36,6 +36,7 @@ class StoreWriter {
   /// Enters a brick that another writer has written, or is writing: an earlier one, or one of another process. thread:
   /// safe for different keys.
   void keep(const BrickKey& key, const BrickEntry& entry) { index_.at(key) = entry; }
+  bool contains(const BrickKey& key) const { return index_.contains(key); }
   BrickFrame frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
   /// requires: the brick was encoded or kept. thread: safe beside encoding other bricks.
