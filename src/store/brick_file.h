@@ -99,7 +99,7 @@ void forEachLeafOfGrid(const VoxelBox& core, const VoxelBox& stored, bool of_cor
   });
 }
 
-/// Of stores of either format.
+/// Of stores of every format.
 inline constexpr int kBrickFileFormat = 1;
 
 /// The file's own metadata, by which a reader knows that it has the right brick.

@@ -136,7 +136,8 @@ class Reader {
   }
   void finish() const {
     for (const auto& [key, unused] : object_.items()) {
-      if (std::find(seen_.begin(), seen_.end(), key) == seen_.end()) fail(key.c_str(), "is not a key of format 1");
+      if (std::find(seen_.begin(), seen_.end(), key) == seen_.end())
+        fail(key.c_str(), "is not a key of a store's manifest");
     }
   }
   [[noreturn]] void fail(const char* key, const std::string& what) const {
@@ -245,7 +246,7 @@ std::string manifestText(const Manifest& m) {
   }
   const VolumeGeometry& geometry = m.geometry();
   Json json = {
-      {"kiln", kFormatVersion},
+      {"kiln", m.format},
       {"dimensions", triple(geometry.dims)},
       {"type", std::string(nameOf(m.type))},
       {"range", m.range.empty() ? Json(nullptr) : Json::array({number(m.range.lo), number(m.range.hi)})},
@@ -282,6 +283,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
                             kFirstFormatVersion, kFormatVersion));
   }
   Manifest m;
+  m.format = static_cast<int>(version);
   const std::optional<VoxelType> type = voxelTypeNamed(root.value<std::string>("type"));
   if (!type) root.fail("type", "is not a voxel type");
   m.type = *type;

@@ -43,6 +43,7 @@ struct Provenance {
 };
 
 struct Manifest {
+  int format = kFormatVersion;
   VoxelType type = VoxelType::u8;
   ValueRange range;
   std::uint64_t nan_count = 0;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -15,6 +17,15 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kLargestManifest = 64ull << 20;
+
+// Whether a voxel of the type may have the value.
+bool holds(VoxelType type, double value) {
+  return withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    if constexpr (std::is_floating_point_v<T>) return true;
+    return value >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+           value <= static_cast<double>(std::numeric_limits<T>::max());
+  });
+}
 
 File opened(const fs::path& path, std::uint64_t bytes) {
   try {
@@ -99,7 +110,13 @@ Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
 
 BrickBlock StoreReader::read(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
-  if (entry.constant) return constantBrick(frame(key), entry.core.lo);
+  if (entry.constant) {
+    if (!holds(manifest_.type, entry.core.lo))
+      throw Error(
+          ErrorCode::kDamaged, directory_ / "index.bin", brickPath(key).string(),
+          fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest_.type)));
+    return constantBrick(frame(key), entry.core.lo);
+  }
   return decode(key, bytesOfFile<UnsetBytes>(key));
 }
 

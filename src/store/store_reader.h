@@ -49,7 +49,7 @@ class StoreReader {
   BrickIndex index_;
 };
 
-/// Whether `directory` looks like a store (has a manifest), finished and whole or not.
+/// Whether `directory` has a manifest, by which it is a store; whether that is whole is for StoreReader to see.
 bool isStore(const std::filesystem::path& directory);
 
 }  // namespace kiln

@@ -99,7 +99,7 @@ void printForPeople(const StoreReader& store) {
   const VolumeGeometry& g = m.geometry();
   const glm::dvec3 spacing = g.spacing();
   const std::string unit = g.unit.empty() ? "world units" : g.unit;
-  fmt::print("store        {} (format {})\n", store.path().string(), kFormatVersion);
+  fmt::print("store        {} (format {})\n", store.path().string(), m.format);
   fmt::print("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
              formatBytes(storage.raw_bytes));
   fmt::print("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
