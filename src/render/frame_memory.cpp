@@ -118,6 +118,14 @@ std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
   return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * drawnPixelBytes(job);
 }
 
+// What visibility is known of, at the most, where a crop is drawn: it begins where a tile does. unit: sub-pixels.
+ImageSize testedSize(const RenderJob& job, const PixelRect& drawn, const PixelFilter& filter) {
+  const int edge = filter.edge(), beside = 2 * filter.reach() + std::max(job.speed.tile_px, kVisibilityTile);
+  const ImageSize& size = job.picture.size;
+  return {std::min(edge * size.width, edge * drawn.width() + beside),
+          std::min(edge * size.height, edge * drawn.height() + beside)};
+}
+
 // What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
 std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
   return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
@@ -142,7 +150,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
   if (drawsDeep(job)) out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
   const bool edges = drawsPart(job.picture) && drawsSlabs(job);
   if (edges) out.edges = out.least_edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
-  ImageSize tested{edge * size.width, edge * size.height};
+  ImageSize tested = testedSize(job, drawn, filter);
   if (job.picture.camera.projection == Projection::kEquirectangular) {
     View panorama;
     panorama.focal_px = size.height / std::numbers::pi;
