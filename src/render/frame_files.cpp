@@ -143,22 +143,11 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
     writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
 }
 
-// Where two texts of a job first differ, as a line of each; the name of the volume, which says nothing, is in front.
-std::string differenceOf(const std::string& found_text, const std::string& expected_text) {
-  const auto behind_volume = [](const std::string& text) {
-    return text.substr(std::min(text.find("\"image\""), text.size()));
-  };
-  const std::string found = behind_volume(found_text), expected = behind_volume(expected_text);
-  const auto line_at = [](const std::string& text, std::size_t at) {
-    const std::size_t begin = text.rfind('\n', at) == std::string::npos ? 0 : text.rfind('\n', at) + 1;
-    std::string line = text.substr(begin, text.find('\n', at) - begin);
-    line.erase(0, line.find_first_not_of(' '));
-    return line.ends_with(',') ? line.substr(0, line.size() - 1) : line;
-  };
-  const auto [a, b] = std::mismatch(found.begin(), found.end(), expected.begin(), expected.end());
-  if (a == found.end() || b == expected.end()) return "; its volume, its kind of file or Kiln's version is another";
-  return fmt::format("; it has {} where this job has {}", line_at(found, static_cast<std::size_t>(a - found.begin())),
-                     line_at(expected, static_cast<std::size_t>(b - expected.begin())));
+// What differs between the job of a picture that is there and this one, as the end of a sentence.
+std::string differenceOf(const std::string& there, const std::string& here) {
+  const std::string difference = jobDifference(there, here);
+  return difference.empty() ? "; what its volume holds, its kind of file or Kiln's version is another"
+                            : ": " + difference;
 }
 
 }  // namespace

@@ -1,6 +1,11 @@
 // A job written out with every choice made. What does not change the picture (how fast, where to) is left out, so that
 // equal pictures have equal EXR headers.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "scene/job_names.h"
 #include "scene/render_job.h"
@@ -88,6 +93,30 @@ ordered_json jsonOf(const VolumeOptions& volume) {
   return out;
 }
 
+// What differs between two values at the same place of two jobs.
+void addDifferences(const ordered_json& there, const ordered_json& here, const std::string& place,
+                    std::vector<std::string>& out) {
+  if (there == here || there.is_discarded() || here.is_discarded()) return;
+  const auto at = [&](const std::string& key) { return place.empty() ? key : place + "." + key; };
+  if (there.is_object() && here.is_object()) {
+    for (const auto& [key, value] : there.items()) {
+      if (here.contains(key))
+        addDifferences(value, here[key], at(key), out);
+      else
+        out.push_back(at(key) + " is there and not here");
+    }
+    for (const auto& [key, value] : here.items())
+      if (!there.contains(key)) out.push_back(at(key) + " is here and not there");
+  } else if (there.is_array() && here.is_array() && there.size() == here.size()) {
+    for (std::size_t i = 0; i < there.size(); ++i)
+      addDifferences(there[i], here[i], fmt::format("{}[{}]", place, i), out);
+  } else if (there.is_structured() || here.is_structured()) {
+    out.push_back(place + " is another");
+  } else {
+    out.push_back(fmt::format("{} is {} there and {} here", place, there.dump(), here.dump()));
+  }
+}
+
 }  // namespace
 
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
@@ -130,6 +159,17 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
   if (picture.skip_damaged) out["skipDamaged"] = true;
   // A file name need not be UTF-8; JSON must be.
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string jobDifference(const std::string& there, const std::string& here) {
+  constexpr std::size_t kMostSaid = 3;
+  const auto parsed = [](const std::string& text) { return ordered_json::parse(text, nullptr, false); };
+  std::vector<std::string> differences;
+  addDifferences(parsed(there), parsed(here), "", differences);
+  std::string out;
+  for (std::size_t i = 0; i < std::min(differences.size(), kMostSaid); ++i) out += (i > 0 ? ", " : "") + differences[i];
+  if (differences.size() > kMostSaid) out += fmt::format(", and {} more", differences.size() - kMostSaid);
+  return out;
 }
 
 }  // namespace kiln

@@ -146,7 +146,7 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   done({"render", in("job.json")});
   const auto before = filesOf(directory_ / "out");
   refused({"render", in("job.json"), "--resume", "--ambient", "0.3"}, 1,
-          "f_0001.exr: is a picture of another job; it has \"ambient\": 0.2 where this job has \"ambient\": 0.3");
+          "f_0001.exr: is a picture of another job: shading.ambient is 0.2 there and 0.3 here; name another output");
   refused({"render", in("job.json"), "--resume", "--exr-type", "float"}, 1, "kind of file");
   EXPECT_TRUE(filesOf(directory_ / "out") == before);
   refused({"render", in("job.json"), "-o", in("one.png")}, 2, "write " + in("one_####.png"));
