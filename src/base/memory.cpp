@@ -34,9 +34,10 @@ void keepFreedMemory() {
 #endif
 }
 
-std::uint64_t parseBytes(std::string_view text) {
+std::uint64_t parseBytes(std::string_view text, std::string_view option) {
   const auto refuse = [&] {
-    return Error(ErrorCode::kUsage, "'" + std::string(text) + "' is not an amount of memory; write 512M, 2G or bytes");
+    return Error(ErrorCode::kUsage, std::string(option) + (option.empty() ? "'" : ": '") + std::string(text) +
+                                        "' is not an amount of memory; write 512M, 2G or bytes");
   };
   double number = 0;
   const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);

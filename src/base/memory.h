@@ -18,8 +18,8 @@ std::uint64_t peakResidentBytes();
 void keepFreedMemory();
 
 /// "2G", "512M", "64K", "1.5GiB" or a plain number of bytes; K, M, G and T are powers of 1024.
-/// throws: Error kUsage.
-std::uint64_t parseBytes(std::string_view text);
+/// throws: Error kUsage, which names `option` where there is one.
+std::uint64_t parseBytes(std::string_view text, std::string_view option = {});
 
 /// For people: "1.50 GiB", "32.0 MiB", "17 bytes".
 std::string formatBytes(std::uint64_t bytes);

@@ -16,6 +16,11 @@ struct CompositeArguments {
 
 void run(const CompositeArguments& a, Context& context) {
   requireImagePath(a.output);
+  for (const std::string& part : a.parts) {
+    std::error_code ignored;
+    if (fs::equivalent(part, a.output, ignored))
+      throw Error(ErrorCode::kUsage, a.output, "", "is one of the parts; name another picture");
+  }
   const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress);
   writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);
   context.progress.clear();

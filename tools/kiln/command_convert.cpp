@@ -92,6 +92,9 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
 
 void run(const ConvertArguments& a, Context& context) {
   if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
+  if (isStore(a.input))
+    throw Error(ErrorCode::kUsage, a.input, "",
+                "is a store already: kiln render draws it, kiln export makes a file of OpenVDB of it");
   keepFreedMemory();
   const ThreadLimit threads(a.threads);
   std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
@@ -103,7 +106,7 @@ void run(const ConvertArguments& a, Context& context) {
   }
   ConvertOptions options;
   options.brick_size = a.brick_size;
-  options.memory_bytes = parseBytes(a.memory);
+  options.memory_bytes = parseBytes(a.memory, "--memory");
   options.overwrite = a.overwrite;
   options.resume = a.resume;
   options.half = a.half;
@@ -143,12 +146,14 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("--memory", a->memory, "the most memory for buffers; under mpirun of each rank")
       ->capture_default_str()
       ->type_name("BYTES");
-  command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
+  command->add_option("--threads", a->threads, "threads; 0 takes all")
+      ->check(wholeNumberFrom(0))
+      ->capture_default_str();
   command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
       ->capture_default_str();
   command
       ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
-      ->check(CLI::PositiveNumber);
+      ->check(wholeNumberFrom(1));
   command->add_flag("--half", a->half, "round values to 16-bit floats: smaller bricks; the largest error is printed");
   command
       ->add_flag("--labels", a->labels,

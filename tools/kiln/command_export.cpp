@@ -14,6 +14,8 @@ struct ExportArguments {
 };
 
 void run(const ExportArguments& a, Context& context) {
+  if (std::filesystem::path(a.output).extension() != ".vdb")
+    throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
   const StoreReader store(a.store);
   if (a.level < 0 || a.level >= store.index().levels()) {
     throw Error(ErrorCode::kUsage, fmt::format("--level: {} has levels 0 to {}", a.store, store.index().levels() - 1));

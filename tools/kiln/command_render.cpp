@@ -86,6 +86,8 @@ std::optional<int> numberOrAuto(const std::string& text, const char* option, con
 void applyStereo(const RenderArguments& a, std::optional<Stereo>& stereo) {
   if (!a.stereo && !a.interocular && !a.convergence) return;
   constexpr double kLongest = 1e30;
+  if (!stereo && !a.stereo)
+    throw Error(ErrorCode::kUsage, "--interocular, --convergence: no pair is drawn; add --stereo both, left or right");
   if (!stereo) stereo = Stereo{};
   if (a.stereo) stereo->eye = named<StereoEye>(kStereoEyeNames, *a.stereo, "--stereo");
   if (a.interocular) stereo->interocular = between(*a.interocular, 0, kLongest, "--interocular");
@@ -143,7 +145,7 @@ void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
     speed.visibility.epsilon_px = static_cast<int>(between(*a.epsilon, -1, kLargestEpsilon, "--quadtree-epsilon"));
   if (a.nodes_only) speed.visibility.test_samples = false;
   if (a.tile) speed.tile_px = *a.tile;
-  if (a.memory) speed.memory_bytes = parseBytes(*a.memory);
+  if (a.memory) speed.memory_bytes = parseBytes(*a.memory, "--memory");
   if (a.threads) speed.threads = *a.threads;
 }
 
@@ -162,6 +164,8 @@ void applyFrames(const RenderArguments& a, RenderJob& job) {
 }
 
 void applyVideo(const RenderArguments& a, VideoOptions& video) {
+  if (a.rate && video.path.empty())
+    throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
   if (a.rate) video.rate = between(*a.rate, 0, 1000, "--rate");
   if (video.path.empty() || a.dry_run) return;
   video.encoder = findProgram("ffmpeg");
@@ -234,6 +238,18 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
   }
 }
 
+// That what is written beside the pictures is written over nothing else that the command writes.
+void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
+  std::vector<fs::path> taken{job.output.path, job.output.video.path};
+  for (const OutputFile& file : job.output.files) taken.push_back(file.path);
+  for (const auto& [option, name] : {std::pair{"--stats", &a.stats}, std::pair{"--trace", &a.trace}}) {
+    if (name->empty()) continue;
+    if (std::find(taken.begin(), taken.end(), *name) != taken.end())
+      throw Error(ErrorCode::kUsage, fmt::format("{}: {} is the name of another file of this command", option, *name));
+    taken.push_back(*name);
+  }
+}
+
 RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
   if (fs::path(a.input).extension() == ".json") {
@@ -255,6 +271,7 @@ RenderJob jobOf(const RenderArguments& a) {
   if ((a.deep_samples || a.deep_error) && !drawsDeep(job))
     throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
   requireOutputs(job, framesOf(job).size());
+  requireOwnFiles(a, job);
   return job;
 }
 
@@ -280,7 +297,8 @@ void sayCost(const RenderArguments& a, const RenderJob& job) {
              formatBytes(memory.index), formatBytes(memory.slabs),
              memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
              memory.brickText());
-  fmt::print("             --memory {} is the smallest that works\n", roundedUpBytes(memory.smallest()));
+  fmt::print("             --memory {} is the smallest that works, with {} to draw with\n",
+             roundedUpBytes(memory.smallest()), formatBytes(memory.least_slabs));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
              a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
@@ -507,7 +525,7 @@ void addRender(CLI::App& app, Context& context) {
                     "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
   command->add_option("--memory", a->memory, "the most memory for image, index and bricks; 2G if not given")
       ->type_name("BYTES");
-  command->add_option("--threads", a->threads, "threads; 0 takes all");
+  command->add_option("--threads", a->threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
   command->add_flag("--dry-run", a->dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
   command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
   command

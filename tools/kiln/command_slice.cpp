@@ -25,7 +25,7 @@ void run(const SliceArguments& a, Context& context) {
   request.axis = static_cast<int>(axes.find(a.axis));
   request.level = a.level;
   request.index = a.index;
-  request.memory_bytes = parseBytes(a.memory);
+  request.memory_bytes = parseBytes(a.memory, "--memory");
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   const Image image = renderSlice(StoreReader(a.store), request, context.progress);
   writeImage(image, {}, {}, a.output);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "commands.h"
+#include "source_arguments.h"
 #include "store/verify.h"
 
 namespace kiln::tool {
@@ -17,7 +18,7 @@ void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   const StoreReader store(a.store);
   const VerifyReport report = verify(
-      store, parseBytes(a.memory), [&](const Error& damage) { context.progress.note(damage.what()); },
+      store, parseBytes(a.memory, "--memory"), [&](const Error& damage) { context.progress.note(damage.what()); },
       context.progress);
   context.progress.clear();
   if (report.damaged > 0)
@@ -34,7 +35,9 @@ void addVerify(CLI::App& app, Context& context) {
       "verify", "check every file of a store against its checksum, and every octree against its voxels");
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("--memory", a->memory, "the most memory for bricks")->capture_default_str()->type_name("BYTES");
-  command->add_option("--threads", a->threads, "threads; 0 takes all")->capture_default_str();
+  command->add_option("--threads", a->threads, "threads; 0 takes all")
+      ->check(wholeNumberFrom(0))
+      ->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

@@ -31,6 +31,17 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
   return 2;
 }
 
+// The name of an option of the chosen command that was given an empty text, as a script does whose variable is not set.
+std::string emptyArgument(const CLI::App& app) {
+  for (const CLI::App* const command : app.get_subcommands()) {
+    for (const CLI::Option* const option : command->get_options()) {
+      for (const std::string& text : option->results())
+        if (text.empty()) return option->get_name();
+    }
+  }
+  return {};
+}
+
 std::string unexpected(const std::exception& error) {
   return std::string("unexpected: ") + error.what() + "; this is a defect, please report it";
 }
@@ -85,6 +96,8 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   } catch (const CLI::ParseError& error) {
     return refuseCommandLine(app, error, ranks);
   }
+  if (const std::string empty = emptyArgument(app); !empty.empty())
+    return refuseCommandLine(app, CLI::ValidationError(empty, "is empty; write its value"), ranks);
   installInterruptHandler();
   try {
     if (ranks.first() || context.by_all_ranks) context.action();

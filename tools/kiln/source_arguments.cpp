@@ -42,7 +42,21 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
       std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: expected WIDTHxHEIGHT, found '{}'", option, text));
   }
+  // Known before memory is planned for it.
+  if (std::min(values[0], values[1]) < 1 || std::max(values[0], values[1]) > kLargestSide_px)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: each side must be from 1 to {} pixels, found '{}'", option, kLargestSide_px, text));
   return {static_cast<int>(values[0]), static_cast<int>(values[1])};
+}
+
+CLI::Validator wholeNumberFrom(int least) {
+  const auto refused = [least](std::string& text) {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc() && end == text.data() + text.size() && value >= least) return std::string();
+    return fmt::format("expected a whole number from {} on, found '{}'", least, text);
+  };
+  return {refused, ""};
 }
 
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
@@ -84,7 +98,9 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   command.add_option("--dims", a.dims, "headerless raw: voxels along x, y, z")->type_name("X,Y,Z");
   command.add_option("--type", a.type, "headerless raw: u8 i8 u16 i16 u32 i32 f32 f64")->type_name("TYPE");
   command.add_option("--endian", a.endian, "headerless raw: little (default) or big")->type_name("ORDER");
-  command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")->type_name("BYTES");
+  command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")
+      ->check(wholeNumberFrom(0))
+      ->type_name("BYTES");
   command.add_option("--spacing", a.spacing, "spacing where the file does not say, in world units")->type_name("X,Y,Z");
   command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
   command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");

@@ -9,6 +9,9 @@
 
 namespace kiln::tool {
 
+/// Of an option or a number of it: a whole number from `least` on.
+CLI::Validator wholeNumberFrom(int least);
+
 struct SourceArguments {
   std::string dims, type, endian, spacing, grid, series;
   std::uint64_t skip = 0;
