@@ -405,153 +405,180 @@ void addCameraOptions(CLI::App& command, RenderArguments& a) {
                      "the depth at which both eyes see the same place; the target's if not given");
 }
 
-}  // namespace
-
-void addRender(CLI::App& app, Context& context) {
-  auto a = std::make_shared<RenderArguments>();
-  CLI::App* command =
-      app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
-  command->add_option("INPUT", a->input, "a store, a volume file (converted to a store beside it first), or JOB.json")
+void addJobOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("INPUT", a.input, "a store, a volume file (converted to a store beside it first), or JOB.json")
       ->required();
-  command->add_option(
-      "-o,--output", a->output,
+  command.add_option(
+      "-o,--output", a.output,
       "the picture, .exr or .png, in whose name a run of # is the frame's number; or a video, .mp4, .mov, "
       ".mkv or .webm, by ffmpeg");
   command
-      ->add_option("--add", a->added,
-                   "a store or volume file in the same picture, where its affine has it; once for each (options that "
-                   "speak of a volume's values or voxels are INPUT's)")
+      .add_option("--add", a.added,
+                  "a store or volume file in the same picture, where its affine has it; once for each (options that "
+                  "speak of a volume's values or voxels are INPUT's)")
       ->allow_extra_args(false)
       ->type_name("FILE");
-  command->add_option("--add-tf", a->added_tfs, "transfer function of each --add, in their order; auto if not given")
+  command.add_option("--add-tf", a.added_tfs, "transfer function of each --add, in their order; auto if not given")
       ->allow_extra_args(false)
       ->type_name("TF");
-  command->add_option("--frames", a->frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
+  command.add_option("--frames", a.frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
       ->type_name("FRAMES");
-  command->add_option("--turntable", a->turntable, "turn the camera once about its target in this many frames")
+  command.add_option("--turntable", a.turntable, "turn the camera once about its target in this many frames")
       ->type_name("FRAMES");
-  command->add_flag("--resume", a->resume, "keep the frames that are there and whole, and draw the others");
-  command->add_flag(
-      "--checkpoint", a->checkpoint,
-      "draw a long frame in tiles of 512x512 pixels and keep those that are finished in a file beside the "
-      "picture, NAME.tiles, until that is written; with --resume go on from them");
-  command->add_option("--rate", a->rate, "frames a second of a video; 24 if not given")->type_name("FPS");
-  command->add_option(
-      "--progress", a->progress,
+  command.add_flag("--resume", a.resume, "keep the frames that are there and whole, and draw the others");
+  command.add_flag("--checkpoint", a.checkpoint,
+                   "draw a long frame in tiles of 512x512 pixels and keep those that are finished in a file beside the "
+                   "picture, NAME.tiles, until that is written; with --resume go on from them");
+  command.add_option("--rate", a.rate, "frames a second of a video; 24 if not given")->type_name("FPS");
+  command.add_option(
+      "--progress", a.progress,
       "how far frames and the job are, with rate and time left: auto (default; a line that is drawn over, where there "
       "is a terminal), plain (a line every ten seconds), json (events on standard output, one a line) or none");
-  command->add_option(
-      "--distribute", a->distribute,
+}
+
+void addRankOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option(
+      "--distribute", a.distribute,
       "under mpirun, what the ranks share: tiles of frames, whole frames, bricks (each rank draws its own, "
       "and the partial images are composited), or auto (default): tiles or frames, whichever reads less");
   command
-      ->add_option(
-          "--share-reads", a->share_reads,
-          "under mpirun, with tiles or frames: on (default), each brick file is read from the disk by one rank "
-          "and sent to others that need it; off, each reads for itself, as where each has a fast copy of "
-          "the store")
+      .add_option("--share-reads", a.share_reads,
+                  "under mpirun, with tiles or frames: on (default), each brick file is read from the disk by one rank "
+                  "and sent to others that need it; off, each reads for itself, as where each has a fast copy of "
+                  "the store")
       ->type_name("on|off");
   command
-      ->add_option("--store-local", a->store_local,
-                   "with --distribute bricks: where each rank finds its part of the store, made by kiln split; a run "
-                   "of # is the rank's number, from 1 on")
+      .add_option("--store-local", a.store_local,
+                  "with --distribute bricks: where each rank finds its part of the store, made by kiln split; a run "
+                  "of # is the rank's number, from 1 on")
       ->type_name("DIR");
-  command->add_option("--size", a->size, "pixels; 1024x1024 if not given, of a panorama 2048x1024")
+}
+
+void addPixelOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--size", a.size, "pixels; 1024x1024 if not given, of a panorama 2048x1024")
       ->type_name("WIDTHxHEIGHT");
-  command->add_option("--crop", a->crop, "draw these pixels of the picture only, the same bit for bit")
+  command.add_option("--crop", a.crop, "draw these pixels of the picture only, the same bit for bit")
       ->type_name("X,Y,W,H");
-  command->add_option("--samples", a->samples,
-                      "sub-pixels that a pixel is made of: 1, 2 (of --lattice ray), 4, 16, or auto (default), which "
-                      "takes more than one for "
-                      "small pictures of small voxels");
+  command.add_option("--samples", a.samples,
+                     "sub-pixels that a pixel is made of: 1, 2 (of --lattice ray), 4, 16, or auto (default), which "
+                     "takes more than one for "
+                     "small pictures of small voxels");
   command
-      ->add_option(
-          "--aov", a->aovs,
+      .add_option(
+          "--aov", a.aovs,
           "more channels of the EXR: depth (Z, where alpha passes one half, and depth.mean, of all that is seen; along "
           "the view, infinite where there is nothing), normal (N.X, N.Y, N.Z, in the world), or both; value of --mode "
           "mip, minip or average (NaN where there is nothing)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("NAME,...");
-  addCameraOptions(*command, *a);
-  command->add_option("--tf", a->tf,
-                      fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "
-                                  "or a preset: {}",
-                                  presetList()));
+}
+
+void addLookOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--tf", a.tf,
+                     fmt::format("transfer function: a file (Kiln's, or FILE or FILE#NAME of ParaView's colour maps) "
+                                 "or a preset: {}",
+                                 presetList()));
   command
-      ->add_option("--window", a->window,
-                   "stretch the transfer function so that it begins and ends with this window of values")
+      .add_option("--window", a.window,
+                  "stretch the transfer function so that it begins and ends with this window of values")
       ->type_name("CENTRE,WIDTH");
-  addSceneArguments(*command, a->scene);
-  command->add_option("--visibility", a->visibility,
-                      fmt::format("how hidden parts are found, one of {}: the picture is the same but for quadtree",
-                                  fmt::join(kVisibilityNames, ", ")));
-  command->add_option("--projected-area", a->area,
-                      "what stands for a node of the octree when it is tested: box, the tightest, or sphere, as Lee "
-                      "and Ihm have it");
-  command->add_option("--quadtree-epsilon", a->epsilon, "enlarge projected areas by this, for --visibility quadtree")
+  addSceneArguments(command, a.scene);
+}
+
+void addVisibilityOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--visibility", a.visibility,
+                     fmt::format("how hidden parts are found, one of {}: the picture is the same but for quadtree",
+                                 fmt::join(kVisibilityNames, ", ")));
+  command.add_option("--projected-area", a.area,
+                     "what stands for a node of the octree when it is tested: box, the tightest, or sphere, as Lee "
+                     "and Ihm have it");
+  command.add_option("--quadtree-epsilon", a.epsilon, "enlarge projected areas by this, for --visibility quadtree")
       ->type_name("PIXELS");
-  command->add_flag("--test-nodes-only", a->nodes_only,
-                    "ask for nodes of the octree but not for each voxel, as Lee and Ihm have it");
-  command->add_option("--tile", a->tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
+  command.add_flag("--test-nodes-only", a.nodes_only,
+                   "ask for nodes of the octree but not for each voxel, as Lee and Ihm have it");
+  command.add_option("--tile", a.tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
       ->type_name("PIXELS");
-  command->add_option("--opacity-threshold", a->threshold,
-                      "alpha at which a pixel takes no more light; 0.998 if not given");
-  command->add_option(
-      "--mode", a->mode,
-      "what a pixel shows: composite (default), the light that the volume sends; mip, minip or average, "
-      "the greatest, least or mean value behind it, in the transfer function's colours (grey over the "
-      "range of values or --window, if --tf names none)");
-  command->add_option(
-      "--lattice", a->lattice,
+  command.add_option("--opacity-threshold", a.threshold,
+                     "alpha at which a pixel takes no more light; 0.998 if not given");
+}
+
+void addSamplingOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--mode", a.mode,
+                     "what a pixel shows: composite (default), the light that the volume sends; mip, minip or average, "
+                     "the greatest, least or mean value behind it, in the transfer function's colours (grey over the "
+                     "range of values or --window, if --tf names none)");
+  command.add_option(
+      "--lattice", a.lattice,
       "where samples are: pixel (default; splatted, steadiest when turned), ray (on pixels' rays: several times as "
       "fast) or voxel (the voxels alone, as Lee and Ihm have it)");
-  command->add_option("--interpolation", a->interpolation,
-                      "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
-                      "(smooth, keeps the voxels' values)");
+  command.add_option("--interpolation", a.interpolation,
+                     "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
+                     "(smooth, keeps the voxels' values)");
   command
-      ->add_option("--sample-distance", a->sample_distance,
-                   "between samples, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, and in any "
-                   "case half a pixel at the least, and a pixel at the most but on rays")
+      .add_option("--sample-distance", a.sample_distance,
+                  "between samples, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, and in any "
+                  "case half a pixel at the least, and a pixel at the most but on rays")
       ->type_name("VOXELS");
-  command->add_option("--level", a->level,
-                      "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
+  command.add_option("--level", a.level,
+                     "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
   command
-      ->add_option("--part", a->part,
-                   "draw a partial image, for kiln composite: the I-th of N boxes that fill the volume, or a box of "
-                   "voxels; unlike --region it cuts nothing")
+      .add_option("--part", a.part,
+                  "draw a partial image, for kiln composite: the I-th of N boxes that fill the volume, or a box of "
+                  "voxels; unlike --region it cuts nothing")
       ->type_name("I/N|X0,Y0,Z0,X1,Y1,Z1");
-  command->add_flag("--skip-damaged", a->skip_damaged,
-                    "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
-  command->add_option("--memory", a->memory, "the most memory for image, index and bricks; 2G if not given")
+  command.add_flag("--skip-damaged", a.skip_damaged,
+                   "draw bricks that are damaged or missing as nothing, warn of each, and succeed");
+}
+
+void addCostOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--memory", a.memory, "the most memory for image, index and bricks; 2G if not given")
       ->type_name("BYTES");
-  command->add_option("--threads", a->threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
-  command->add_flag("--dry-run", a->dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
-  command->add_option("--stats", a->stats, "write what the render cost, as JSON")->type_name("FILE");
+  command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
+  command.add_flag("--dry-run", a.dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
+  command.add_option("--stats", a.stats, "write what the render cost, as JSON")->type_name("FILE");
   command
-      ->add_option("--trace", a->trace,
-                   "write what each thread did when, in Chrome's trace format, for Perfetto or chrome://tracing")
+      .add_option("--trace", a.trace,
+                  "write what each thread did when, in Chrome's trace format, for Perfetto or chrome://tracing")
       ->type_name("FILE");
-  command->add_option("--repeat", a->repeat, "draw the frame this many times, from the second on with bricks in memory")
+  command.add_option("--repeat", a.repeat, "draw the frame this many times, from the second on with bricks in memory")
       ->capture_default_str();
-  command->add_option("--exr-type", a->exr_type, "half or float");
-  command->add_option("--compression", a->compression,
-                      fmt::format("of an EXR: {}; zip if not given, the last two lose something",
-                                  fmt::join(kExrCompressionNames, ", ")));
-  command->add_flag("--deep", a->deep,
-                    "a deep EXR: RGBA, Z and ZBack of each slab, for compositing with others; it has no background");
-  command->add_option(
-      "--deep-samples", a->deep_samples,
-      "deep samples of a pixel, at most: with more slabs, neighbours become one where that shows least; "
-      "24 if not given");
-  command->add_option("--deep-error", a->deep_error,
-                      "make one sample of neighbouring slabs as long as a cut at any depth shows at most so much else, "
-                      "of 1; 0 if not given");
-  command->add_option("--owner", a->owner, "an EXR's attribute owner");
-  command->add_option("--comments", a->comments, "an EXR's attribute comments");
-  command->add_flag("--exr-statistics", a->exr_statistics,
-                    "what --stats writes, as an EXR's attribute kiln:statistics");
-  command->add_option("--png-bits", a->png_bits, "8 or 16");
+}
+
+void addFileOptions(CLI::App& command, RenderArguments& a) {
+  command.add_option("--exr-type", a.exr_type, "half or float");
+  command.add_option("--compression", a.compression,
+                     fmt::format("of an EXR: {}; zip if not given, the last two lose something",
+                                 fmt::join(kExrCompressionNames, ", ")));
+  command.add_flag("--deep", a.deep,
+                   "a deep EXR: RGBA, Z and ZBack of each slab, for compositing with others; it has no background");
+  command.add_option("--deep-samples", a.deep_samples,
+                     "deep samples of a pixel, at most: with more slabs, neighbours become one where that shows least; "
+                     "24 if not given");
+  command.add_option("--deep-error", a.deep_error,
+                     "make one sample of neighbouring slabs as long as a cut at any depth shows at most so much else, "
+                     "of 1; 0 if not given");
+  command.add_option("--owner", a.owner, "an EXR's attribute owner");
+  command.add_option("--comments", a.comments, "an EXR's attribute comments");
+  command.add_flag("--exr-statistics", a.exr_statistics, "what --stats writes, as an EXR's attribute kiln:statistics");
+  command.add_option("--png-bits", a.png_bits, "8 or 16");
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, Context& context) {
+  auto a = std::make_shared<RenderArguments>();
+  CLI::App* command =
+      app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
+  addJobOptions(*command, *a);
+  addRankOptions(*command, *a);
+  addPixelOptions(*command, *a);
+  addCameraOptions(*command, *a);
+  addLookOptions(*command, *a);
+  addVisibilityOptions(*command, *a);
+  addSamplingOptions(*command, *a);
+  addCostOptions(*command, *a);
+  addFileOptions(*command, *a);
   addSourceArguments(*command, a->source);
   command->callback([a, &context] {
     context.by_all_ranks = true;
