@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "grid/openvdb_glue.h"
+#include "store/brick_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -35,6 +36,7 @@ struct Placement {
 Placement placementOf(const StoreReader& store, int level, const fs::path& out) {
   Placement place;
   const VolumeGeometry& geometry = store.level(level).geometry;
+  if (store.manifest().volume_class == VolumeClass::kLabels) place.name = "labels";
   place.world_from_grid = geometry.world_from_index;
   if (const auto& vdb = store.manifest().source.vdb) {
     place.name = vdb->grid_name;
@@ -53,10 +55,9 @@ Placement placementOf(const StoreReader& store, int level, const fs::path& out) 
   return place;
 }
 
-template <class T>
+template <class T, class Grid>
 class GridFiller {
  public:
-  using Grid = GridFor<T>;
   using Value = typename Grid::ValueType;
 
   GridFiller(const Manifest& manifest, const Placement& place)
@@ -125,9 +126,9 @@ class GridFiller {
   bool half_ = true, signed_zero_ = false;
 };
 
-template <class T>
+template <class T, class Grid>
 openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, Progress& progress) {
-  GridFiller<T> filler(store.manifest(), place);
+  GridFiller<T, Grid> filler(store.manifest(), place);
   const Extent3 lattice = store.level(level).bricks;
   const auto bricks = static_cast<std::uint64_t>(lattice.count());
   for (std::uint64_t i = 0; i < bricks; ++i) {
@@ -186,8 +187,13 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   disk.requirePlaceFor(out);
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
-  const openvdb::GridBase::Ptr grid = withVoxelType(
-      store.manifest().type, [&]<class T>(std::type_identity<T>) { return gridOf<T>(store, level, place, progress); });
+  const openvdb::GridBase::Ptr grid =
+      withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
+        // Labels are names: whole numbers, as they are read again.
+        if (store.manifest().volume_class == VolumeClass::kLabels)
+          return gridOf<T, BrickGridFor<T>>(store, level, place, progress);
+        return gridOf<T, GridFor<T>>(store, level, place, progress);
+      });
   ExportReport report;
   report.voxels = grid->activeVoxelCount();
   publish(grid, out, disk);

@@ -125,6 +125,35 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
   }
 }
 
+// Labels come back as whole numbers, which convert --labels takes.
+TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::i32}) {
+    SourceInfo info = denseInfo(type, {33, 20, 17});
+    info.volume_class = VolumeClass::kLabels;
+    const auto label = [](std::int64_t x, std::int64_t y, std::int64_t z) { return (x / 5 + y / 7 + z) % 4 * 30.0; };
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      fs::remove_all(directory_ / "s.kiln");
+      makeStore<T>(directory_ / "s.kiln", info, label);
+    });
+    exported(/*overwrite=*/true);
+    EXPECT_EQ(test::gridNames(out()), std::vector<std::string>{"labels"});
+    const std::unique_ptr<VolumeSource> back = openSource(out(), {});
+    ASSERT_EQ(back->info().type, VoxelType::i32);
+    // Its box is that of what is not 0.
+    const VoxelBox box = boxOf(back->info().geometry.dims);
+    const VoxelCoord& origin = back->info().vdb->index_origin;
+    std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeof(std::int32_t));
+    back->read(box, voxels);
+    const auto* value = reinterpret_cast<const std::int32_t*>(voxels.data());
+    for (std::int64_t z = 0; z < box.hi.z; ++z) {
+      for (std::int64_t y = 0; y < box.hi.y; ++y) {
+        for (std::int64_t x = 0; x < box.hi.x; ++x)
+          ASSERT_EQ(*value++, label(x + origin.x, y + origin.y, z + origin.z));
+      }
+    }
+  }
+}
+
 // NaN differs from every background and -0 from 0: both are active and come back, NaN as some NaN.
 TEST_F(ExportVdb, KeepsNanInfinityAndTheSignOfZero) {
   const SourceInfo info = denseInfo(VoxelType::f32, {20, 9, 9});
