@@ -33,7 +33,14 @@ std::string textOf(const TransferFunction& transfer_function) {
 }
 
 std::string textOf(const Shading& s) {
-  return fmt::format("shading {} {:a} {:a} {:a} {:a}\n", s.phong, s.ambient, s.diffuse, s.specular, s.power);
+  std::string out = fmt::format("shading {} {:a} {:a} {:a} {:a}\n", s.phong, s.ambient, s.diffuse, s.specular, s.power);
+  // As below.
+  if (s.lights == Shading().lights) return out;
+  for (const Light& light : s.lights) {
+    out += fmt::format("light {} {:a} {:a} {:a} {:a} {:a} {:a} {:a}\n", static_cast<int>(light.kind), light.place.x,
+                       light.place.y, light.place.z, light.color.r, light.color.g, light.color.b, light.intensity);
+  }
+  return out;
 }
 
 std::string textOf(const ReferenceSettings& s) {
@@ -58,7 +65,8 @@ ReferencePictures::ReferencePictures(const DenseVolume& volume, std::optional<st
 Image ReferencePictures::draw(const View& view, const TransferFunction& transfer_function, const Shading& shading,
                               const ReferenceSettings& settings) const {
   const auto make = [&] { return referenceImage(volume_, view, transfer_function, shading, {0, 0, 0, 0}, settings); };
-  if (!folder_) return make();
+  // Keys say nothing of what is cut.
+  if (!folder_ || settings.clipping != Clipping()) return make();
   const std::string key = volume_key_ + textOf(view) + textOf(transfer_function) + textOf(shading) + textOf(settings);
   const std::filesystem::path file = *folder_ / (toHex(hashOf(key)) + ".exr");
   if (std::filesystem::exists(file)) return readImage(file);
