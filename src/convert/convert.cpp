@@ -63,17 +63,21 @@ bool mayBeResumed(const std::exception& error) {
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
-void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, bool labels,
+void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, const ConvertOptions& options,
                    Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
   if (!isStoreOf(store, info))
     throw Error(ErrorCode::kExists, store, "",
                 "is a store of another volume, or older than its source; give --overwrite");
   const StoreReader reader(store);
-  if ((reader.manifest().volume_class == VolumeClass::kLabels) != labels)
+  if (reader.manifest().brick_size != options.brick_size)
     throw Error(ErrorCode::kExists, store, "",
-                labels ? "is a store that was made without --labels; give --overwrite"
-                       : "is a store of labels; give --labels, or --overwrite");
+                fmt::format("is finished, with bricks of {} voxels; give --overwrite to make bricks of {}",
+                            reader.manifest().brick_size, options.brick_size));
+  if ((reader.manifest().volume_class == VolumeClass::kLabels) != options.labels)
+    throw Error(ErrorCode::kExists, store, "",
+                options.labels ? "is a store that was made without --labels; give --overwrite"
+                               : "is a store of labels; give --labels, or --overwrite");
   destination.commit();
   progress.note(out.string() + " is finished already");
   report.bricks = brickCount(reader.manifest());
@@ -218,7 +222,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   draft.source.time = beginning.earlier.identity.time;
   Making making(beginning, draft, plan, options, source, ranks, disk, progress);
   if (beginning.finished) {
-    if (destination) finishEarlier(*destination, out, info, options.labels, progress, report);
+    if (destination) finishEarlier(*destination, out, info, options, progress, report);
   } else if (ranks.alone()) {
     runAlone(making, *destination, options, progress, report);
   } else {

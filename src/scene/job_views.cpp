@@ -54,6 +54,14 @@ const char* viewWithoutTiles(const RenderJob& job) {
 
 void requireViews(const RenderJob& job) {
   const OutputOptions& output = job.output;
+  if (!job.picture.stereo && job.animation.stereo.empty()) {
+    std::vector<fs::path> names{output.path, output.video.path};
+    for (const OutputFile& file : output.files) names.push_back(file.path);
+    for (const fs::path& name : names) {
+      if (hasEyePlace(name))
+        throw Error(ErrorCode::kUsage, name, "", "has a place for an eye's name, but no pair is drawn; add --stereo");
+    }
+  }
   if (output.deep && !output.video.path.empty()) requireDeep(job, output.video.path);
   if (output.deep && !output.path.empty()) {
     requireDeep(job, output.path);

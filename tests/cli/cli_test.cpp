@@ -453,6 +453,7 @@ TEST_F(Cli, WrongCommandLines) {
       {{"render", store, "-o", picture, "--size", "70000x10"}, "from 1 to 65536 pixels"},
       {{"render", store, "-o", picture, "--threads", "-1"}, "--threads: expected a whole number from 0 on, found '-1'"},
       {{"render", store, "-o", picture, "--interocular", "3"}, "add --stereo"},
+      {{"render", store, "-o", in("p_%V.png")}, "add --stereo"},
       {{"render", store, "-o", picture, "--rate", "30"}, "--rate: no video is made"},
       {{"render", store, "-o", picture, "--stats", picture}, "--stats: " + picture},
       {{"render", store, "-o", picture, "--stats", in("s"), "--trace", in("s")}, "--trace: " + in("s")},
@@ -709,6 +710,8 @@ TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   EXPECT_NE(resumed.err.find("are finished already"), std::string::npos) << resumed.err;
   expectDone({"verify", in("big.kiln")});
   EXPECT_NE(expectDone(convert).err.find("finished already"), std::string::npos);
+  convert[8] = "128";
+  expectRefused(convert, 1, {"with bricks of", "--overwrite"});
   fs::remove(in("big.raw"));
   EXPECT_EQ(listing(), std::vector<std::string>{"big.kiln"});
 }
