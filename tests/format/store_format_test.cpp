@@ -370,6 +370,7 @@ TEST(StoreFormatEdges, StoresOfEarlierFormatsOpen) {
   for (const int format : {2, 1}) {
     makeFormat(format, store);
     const StoreReader reader(store);
+    EXPECT_EQ(reader.manifest().format, format);
     const SubRanges* const ranges = reader.index().at(first).sub_ranges.get();
     EXPECT_EQ(ranges == nullptr ? 0 : ranges->along(), format == 2 ? 4 : 0);
     EXPECT_TRUE(equalBits(draw(store, request), picture)) << "format " << format;

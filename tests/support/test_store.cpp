@@ -1,6 +1,5 @@
 #include "support/test_store.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -98,13 +97,11 @@ void makeFormat(int format, const fs::path& store) {
   data[kDigitOfMagic] = static_cast<std::byte>('0' + format);
   zeroSubBrickCounts(index, data);
   Manifest manifest = now_manifest;
+  manifest.format = format;
   manifest.index_bytes = data.size();
   manifest.index_checksum = hashOf(data);
-  std::string text = manifestText(manifest);
-  const std::string now = "\"kiln\": 3", then = fmt::format("\"kiln\": {}", format);
-  text.replace(text.find(now), now.size(), then);
   writeText(store / "index.bin", {reinterpret_cast<const char*>(data.data()), data.size()});
-  writeText(store / "manifest.json", restamped(text));
+  writeText(store / "manifest.json", manifestText(manifest));
 }
 
 std::string restamped(std::string manifest) {
