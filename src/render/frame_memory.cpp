@@ -131,6 +131,127 @@ std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
   return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
 }
 
+// Charges one thing after the other; what may take a share of the rest comes after what must be there.
+class FrameAccount {
+ public:
+  FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes)
+      : stores_(stores),
+        job_(job),
+        size_(job.picture.size),
+        drawn_(drawnPixels(size_, job.picture.crop)),
+        filter_(filterOf(job)),
+        pixels_(drawn_.count()),
+        panorama_(job.picture.camera.projection == Projection::kEquirectangular),
+        banded_(!filter_.inPlace(drawn_, size_)),
+        tested_(testedSize(job, drawn_, filter_)) {
+    out_.brick = brick_bytes;
+    out_.several = !job.volumes.empty();
+    out_.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
+  }
+
+  FrameMemory charged() {
+    chargePixels();
+    chargeFace();
+    if (job_.picture.mode == Mode::kComposite) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
+    chargeIndex();
+    if (drawsSlabs(job_) || castsRays(job_)) chargeSlabs();
+    if (splatsVoxels(job_)) chargePlanes();
+    if (drawsEdges()) shareWithEdges();
+    if (banded_) shareWithBand();
+    chooseBricksTogether();
+    return out_;
+  }
+
+ private:
+  bool drawsEdges() const { return drawsPart(job_.picture) && drawsSlabs(job_); }
+
+  void chargePixels() {
+    out_.image = pixels_ * (banded_ ? pixelBytes(job_) : drawnPixelBytes(job_)) * picturesHeld(job_);
+    if (drawsDeep(job_))
+      out_.deep = DeepSamples::bytesFor(pixels_, job_.output.deep_bound) * eyesOf(job_.picture).size();
+    if (drawsEdges()) out_.edges = out_.least_edges = EdgeLayers::bytesFor(pixels_, out_.edge_pixel_bytes);
+    if (!filter_.none() && !banded_) {
+      out_.image += PixelFilter::copiedBytes(size_);
+      out_.band_px = kNoBands;
+    }
+    if (banded_) out_.band = out_.least_band = bandBytes(job_, bandSize(drawn_, filter_, out_.band_px));
+  }
+
+  void chargeFace() {
+    if (!panorama_) return;
+    View view;
+    view.focal_px = size_.height / std::numbers::pi;
+    tested_ = panoramaFaces(view).front().size;
+    out_.face =
+        static_cast<std::uint64_t>(tested_.width) * static_cast<std::uint64_t>(tested_.height) * drawnPixelBytes(job_) +
+        pixels_ * sizeof(float);
+  }
+
+  void chargeIndex() {
+    const std::uint64_t of_brick = job_.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
+    for (const StoreReader* const store : stores_)
+      out_.index += store->index().bytes() + store->index().size() * of_brick;
+  }
+
+  // The largest squares, and the most bricks at a time, that stay little of the budget.
+  void chargeSlabs() {
+    const std::uint64_t budget = job_.speed.memory_bytes;
+    const auto fits = [&] { return out_.slabs <= budget / 8 && out_.besideBricks() + out_.brick <= budget; };
+    std::int64_t brick_size = 0;
+    for (const StoreReader* const store : stores_) brick_size = std::max(brick_size, store->manifest().brick_size);
+    out_.least_slabs = slabBytes(job_, kLeastSweep, 1, brick_size);
+    const auto charge = [&] { out_.slabs = slabBytes(job_, out_.sweep_px, out_.bricks_together, brick_size); };
+    charge();
+    while (out_.bricks_together > kEnoughBricksTogether && !fits()) out_.bricks_together /= 2, charge();
+    while (drawsSlabs(job_) && out_.sweep_px > kLeastSweep && !fits()) out_.sweep_px /= 2, charge();
+    if (!fits()) out_.bricks_together = 1, charge();
+  }
+
+  void chargePlanes() {
+    const ImageSize at_a_time = banded_     ? bandSize(drawn_, filter_, out_.band_px)
+                                : panorama_ ? tested_
+                                            : ImageSize{drawn_.width(), drawn_.height()};
+    out_.slabs = out_.least_slabs = planesBytes(job_, at_a_time);
+  }
+
+  void shareWithEdges() {
+    const std::uint64_t share = shareOf(job_.speed.memory_bytes, out_.besideBricks() + out_.brick);
+    out_.edge_pixel_bytes = std::clamp(share / pixels_, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
+    out_.edges = EdgeLayers::bytesFor(pixels_, out_.edge_pixel_bytes);
+  }
+
+  void shareWithBand() {
+    const std::uint64_t planes = splatsVoxels(job_) ? out_.slabs : 0;
+    const std::uint64_t share = shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.band - planes + out_.brick);
+    const auto charge = [&](int rows) {
+      const ImageSize band = bandSize(drawn_, filter_, rows);
+      out_.band = bandBytes(job_, band);
+      if (splatsVoxels(job_)) out_.slabs = planesBytes(job_, band);
+      return out_.band + (splatsVoxels(job_) ? out_.slabs : 0);
+    };
+    while (out_.band_px < filter_.edge() * drawn_.height() && charge(2 * out_.band_px) <= share) out_.band_px *= 2;
+    charge(out_.band_px);
+  }
+
+  // Those that are drawn stay in memory; half of it is for what is read meanwhile.
+  void chooseBricksTogether() {
+    const std::uint64_t rest = job_.speed.memory_bytes - std::min(job_.speed.memory_bytes, out_.besideBricks());
+    const std::uint64_t held = std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out_.brick, 1),
+                                                         kEnoughBricksTogether, kMostBricksTogether);
+    out_.bricks_together = std::min(out_.bricks_together, static_cast<int>(held));
+  }
+
+  const std::vector<const StoreReader*>& stores_;
+  const RenderJob& job_;
+  const ImageSize& size_;
+  const PixelRect drawn_;
+  const PixelFilter filter_;
+  const std::uint64_t pixels_;
+  const bool panorama_, banded_;
+  ImageSize tested_;  // what visibility is known of
+  FrameMemory out_;
+};
+
 }  // namespace
 
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
@@ -139,80 +260,7 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
 
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job,
                         std::uint64_t brick_bytes) {
-  const PixelFilter filter = filterOf(job);
-  const int edge = filter.edge();
-  const ImageSize& size = job.picture.size;
-  FrameMemory out;
-  const PixelRect drawn = drawnPixels(size, job.picture.crop);
-  const std::uint64_t pixels = drawn.count();
-  const bool banded = !filter.inPlace(drawn, size);
-  out.image = pixels * (banded ? pixelBytes(job) : drawnPixelBytes(job)) * picturesHeld(job);
-  if (drawsDeep(job)) out.deep = DeepSamples::bytesFor(pixels, job.output.deep_bound) * eyesOf(job.picture).size();
-  const bool edges = drawsPart(job.picture) && drawsSlabs(job);
-  if (edges) out.edges = out.least_edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
-  ImageSize tested = testedSize(job, drawn, filter);
-  if (job.picture.camera.projection == Projection::kEquirectangular) {
-    View panorama;
-    panorama.focal_px = size.height / std::numbers::pi;
-    tested = panoramaFaces(panorama).front().size;
-    out.face =
-        static_cast<std::uint64_t>(tested.width) * static_cast<std::uint64_t>(tested.height) * drawnPixelBytes(job) +
-        pixels * sizeof(float);
-  }
-  const bool composites = job.picture.mode == Mode::kComposite;
-  if (composites) out.visibility = visibilityBytes(job.speed.visibility.method, tested);
-  const std::uint64_t of_brick = job.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
-  for (const StoreReader* const store : stores) out.index += store->index().bytes() + store->index().size() * of_brick;
-  out.brick = brick_bytes;
-  out.several = !job.volumes.empty();
-  out.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
-  if (!filter.none() && !banded) {
-    out.image += PixelFilter::copiedBytes(size);
-    out.band_px = kNoBands;
-  }
-  if (banded) out.band = out.least_band = bandBytes(job, bandSize(drawn, filter, out.band_px));
-  if (drawsSlabs(job) || castsRays(job)) {
-    const std::uint64_t budget = job.speed.memory_bytes;
-    const auto fits = [&] { return out.slabs <= budget / 8 && out.besideBricks() + out.brick <= budget; };
-    std::int64_t brick_size = 0;
-    for (const StoreReader* const store : stores) brick_size = std::max(brick_size, store->manifest().brick_size);
-    out.least_slabs = slabBytes(job, kLeastSweep, 1, brick_size);
-    const auto sized = [&] { return slabBytes(job, out.sweep_px, out.bricks_together, brick_size); };
-    out.slabs = sized();
-    while (out.bricks_together > kEnoughBricksTogether && !fits()) out.bricks_together /= 2, out.slabs = sized();
-    while (drawsSlabs(job) && out.sweep_px > kLeastSweep && !fits()) out.sweep_px /= 2, out.slabs = sized();
-    if (!fits()) out.bricks_together = 1, out.slabs = sized();
-  }
-  if (splatsVoxels(job)) {
-    const bool faces = job.picture.camera.projection == Projection::kEquirectangular;
-    const ImageSize at_a_time = banded  ? bandSize(drawn, filter, out.band_px)
-                                : faces ? tested
-                                        : ImageSize{drawn.width(), drawn.height()};
-    out.slabs = out.least_slabs = planesBytes(job, at_a_time);
-  }
-  if (edges) {
-    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() + out.brick);
-    out.edge_pixel_bytes = std::clamp(share / pixels, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
-    out.edges = EdgeLayers::bytesFor(pixels, out.edge_pixel_bytes);
-  }
-  if (banded) {
-    const std::uint64_t planes = splatsVoxels(job) ? out.slabs : 0;
-    const std::uint64_t share = shareOf(job.speed.memory_bytes, out.besideBricks() - out.band - planes + out.brick);
-    const auto charge = [&](int rows) {
-      const ImageSize band = bandSize(drawn, filter, rows);
-      out.band = bandBytes(job, band);
-      if (splatsVoxels(job)) out.slabs = planesBytes(job, band);
-      return out.band + (splatsVoxels(job) ? out.slabs : 0);
-    };
-    while (out.band_px < edge * drawn.height() && charge(2 * out.band_px) <= share) out.band_px *= 2;
-    charge(out.band_px);
-  }
-  // Those that are drawn stay in memory; half of it is for what is read meanwhile.
-  const std::uint64_t rest = job.speed.memory_bytes - std::min(job.speed.memory_bytes, out.besideBricks());
-  const std::uint64_t held = std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out.brick, 1),
-                                                       kEnoughBricksTogether, kMostBricksTogether);
-  out.bricks_together = std::min(out.bricks_together, static_cast<int>(held));
-  return out;
+  return FrameAccount(stores, job, brick_bytes).charged();
 }
 
 std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job) {
