@@ -84,9 +84,11 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
   fmt::print("{}: {}\n", a.output, firstLine(info));
   // Of a resumed conversion, what this run did.
   const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
-  fmt::print("{} of {} bricks stored, {} on disk; {:.1f} s, {:.1f} million voxels/s, buffers up to {}\n",
-             report.stored_bricks, report.bricks, formatBytes(report.stored_bytes), report.seconds, rate,
-             formatBytes(report.buffer_bytes));
+  const std::string work = report.voxels > 0 ? fmt::format("{:.1f} s, {:.1f} million voxels/s, buffers up to {}",
+                                                           report.seconds, rate, formatBytes(report.buffer_bytes))
+                                             : "nothing was left to do";
+  fmt::print("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks,
+             formatBytes(report.stored_bytes), work);
   if (report.ranks.size() > 1) printRanks(report);
 }
 

@@ -22,6 +22,15 @@ void emit(const char* event, const Json& more) {
   std::fflush(stdout);
 }
 
+// The files of a frame, in a sentence.
+std::string namesOf(const RenderJob& job, int frame) {
+  const std::vector<OutputFile> files = filesOf(job, frame);
+  std::string out = files.front().path.string();
+  for (std::size_t i = 1; i < files.size(); ++i)
+    out += (i + 1 < files.size() ? ", " : " and ") + files[i].path.string();
+  return out;
+}
+
 Json pathsOf(const RenderJob& job, int frame) {
   Json out = Json::array();
   for (const OutputFile& file : filesOf(job, frame)) out.push_back(file.path.string());
@@ -98,7 +107,7 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
   const std::string line = fmt::format(
       "{}: {} x {} pixels{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
       "cache {}, resident {}\n",
-      filesOf(job, frame.frame).front().path.string(), drawn.width(), drawn.height(),
+      namesOf(job, frame.frame), drawn.width(), drawn.height(),
       frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "", frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
       frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
@@ -115,7 +124,7 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
   ++kept_;
   if (events_)
     return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
-  if (frames_ == 1) only_line_ = filesOf(job, frame).front().path.string() + ": kept; it is there and whole\n";
+  if (frames_ == 1) only_line_ = namesOf(job, frame) + ": kept; it is there and whole\n";
   showOverall(done);
 }
 
