@@ -10,6 +10,7 @@
 #include "convert/convert.h"
 #include "convert/half_source.h"
 #include "source_arguments.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace {

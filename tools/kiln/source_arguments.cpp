@@ -3,12 +3,14 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <ctime>
 #include <vector>
 
 #include "base/error.h"
+#include "base/pixel_rect.h"
 
 namespace kiln::tool {
 
