@@ -58,8 +58,10 @@ std::uint64_t brickCount(const Manifest& manifest) {
 // threads ran out.
 bool mayBeResumed(const std::exception& error) {
   const auto* ours = dynamic_cast<const Error*>(&error);
-  return ours == nullptr || ours->code() == ErrorCode::kCancelled || ours->code() == ErrorCode::kNoSpace ||
-         ours->code() == ErrorCode::kIo;
+  if (ours == nullptr) return true;
+  const ErrorCode code = ours->code();
+  return code == ErrorCode::kCancelled || code == ErrorCode::kNoSpace || code == ErrorCode::kIo ||
+         code == ErrorCode::kExists;
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
@@ -114,6 +116,7 @@ class Making {
         progress_(progress) {}
 
   void run(ConvertReport& report) {
+    noted_ = beginning_.earlier.bricks.size();
     StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_);
     Conversion& conversion = conversion_.emplace(
         Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
@@ -139,7 +142,8 @@ class Making {
 
   /// What the disk has after a failure. cost: the lanes' memory is freed.
   std::uint64_t bricksLeft() {
-    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : 0;
+    // Before it has looked at them, those that the journal notes.
+    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : noted_;
     conversion_.reset();
     return out;
   }
@@ -154,6 +158,7 @@ class Making {
   Ranks& ranks_;
   FileSystem& disk_;
   Progress& progress_;
+  std::uint64_t noted_ = 0;  // bricks of an earlier conversion
   std::optional<StoreWriter> writer_;
   std::optional<Conversion> conversion_;
 };
@@ -164,7 +169,7 @@ void runAlone(Making& making, Destination& destination, const ConvertOptions& op
     making.run(report);
     destination.commit();
   } catch (const std::exception& error) {
-    const std::uint64_t left = std::max(making.bricksLeft(), report.stored_bricks);
+    const std::uint64_t left = std::max(making.bricksLeft(), report.bricks);
     tidyUp(destination, error, left, making.bricks(), options, progress);
     throw;
   }
@@ -228,6 +233,9 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   } else {
     runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
   }
+  if (destination && !destination->leftOld().empty())
+    progress.note(destination->leftOld().string() +
+                  " is the store that an interrupted --overwrite was to replace; nothing needs it any more");
   report.buffer_bytes = plan.total();
   report.seconds = secondsSince(started);
   return report;

@@ -36,7 +36,9 @@ bool isUnfinished(const fs::path& directory) {
 
 // What an --overwrite that was interrupted left of the store that it replaced, whose manifest goes first. With a
 // manifest it is somebody's.
-bool mayBeRemoved(const fs::path& old) { return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old)); }
+bool mayBeRemoved(const fs::path& old) {
+  return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old) && !isUnfinished(old));
+}
 
 fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
@@ -92,7 +94,8 @@ void Destination::commit() {
   if (building_ == out_) return tidy();
   requirePlaceForOld();
   std::error_code ignored;
-  const bool replaces = fs::exists(out_, ignored);
+  const bool replaces = !isNothing(out_);
+  if (!replaces && isStore(old())) left_old_ = old();
   if (replaces) {
     disk_.removeAll(old());
     disk_.rename(out_, old());

@@ -25,6 +25,8 @@ class Destination {
   /// The built store loses what only a resumed conversion needs, and takes its name. throws: Error kIo; what was at
   /// `out` is then still there.
   void commit();
+  /// After it, the store that an interrupted conversion had moved aside for this one, where there is one.
+  const std::filesystem::path& leftOld() const { return left_old_; }
   /// What was built stays, and is no store.
   void keepForResuming() noexcept;
   /// Removes what was built.
@@ -35,7 +37,7 @@ class Destination {
   // Where the store that is replaced waits until the new one has its name.
   std::filesystem::path old() const;
   void requirePlaceForOld() const;
-  std::filesystem::path out_, building_;
+  std::filesystem::path out_, building_, left_old_;
   FileSystem& disk_;
   bool finished_ = false;
 };

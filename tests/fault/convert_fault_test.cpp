@@ -5,10 +5,12 @@
 
 #include <atomic>
 #include <map>
+#include <new>
 #include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "convert/journal.h"
 #include "convert/plan.h"
 #include "store/store_reader.h"
 #include "support/faulty_file_system.h"
@@ -244,6 +246,8 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     }
     EXPECT_FALSE(second) << second->what();
     EXPECT_TRUE(holds(out, new_volume));
+    // What it did not move aside itself it leaves.
+    EXPECT_TRUE(!fs::exists(old_path) || holds(old_path, old_volume));
     EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
 }
@@ -456,6 +460,53 @@ TEST(ConvertStopped, WhatIsNoErrorOfOursCostsNoBrick) {
   EXPECT_FALSE(opens(out));
   EXPECT_TRUE(fs::exists(out / "journal.bin"));
   EXPECT_GE(progress.bricks, 3);
+  Progress silent;
+  convert(source, out, options(How::kResume), silent);
+  EXPECT_TRUE(holds(out, volume));
+}
+
+// Known because the journal notes them before and after.
+TEST(ConvertStopped, AResumedConversionThatStopsAtOnceKeepsTheBricks) {
+  const DenseVolume volume = newVolume();
+  const ThreadLimit one(1);
+  const fs::path out = freshDirectory("fault_at_once") / "volume.kiln";
+  DenseSource source(volume);
+  ImpatientProgress impatient(5);
+  EXPECT_THROW(convert(source, out, options(), impatient), Error);
+  const auto noted = [&] {
+    const std::optional<JournalContent> content = Journal::read(out);
+    return content ? content->bricks.size() : 0;
+  };
+  const std::size_t before = noted();
+  ASSERT_GT(before, 0u);
+  ImpatientProgress at_once(0);
+  EXPECT_THROW(convert(source, out, options(How::kResume), at_once), Error);
+  EXPECT_EQ(noted(), before);
+  for (const std::uint64_t change : {0u, 1u, 2u}) {
+    FaultyFileSystem full({change, ENOSPC, false, false});
+    EXPECT_TRUE(convertWith(volume, out, How::kResume, full));
+    EXPECT_GE(noted(), before) << change;
+  }
+  Progress silent;
+  convert(source, out, options(How::kResume), silent);
+  EXPECT_TRUE(holds(out, volume));
+}
+
+// Known because the volume has three by two by one bricks, and as many levels as it takes to one.
+TEST(ConvertStopped, ABrickOfTheJournalThatTheVolumeHasNotIsNone) {
+  const DenseVolume volume = newVolume();
+  const ThreadLimit one(1);
+  const fs::path out = freshDirectory("fault_keys") / "volume.kiln";
+  DenseSource source(volume);
+  ImpatientProgress impatient(5);
+  EXPECT_THROW(convert(source, out, options(), impatient), Error);
+  const std::optional<JournalContent> content = Journal::read(out);
+  ASSERT_TRUE(content && !content->bricks.empty());
+  Journal journal(
+      out, content->identity, [](const FinishedBrick&) { return true; }, FileSystem::real());
+  for (const BrickKey& key : {BrickKey{0, {99, 0, 0}}, {0, {0, -1, 0}}, {7, {0, 0, 0}}, {-1, {0, 0, 0}}})
+    journal.append({key, content->bricks.front().entry, {}});
+  ASSERT_EQ(Journal::read(out)->bricks.size(), content->bricks.size() + 4);
   Progress silent;
   convert(source, out, options(How::kResume), silent);
   EXPECT_TRUE(holds(out, volume));
