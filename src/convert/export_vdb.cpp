@@ -11,9 +11,9 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <type_traits>
 
 #include "grid/openvdb_glue.h"
-#include "store/brick_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -184,14 +184,16 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   if (!overwrite && fs::exists(out, ignored)) {
     throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
   }
+  if (store.manifest().volume_class == VolumeClass::kLabels && store.manifest().range.hi > 2147483647.0)
+    throw Error(ErrorCode::kUnsupported, out, "", "labels beyond 2147483647 have no OpenVDB grid that others read");
   disk.requirePlaceFor(out);
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
   const openvdb::GridBase::Ptr grid =
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
-        // Labels are names: whole numbers, as they are read again.
+        // Labels are names: whole numbers, of the one kind that is read again.
         if (store.manifest().volume_class == VolumeClass::kLabels)
-          return gridOf<T, BrickGridFor<T>>(store, level, place, progress);
+          return gridOf<T, openvdb::Int32Grid>(store, level, place, progress);
         return gridOf<T, GridFor<T>>(store, level, place, progress);
       });
   ExportReport report;

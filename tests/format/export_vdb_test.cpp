@@ -127,7 +127,7 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
 
 // Labels come back as whole numbers, which convert --labels takes.
 TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
-  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::i32}) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::u32, VoxelType::i32}) {
     SourceInfo info = denseInfo(type, {33, 20, 17});
     info.volume_class = VolumeClass::kLabels;
     const auto label = [](std::int64_t x, std::int64_t y, std::int64_t z) { return (x / 5 + y / 7 + z) % 4 * 30.0; };
