@@ -97,16 +97,21 @@ ordered_json jsonOf(const VolumeOptions& volume) {
 void addDifferences(const ordered_json& there, const ordered_json& here, const std::string& place,
                     std::vector<std::string>& out) {
   if (there == here || there.is_discarded() || here.is_discarded()) return;
+  // A moved store is the same volume.
+  const auto is_name = [](const std::string& key, const ordered_json& value) {
+    return key == "volume" && value.is_string();
+  };
   const auto at = [&](const std::string& key) { return place.empty() ? key : place + "." + key; };
   if (there.is_object() && here.is_object()) {
     for (const auto& [key, value] : there.items()) {
+      if (is_name(key, value)) continue;
       if (here.contains(key))
         addDifferences(value, here[key], at(key), out);
       else
         out.push_back(at(key) + " is there and not here");
     }
     for (const auto& [key, value] : here.items())
-      if (!there.contains(key)) out.push_back(at(key) + " is here and not there");
+      if (!there.contains(key) && !is_name(key, value)) out.push_back(at(key) + " is here and not there");
   } else if (there.is_array() && here.is_array() && there.size() == here.size()) {
     for (std::size_t i = 0; i < there.size(); ++i)
       addDifferences(there[i], here[i], fmt::format("{}[{}]", place, i), out);

@@ -247,8 +247,8 @@ RenderJob readJob(const std::filesystem::path& path);
 /// Of several volumes each has its resolved function.
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
-/// Which keys of two such texts differ, the first few, as "shading.ambient is 0.2 there and 0.3 here"; empty where none
-/// does, or one is no such text.
+/// Which keys of two such texts differ, the first few, as "shading.ambient is 0.2 there and 0.3 here"; names of volumes
+/// aside. Empty where none does, or one is no such text.
 std::string jobDifference(const std::string& there, const std::string& here);
 
 }  // namespace kiln

@@ -148,6 +148,11 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   refused({"render", in("job.json"), "--resume", "--ambient", "0.3"}, 1,
           "f_0001.exr: is a picture of another job: shading.ambient is 0.2 there and 0.3 here; name another output");
   refused({"render", in("job.json"), "--resume", "--exr-type", "float"}, 1, "kind of file");
+  // A moved store is the same volume, so that it is no difference either.
+  fs::create_directory_symlink(in("h.kiln"), in("moved.kiln"));
+  refused({"render", in("moved.kiln"), "-o", in("out/f_####.exr"), "--frames", "1", "--resume"}, 1,
+          "of another job: image.width is 40 there and 1024 here");
+  fs::remove(in("moved.kiln"));
   EXPECT_TRUE(filesOf(directory_ / "out") == before);
   refused({"render", in("job.json"), "-o", in("one.png")}, 2, "write " + in("one_####.png"));
   refused({"render", in("job.json"), "-o", in("none/a_#.png")}, 1, "no such directory");
