@@ -40,6 +40,8 @@ void requireOwn(const fs::path& store, const fs::path& input) {
   if (!fs::exists(store, ignored) || (fs::is_directory(store, ignored) && fs::is_empty(store, ignored))) return;
   const std::optional<std::string> maker = makerOf(store);
   if (maker && maker->starts_with("kiln render ")) return;
+  if (maker && !isStore(store))
+    throw Error(ErrorCode::kExists, store, "", "is an unfinished conversion; finish it first, by --resume: " + *maker);
   throw Error(ErrorCode::kExists, store, "",
               "was not made by rendering " + input.string() +
                   ", and is not of it as it is now or as it is described; render that store itself, or convert " +
@@ -87,7 +89,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
-  requireOwn(store, input);
+  for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
   replacing.overwrite = replacing.resume = true;

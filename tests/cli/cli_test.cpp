@@ -15,6 +15,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "convert/journal.h"
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "store/store_reader.h"
@@ -381,6 +382,11 @@ TEST_F(Cli, RenderOfAForeignFileReplacesNoStoreThatItDidNotMake) {
   EXPECT_NE(expectDone(render).err.find("kiln: using"), std::string::npos);
   writeText(in("v.raw.kiln") + "/manifest.json", "{}");
   expectRefused(render, 1, {in("v.raw.kiln"), "another name"});
+  fs::remove(in("v.raw.kiln") + "/manifest.json");
+  Journal(
+      in("v.raw.kiln"), {"a volume", "kiln convert v.raw v.raw.kiln", ""}, [](const FinishedBrick&) { return true; },
+      FileSystem::real());
+  expectRefused(render, 1, {in("v.raw.kiln"), "--resume: kiln convert v.raw v.raw.kiln"});
   fs::remove_all(in("v.raw.kiln"));
   expectDone(render);
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
