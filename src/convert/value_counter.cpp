@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kiln {
 namespace {
@@ -121,7 +122,9 @@ ValueRange ValueCounter::commonRange(const ValueRange& range) const {
   withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
     for (std::size_t key = 0; key < kKeys; ++key) {
       if (counts_[key] == 0) continue;
-      keys.values.push_back(valuesOf<T>(key, labels_));
+      const ValueRange values = valuesOf<T>(key, labels_);
+      if (!std::isfinite(values.lo) || !std::isfinite(values.hi)) continue;
+      keys.values.push_back(values);
       keys.counts.push_back(counts_[key]);
       voxels += counts_[key];
     }

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -227,6 +228,11 @@ constexpr std::string_view kIso = "iso:";
 ValueRange usableRange(const Manifest& manifest) {
   ValueRange range = manifest.range;
   const ValueHistogram& histogram = manifest.histogram;
+  // Where there are infinities, an earlier Kiln's bins went as far as floats do.
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  if (!range.empty() && ((!std::isfinite(range.lo) && histogram.lo <= -kLargest) ||
+                         (!std::isfinite(range.hi) && histogram.hi >= kLargest)))
+    return {0, 1};
   // Of labels the bins reach half a label beyond.
   if (!range.empty() && histogram.lo < histogram.hi)
     range = {std::max(range.lo, histogram.lo), std::min(range.hi, histogram.hi)};

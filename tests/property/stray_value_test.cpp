@@ -2,6 +2,7 @@
 // known from the same volume without it, of a function that shows nothing there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "output/compare.h"
