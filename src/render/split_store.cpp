@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <sstream>
+#include <system_error>
 
 #include "base/file.h"
 #include "scene/clip_region.h"

@@ -58,7 +58,7 @@ void requireViews(const RenderJob& job) {
     std::vector<fs::path> names{output.path, output.video.path};
     for (const OutputFile& file : output.files) names.push_back(file.path);
     for (const fs::path& name : names) {
-      if (hasEyePlace(name))
+      if (name.filename().string().find("%V") != std::string::npos)
         throw Error(ErrorCode::kUsage, name, "", "has a place for an eye's name, but no pair is drawn; add --stereo");
     }
   }

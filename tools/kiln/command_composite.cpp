@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <system_error>
+
 #include "commands.h"
 #include "render/composite_parts.h"
 #include "scene/job_names.h"

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "base/byte_record.h"
 #include "base/memory.h"
@@ -95,7 +97,8 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
 
 void run(const ConvertArguments& a, Context& context) {
   if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
-  if (isStore(a.input))
+  // A folder of slices may hold a file of that name, too.
+  if (std::error_code ignored; isStore(a.input) && std::filesystem::exists(a.input + "/index.bin", ignored))
     throw Error(ErrorCode::kUsage, a.input, "",
                 "is a store already: kiln render draws it, kiln export makes a file of OpenVDB of it");
   keepFreedMemory();

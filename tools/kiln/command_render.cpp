@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "base/file.h"
 #include "base/memory.h"
@@ -240,13 +241,16 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
-  std::vector<fs::path> taken{job.output.path, job.output.video.path};
-  for (const OutputFile& file : job.output.files) taken.push_back(file.path);
+  const auto whole = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
+  std::vector<fs::path> taken;
+  for (const fs::path& path : {job.output.path, job.output.video.path})
+    if (!path.empty()) taken.push_back(whole(path));
+  for (const OutputFile& file : job.output.files) taken.push_back(whole(file.path));
   for (const auto& [option, name] : {std::pair{"--stats", &a.stats}, std::pair{"--trace", &a.trace}}) {
     if (name->empty()) continue;
-    if (std::find(taken.begin(), taken.end(), *name) != taken.end())
+    if (std::find(taken.begin(), taken.end(), whole(*name)) != taken.end())
       throw Error(ErrorCode::kUsage, fmt::format("{}: {} is the name of another file of this command", option, *name));
-    taken.push_back(*name);
+    taken.push_back(whole(*name));
   }
 }
 

@@ -35,6 +35,8 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
 std::string emptyArgument(const CLI::App& app) {
   for (const CLI::App* const command : app.get_subcommands()) {
     for (const CLI::Option* const option : command->get_options()) {
+      // Texts that a job's may be emptied by.
+      if (option->get_name() == "--owner" || option->get_name() == "--comments") continue;
       for (const std::string& text : option->results())
         if (text.empty()) return option->get_name();
     }
