@@ -142,21 +142,26 @@ void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> da
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, WriteMode::kUnsynced);
-  writeBy(temporaryFor(path), path, data, WriteMode::kSynced);
+  const fs::path temporary = temporaryFor(path);
+  replaceBy(temporary, path, [&] { writeFile(temporary, data, WriteMode::kSynced); });
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::string_view text) { writeAtomic(path, bytesOf(text)); }
 
 void FileSystem::writeOwn(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
-  writeBy(path.string() + ".tmp", path, data, mode);
+  writeOwn(path, [&](const fs::path& temporary) { writeFile(temporary, data, mode); });
 }
 
 void FileSystem::writeOwn(const fs::path& path, std::string_view text) { writeOwn(path, bytesOf(text)); }
 
-void FileSystem::writeBy(const fs::path& temporary, const fs::path& path, std::span<const std::byte> data,
-                         WriteMode mode) {
+void FileSystem::writeOwn(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  const fs::path temporary = path.string() + ".tmp";
+  replaceBy(temporary, path, [&] { write(temporary); });
+}
+
+void FileSystem::replaceBy(const fs::path& temporary, const fs::path& path, const std::function<void()>& make) {
   try {
-    writeFile(temporary, data, mode);
+    make();
     rename(temporary, path);
   } catch (...) {
     ::unlink(temporary.c_str());  // nobody's directory of that name

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -78,6 +79,12 @@ class FileSystem {
   void writeOwn(const std::filesystem::path& path, std::span<const std::byte> data,
                 WriteMode mode = WriteMode::kSynced);
   void writeOwn(const std::filesystem::path& path, std::string_view text);
+  /// The same of a file that write(temporary) writes piece by piece.
+  void writeOwn(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
+  /// Calls make(), which makes the file `temporary`, and renames that to `path`; where either fails it is removed.
+  /// throws: what `make` throws, Error kIo.
+  void replaceBy(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                 const std::function<void()>& make);
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
   /// there is no such directory, kIo where a directory has the name or nothing can be made beside it, kNoSpace. A
@@ -101,10 +108,6 @@ class FileSystem {
   virtual File makeScratch(const std::filesystem::path& directory);
   /// Writes `data` from `offset` of a file that `makeScratch` made. thread: safe for bytes that no other call touches.
   virtual void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data);
-
- private:
-  void writeBy(const std::filesystem::path& temporary, const std::filesystem::path& path,
-               std::span<const std::byte> data, WriteMode mode);
 };
 
 }  // namespace kiln

@@ -160,20 +160,17 @@ class CheckedArchive : public openvdb::io::Archive {
 
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
   const fs::path temporary = temporaryFor(out);
-  try {
-    errno = 0;
-    CheckedArchive().write(grid, temporary);
+  disk.replaceBy(temporary, out, [&] {
+    try {
+      errno = 0;
+      CheckedArchive().write(grid, temporary);
+    } catch (const std::exception& error) {
+      // OpenVDB says only that writing failed; the system's own number says why.
+      if (const int error_number = errno; error_number != 0) throw systemError(error_number, out, "writing the grid");
+      throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
+    }
     disk.syncFile(temporary);
-    disk.rename(temporary, out);
-  } catch (const std::exception& error) {
-    const int error_number = errno;
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    if (dynamic_cast<const Error*>(&error) != nullptr) throw;
-    // OpenVDB says only that writing failed; the system's own number says why.
-    if (error_number != 0) throw systemError(error_number, out, "writing the grid");
-    throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
-  }
+  });
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 
-#include <system_error>
 #include <utility>
 
 #include "base/byte_record.h"
@@ -87,10 +86,9 @@ Journal::Journal(const fs::path& directory, const ConversionIdentity& identity,
                  const std::function<bool(const FinishedBrick&)>& keep, FileSystem& disk)
     : path_(pathIn(directory)), disk_(disk) {
   constexpr std::size_t kAtOnce = 1 << 20;
-  const fs::path next = path_.string() + ".tmp";
   std::vector<std::byte> bytes = beginningOf(kMagic);
   appendRecord(bytes, identityPayload(identity));
-  try {
+  disk_.writeOwn(path_, [&](const fs::path& next) {
     disk_.writeFile(next, bytes, WriteMode::kUnsynced);
     bytes.clear();
     readBricks(path_, [&](const FinishedBrick& brick, std::span<const std::byte> payload) {
@@ -100,12 +98,7 @@ Journal::Journal(const fs::path& directory, const ConversionIdentity& identity,
       bytes.clear();
     });
     if (!bytes.empty()) disk_.appendFile(next, bytes);
-    disk_.rename(next, path_);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(next, ignored);
-    throw;
-  }
+  });
 }
 
 void Journal::append(const FinishedBrick& brick) {

@@ -53,30 +53,25 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
   // The encoder knows the kind of file by the ending.
   const fs::path temporary = temporaryFor(options.path).concat(options.path.extension().string());
-  struct Remove {
-    const fs::path& path;
-    ~Remove() {
-      std::error_code ignored;
-      fs::remove(path, ignored);
+  FileSystem& disk = FileSystem::real();
+  disk.replaceBy(temporary, options.path, [&] {
+    Image image = readImage(pictures.front());
+    const int width = image.width, height = image.height;
+    FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      progress.throwIfCancelled("making the video");
+      if (i > 0) image = readImage(pictures[i]);
+      if (image.width != width || image.height != height)
+        throw Error(ErrorCode::kUsage, pictures[i], "",
+                    fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
+                                width, height));
+      encoder.write(overBlack(image));
+      progress.advance("making the video", "frames", i + 1, pictures.size());
     }
-  } const remove_what_is_left{temporary};
-  Image image = readImage(pictures.front());
-  const int width = image.width, height = image.height;
-  FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    progress.throwIfCancelled("making the video");
-    if (i > 0) image = readImage(pictures[i]);
-    if (image.width != width || image.height != height)
-      throw Error(ErrorCode::kUsage, pictures[i], "",
-                  fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
-                              width, height));
-    encoder.write(overBlack(image));
-    progress.advance("making the video", "frames", i + 1, pictures.size());
-  }
-  encoder.finish();
-  // What it was made of may be removed once it has its name.
-  FileSystem::real().syncFile(temporary);
-  FileSystem::real().rename(temporary, options.path);
+    encoder.finish();
+    // What it was made of may be removed once it has its name.
+    disk.syncFile(temporary);
+  });
 }
 
 }  // namespace kiln
