@@ -33,12 +33,10 @@ std::uint64_t pixelBytes(const RenderJob& job) {
 std::uint64_t picturesHeld(const RenderJob& job) {
   if (!drawsBothEyes(job.picture.stereo)) return 1;
   const auto beside = [](const std::filesystem::path& path) {
-    return !path.empty() && path.extension() != ".exr" && !hasEyePlace(path);
+    return path.extension() != ".exr" && !hasEyePlace(path);
   };
-  const std::vector<OutputFile>& files = job.output.files;
-  const bool any = beside(job.output.path) || beside(job.output.video.path) ||
-                   std::any_of(files.begin(), files.end(), [&](const OutputFile& file) { return beside(file.path); });
-  return any ? 4 : 2;
+  const std::vector<std::filesystem::path> names = namesOf(job.output);
+  return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
 }
 
 bool drawsSlabs(const RenderJob& job) {

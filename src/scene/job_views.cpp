@@ -55,9 +55,7 @@ const char* viewWithoutTiles(const RenderJob& job) {
 void requireViews(const RenderJob& job) {
   const OutputOptions& output = job.output;
   if (!job.picture.stereo && job.animation.stereo.empty()) {
-    std::vector<fs::path> names{output.path, output.video.path};
-    for (const OutputFile& file : output.files) names.push_back(file.path);
-    for (const fs::path& name : names) {
+    for (const fs::path& name : namesOf(output)) {
       if (name.filename().string().find("%V") != std::string::npos)
         throw Error(ErrorCode::kUsage, name, "", "has a place for an eye's name, but no pair is drawn; add --stereo");
     }

@@ -170,6 +170,14 @@ void readOutput(const JobObject& root, OutputOptions& output) {
 
 }  // namespace
 
+std::vector<fs::path> namesOf(const OutputOptions& output) {
+  std::vector<fs::path> out{output.path};
+  for (const OutputFile& file : output.files) out.push_back(file.path);
+  out.push_back(output.video.path);
+  std::erase_if(out, [](const fs::path& name) { return name.empty(); });
+  return out;
+}
+
 bool isVideo(const fs::path& path) {
   const fs::path ending = path.extension();
   return ending == ".mp4" || ending == ".mov" || ending == ".mkv" || ending == ".webm";

@@ -174,6 +174,8 @@ struct OutputOptions {
   VideoOptions video;
 };
 
+/// The names of a job's pictures, the rest of its files and its video, those that there are.
+std::vector<std::filesystem::path> namesOf(const OutputOptions& output);
 /// Whether the name ends as a video's does.
 bool isVideo(const std::filesystem::path& path);
 /// Makes the path the video or the picture, whichever its name ends as.

@@ -243,9 +243,7 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   const auto whole = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
   std::vector<fs::path> taken;
-  for (const fs::path& path : {job.output.path, job.output.video.path})
-    if (!path.empty()) taken.push_back(whole(path));
-  for (const OutputFile& file : job.output.files) taken.push_back(whole(file.path));
+  for (const fs::path& path : namesOf(job.output)) taken.push_back(whole(path));
   for (const auto& [option, name] : {std::pair{"--stats", &a.stats}, std::pair{"--trace", &a.trace}}) {
     if (name->empty()) continue;
     if (std::find(taken.begin(), taken.end(), whole(*name)) != taken.end())

@@ -23,7 +23,7 @@ void emit(const char* event, const Json& more) {
 }
 
 // The files of a frame, in a sentence.
-std::string namesOf(const RenderJob& job, int frame) {
+std::string namesOfFiles(const RenderJob& job, int frame) {
   const std::vector<OutputFile> files = filesOf(job, frame);
   std::string out = files.front().path.string();
   for (std::size_t i = 1; i < files.size(); ++i)
@@ -74,9 +74,7 @@ void SequenceReport::started(const RenderJob& job, const std::vector<int>& frame
   frames_ = frames.size();
   if (!events_) return;
   Json outputs = Json::array();
-  if (!job.output.path.empty()) outputs.push_back(job.output.path.string());
-  for (const OutputFile& file : job.output.files) outputs.push_back(file.path.string());
-  if (!job.output.video.path.empty()) outputs.push_back(job.output.video.path.string());
+  for (const std::filesystem::path& name : namesOf(job.output)) outputs.push_back(name.string());
   emit("started", {{"volume", job.volume.string()},
                    {"frames", frames.size()},
                    {"numbers", framesText(frames)},
@@ -107,7 +105,7 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
   const std::string line = fmt::format(
       "{}: {} x {} pixels{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
       "cache {}, resident {}\n",
-      namesOf(job, frame.frame), drawn.width(), drawn.height(),
+      namesOfFiles(job, frame.frame), drawn.width(), drawn.height(),
       frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "", frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
       frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
@@ -124,7 +122,7 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
   ++kept_;
   if (events_)
     return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
-  if (frames_ == 1) only_line_ = namesOf(job, frame) + ": kept; it is there and whole\n";
+  if (frames_ == 1) only_line_ = namesOfFiles(job, frame) + ": kept; it is there and whole\n";
   showOverall(done);
 }
 
