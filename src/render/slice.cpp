@@ -108,9 +108,7 @@ void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<
 
 Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress) {
   if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
-  if (request.level < 0 || request.level >= store.index().levels())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--level: {} has levels 0 to {}", store.path().string(), store.index().levels() - 1));
+  store.requireLevel(request.level);
   const VolumeGeometry& volume = store.level(request.level).geometry;
   const std::int64_t count = volume.dims[request.axis];
   const std::int64_t index = request.index.value_or(count / 2);

@@ -120,6 +120,12 @@ BrickBlock StoreReader::read(const BrickKey& key) const {
   return decode(key, bytesOfFile<UnsetBytes>(key));
 }
 
+void StoreReader::requireLevel(int level) const {
+  if (level >= 0 && level < index_.levels()) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--level: {} has levels 0 to {}", directory_.string(), index_.levels() - 1));
+}
+
 bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) const {
   const BrickEntry& entry = index_.at(key);
   return file.size() == entry.file_bytes && hashOf(file) == entry.checksum;

@@ -17,9 +17,7 @@ void run(const ExportArguments& a, Context& context) {
   if (std::filesystem::path(a.output).extension() != ".vdb")
     throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
   const StoreReader store(a.store);
-  if (a.level < 0 || a.level >= store.index().levels()) {
-    throw Error(ErrorCode::kUsage, fmt::format("--level: {} has levels 0 to {}", a.store, store.index().levels() - 1));
-  }
+  store.requireLevel(a.level);
   const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite);
   context.progress.clear();
   fmt::print("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
