@@ -8,6 +8,13 @@
 
 namespace kiln {
 namespace fs = std::filesystem;
+
+bool isNothing(const fs::path& path) {
+  std::error_code ignored;
+  return !fs::exists(fs::symlink_status(path, ignored)) ||
+         (fs::is_directory(path, ignored) && fs::is_empty(path, ignored));
+}
+
 namespace {
 
 // True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
@@ -21,12 +28,6 @@ bool holdsOnlyAStore(const fs::path& directory) {
       return false;
   }
   return !error;
-}
-
-bool isNothing(const fs::path& path) {
-  std::error_code ignored;
-  return !fs::exists(fs::symlink_status(path, ignored)) ||
-         (fs::is_directory(path, ignored) && fs::is_empty(path, ignored));
 }
 
 bool isUnfinished(const fs::path& directory) {

@@ -8,6 +8,9 @@
 
 namespace kiln {
 
+/// Whether a store may be built there without anything being lost: nothing has the name, or an empty directory.
+bool isNothing(const std::filesystem::path& path);
+
 class Destination {
  public:
   /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with

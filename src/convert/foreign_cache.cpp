@@ -3,6 +3,7 @@
 #include <optional>
 #include <system_error>
 
+#include "convert/destination.h"
 #include "convert/journal.h"
 #include "ingest/formats.h"
 #include "store/store_reader.h"
@@ -36,8 +37,7 @@ std::optional<std::string> makerOf(const fs::path& store) {
 
 // What a rendering made for itself may be made anew; a store that somebody converted may not.
 void requireOwn(const fs::path& store, const fs::path& input) {
-  std::error_code ignored;
-  if (!fs::exists(store, ignored) || (fs::is_directory(store, ignored) && fs::is_empty(store, ignored))) return;
+  if (isNothing(store)) return;
   const std::optional<std::string> maker = makerOf(store);
   if (maker && maker->starts_with("kiln render ")) return;
   if (maker && !isStore(store))
