@@ -93,6 +93,15 @@ std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out,
   }
 }
 
+// A store that a user stopped waiting for once some of its bricks were there.
+fs::path interruptedConversion(const DenseVolume& volume, const std::string& name) {
+  const fs::path out = freshDirectory(name) / "volume.kiln";
+  DenseSource source(volume);
+  ImpatientProgress impatient(5);
+  EXPECT_THROW(convert(source, out, options(), impatient), Error);
+  return out;
+}
+
 // The files of a conversion that nothing stopped.
 std::map<std::string, std::vector<std::byte>> wholeStore(const DenseVolume& volume) {
   const fs::path directory = freshDirectory("fault_whole");
@@ -309,13 +318,7 @@ TEST(ConvertStopped, ByTheUserIsResumed) {
 TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   const DenseVolume volume = newVolume();
   const auto whole = wholeStore(volume);
-  const auto interrupted = [&] {
-    const fs::path out = freshDirectory("fault_same") / "volume.kiln";
-    DenseSource source(volume);
-    ImpatientProgress progress(5);
-    EXPECT_THROW(convert(source, out, options(), progress), Error);
-    return out;
-  };
+  const auto interrupted = [&] { return interruptedConversion(volume, "fault_same"); };
   const auto resume = [&](const DenseVolume& with, const fs::path& out, std::int64_t brick_size) {
     DenseSource source(with);
     Progress silent;
@@ -469,10 +472,8 @@ TEST(ConvertStopped, WhatIsNoErrorOfOursCostsNoBrick) {
 TEST(ConvertStopped, AResumedConversionThatStopsAtOnceKeepsTheBricks) {
   const DenseVolume volume = newVolume();
   const ThreadLimit one(1);
-  const fs::path out = freshDirectory("fault_at_once") / "volume.kiln";
+  const fs::path out = interruptedConversion(volume, "fault_at_once");
   DenseSource source(volume);
-  ImpatientProgress impatient(5);
-  EXPECT_THROW(convert(source, out, options(), impatient), Error);
   const auto noted = [&] {
     const std::optional<JournalContent> content = Journal::read(out);
     return content ? content->bricks.size() : 0;
@@ -496,10 +497,8 @@ TEST(ConvertStopped, AResumedConversionThatStopsAtOnceKeepsTheBricks) {
 TEST(ConvertStopped, ABrickOfTheJournalThatTheVolumeHasNotIsNone) {
   const DenseVolume volume = newVolume();
   const ThreadLimit one(1);
-  const fs::path out = freshDirectory("fault_keys") / "volume.kiln";
+  const fs::path out = interruptedConversion(volume, "fault_keys");
   DenseSource source(volume);
-  ImpatientProgress impatient(5);
-  EXPECT_THROW(convert(source, out, options(), impatient), Error);
   const std::optional<JournalContent> content = Journal::read(out);
   ASSERT_TRUE(content && !content->bricks.empty());
   Journal journal(
