@@ -235,7 +235,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   }
   if (destination && !destination->leftOld().empty())
     progress.note(destination->leftOld().string() +
-                  " is the store that an interrupted --overwrite was to replace; nothing needs it any more");
+                  " is left: a store that somebody kept, or that an interrupted --overwrite was to replace");
   report.buffer_bytes = plan.total();
   report.seconds = secondsSince(started);
   return report;
