@@ -126,7 +126,12 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   const std::vector<PixelRect> tiles = checkpointTiles(whole);
   Image& image = out.views.emplace_back(DrawnView{Image(whole.width(), whole.height()), request.view}).image;
   TileFile file(checkpointOf(opened.job(), frame), identityOf(opened, frame, out.scene));
-  const std::set<Place> kept = resume ? file.read(tiles, whole, image) : std::set<Place>();
+  const std::set<Place> kept = file.read(tiles, whole, image);
+  if (!kept.empty() && !resume)
+    throw Error(ErrorCode::kExists, file.path(), "",
+                fmt::format("{} of {} tiles of this picture are finished; go on from them by --resume, or remove the "
+                            "file to begin anew",
+                            kept.size(), tiles.size()));
   if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
   UncountedProgress of_tiles(progress);
   const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, of_tiles);

@@ -22,9 +22,9 @@ std::uint64_t checkpointBytes(const RenderJob& job);
 void requireCheckpoint(const RenderJob& job);
 
 /// As OpenedJob::draw, tile by tile, with progress in pixels. Tiles that are kept of the same frame are taken where
-/// `resume` says so, else the file begins anew; it stays for the caller to remove, when the frame's files are written.
-/// The statistics are of what was drawn. throws: as OpenedJob::draw; of kCancelled it says how to go on; Error
-/// kNoSpace, kIo.
+/// `resume` says so; what is kept of another is replaced. The file stays for the caller to remove, when the frame's
+/// files are written. The statistics are of what was drawn. throws: as OpenedJob::draw; of kCancelled it says how to go
+/// on; Error kExists where tiles of this frame are kept and nobody resumes it, kNoSpace, kIo.
 DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& progress);
 
 /// The tiles of a frame, which fill `pixels`, neighbours behind each other.

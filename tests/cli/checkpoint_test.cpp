@@ -71,16 +71,23 @@ TEST_F(Checkpoint, GoesOnFromTheTilesThatAreWhole) {
   expectWhole(second);
 }
 
-TEST_F(Checkpoint, TakesNoTilesOfAnotherFrameAndNoneUnasked) {
+TEST_F(Checkpoint, TakesNoTilesOfAnotherFrame) {
   ASSERT_TRUE(stopped({"--zoom", "1.5"}).interrupted);
   const ToolResult other = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
   EXPECT_EQ(other.err.find("finished already"), std::string::npos) << other.err;
   expectWhole(other);
-  fs::remove(picture());
+}
+
+TEST_F(Checkpoint, IsNeitherTakenNorLostUnasked) {
   ASSERT_TRUE(stopped().interrupted);
-  const ToolResult anew = runTool(frameTo(picture(), {"--checkpoint"}));
-  EXPECT_EQ(anew.err.find("finished already"), std::string::npos) << anew.err;
-  expectWhole(anew);
+  const auto kept = readFile(tiles());
+  const ToolResult refused = runTool(frameTo(picture(), {"--checkpoint"}));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find(tiles().string() + ": "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
+  EXPECT_EQ(readFile(tiles()), kept);
+  fs::remove(tiles());
+  expectWhole(runTool(frameTo(picture(), {"--checkpoint"})));
 }
 
 TEST_F(Checkpoint, IsRefusedWherePixelsWouldDependOnIt) {
