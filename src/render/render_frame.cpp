@@ -18,17 +18,9 @@
 namespace kiln {
 namespace {
 
-void requireLevel(const StoreReader& store, const std::optional<int>& level) {
-  const int levels = store.index().levels();
-  if (!level || (*level >= 0 && *level < levels)) return;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--level: there is no level {}; {} has {}, from 0 to {}", *level, store.path().string(),
-                          levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
-}
-
 void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   for (const StoreReader* const store : stores) {
-    requireLevel(*store, request.level);
+    if (request.level) store->requireLevel(*request.level);
     requireLattice(request.lattice, store->manifest().volume_class, store->path());
   }
   if (request.lattice == Lattice::kRay && (!request.volumes.empty() || request.clipping.part || request.deep))

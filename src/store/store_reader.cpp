@@ -121,9 +121,11 @@ BrickBlock StoreReader::read(const BrickKey& key) const {
 }
 
 void StoreReader::requireLevel(int level) const {
-  if (level >= 0 && level < index_.levels()) return;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--level: {} has levels 0 to {}", directory_.string(), index_.levels() - 1));
+  const int levels = index_.levels();
+  if (level >= 0 && level < levels) return;
+  throw Error(ErrorCode::kUsage, directory_, "level",
+              fmt::format("there is no level {}; it has {}, from 0 to {}", level,
+                          levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
 }
 
 bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) const {

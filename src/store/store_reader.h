@@ -20,7 +20,7 @@ class StoreReader {
   const std::filesystem::path& path() const { return directory_; }
   const Manifest& manifest() const { return manifest_; }
   const BrickIndex& index() const { return index_; }
-  /// throws: Error kUsage, naming --level, where the store has no such level.
+  /// throws: Error kUsage where the store has no such level.
   void requireLevel(int level) const;
   const LevelInfo& level(int level) const { return manifest_.levels[static_cast<std::size_t>(level)]; }
   BrickFrame frame(const BrickKey& key) const;
