@@ -24,8 +24,10 @@ struct ImageMetadata {
   std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
   bool panorama = false;  // of all directions: an EXR's attribute envmap
-  /// String attributes (of a PNG, texts) by name: "kiln:job", "comments", …
+  /// String attributes (of a PNG, texts) by name: kJob, "comments", …
   std::map<std::string, std::string> text;
+  /// What the picture is made of: a job, which draws it again.
+  static constexpr const char* kJob = "kiln:job";
 };
 
 struct ImageFileOptions {

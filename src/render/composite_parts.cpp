@@ -43,16 +43,16 @@ Part partFrom(const fs::path& path) {
   };
   Part out{path, {}, {}, {}, {}};
   try {
-    out.look = ordered_json::parse(of("kiln:job"));
+    out.look = ordered_json::parse(of(ImageMetadata::kJob));
     out.volume = ordered_json::parse(of("kiln:volume"));
     geometryOf(out.volume);
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kFormat, path, "kiln:volume", error.what());
   }
   // Without a folder, names stay as they are.
-  out.job = parseJob(of("kiln:job"), {});
+  out.job = parseJob(of(ImageMetadata::kJob), {});
   if (!out.job.picture.clipping.part)
-    throw Error(ErrorCode::kUnsupported, path, "kiln:job",
+    throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "names no part; expected an image that kiln render --part drew");
   out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
   for (const char* key : {"part", "volume"}) out.look.erase(key);
@@ -109,7 +109,8 @@ ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view) 
   if (const auto& crop = job.picture.crop) out.whole = {crop->x0, crop->y0, view.size.width, view.size.height};
   out.world_to_camera = exrWorldToCamera(view);
   out.world_to_ndc = exrWorldToNdc(view);
-  out.text["kiln:job"] = resolvedJobText(job, camera, std::get<TransferFunction>(job.picture.transfer_function));
+  out.text[ImageMetadata::kJob] =
+      resolvedJobText(job, camera, std::get<TransferFunction>(job.picture.transfer_function));
   out.text["kiln:version"] = KILN_VERSION;
   return out;
 }

@@ -23,7 +23,6 @@ namespace {
 
 constexpr const char* kHashKey = "kiln:jobHash";
 constexpr const char* kDamageKey = "kiln:damagedBricks";
-constexpr const char* kJobKey = "kiln:job";
 
 // The job that draws what the file holds of the frame, and nothing else.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
@@ -61,7 +60,7 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   out.world_to_camera = exrWorldToCamera(view);
   out.panorama = view.projection == Projection::kEquirectangular;
   if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
-  out.text[kJobKey] = textOf(of_file, drawn.scene);
+  out.text[ImageMetadata::kJob] = textOf(of_file, drawn.scene);
   out.text["kiln:version"] = KILN_VERSION;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
   if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
@@ -235,7 +234,7 @@ FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScen
     if (error.code() == ErrorCode::kFormat || error.code() == ErrorCode::kUnsupported) return FoundFile::kDamaged;
     throw;
   }
-  const auto said = text.find(kJobKey);
+  const auto said = text.find(ImageMetadata::kJob);
   const std::string why =
       said == text.end() ? "" : differenceOf(said->second, textOf(jobOfFile(job, file, scene), scene));
   throw Error(

@@ -132,6 +132,27 @@ TEST_F(Cli, ConvertInfoVerify) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
 
+// Known because the job in a picture draws its bytes again.
+TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
+  makeRampStore();
+  for (const char* ending : {"exr", "png"}) {
+    const std::string picture = in(std::string("p.") + ending), again = in(std::string("again.") + ending);
+    expectDone({"render", in("v.kiln"), "-o", picture, "--size", "40x30", "--tf", "iso:120", "--view", "left",
+                "--comments", "two\nlines"});
+    const ToolResult info = expectDone({"info", picture});
+    for (const char* says : {"picture      ", "comments     \ntwo\nlines\n", "kiln:version ", "\"transferFunction\""})
+      EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
+    FileSystem::real().writeAtomic(in("job.json"), expectDone({"info", picture, "--json"}).out);
+    expectDone({"render", in("job.json"), "-o", again, "--comments", "two\nlines"});
+    EXPECT_EQ(readFile(again), readFile(picture)) << ending;
+  }
+  Image foreign(2, 2);
+  writeImage(foreign, {}, {}, in("f.png"));
+  EXPECT_EQ(expectDone({"info", in("f.png")}).out, "picture      " + in("f.png") + "\n");
+  expectRefused({"info", in("f.png"), "--json"}, 1, {in("f.png"), "kiln:job"});
+  expectRefused({"info", in("v.raw")}, 1, {in("v.raw"), "neither OpenEXR nor PNG"});
+}
+
 // Known because the name says the size, and the store's provenance is what was asked for. There is no file that a cache
 // could stand beside.
 TEST_F(Cli, Phantom) {

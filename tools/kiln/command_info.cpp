@@ -6,10 +6,12 @@
 #include "base/memory.h"
 #include "commands.h"
 #include "histogram_text.h"
+#include "output/image_file.h"
 #include "scene/label_looks.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
+namespace fs = std::filesystem;
 namespace {
 
 const char* className(VolumeClass volume_class) {
@@ -132,16 +134,45 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) fmt::print("made at      {}\n", m.source.time);
 }
 
+// What Kiln writes into its pictures, the job last: it is long.
+void printPicture(const fs::path& path) {
+  std::map<std::string, std::string> texts = readImageText(path);
+  const std::string job = std::exchange(texts[ImageMetadata::kJob], {});
+  fmt::print("picture      {}\n", path.string());
+  for (const auto& [name, text] : texts) {
+    if (text.empty()) continue;
+    const bool several_lines = text.find('\n') != std::string::npos;
+    fmt::print("{:<12} {}{}\n", name, several_lines ? "\n" : "", text);
+  }
+  if (!job.empty()) fmt::print("{:<12}\n{}\n", ImageMetadata::kJob, job);
+}
+
+// As `kiln render` takes it, once it is in a file.
+std::string jobOfPicture(const fs::path& path) {
+  const std::map<std::string, std::string> texts = readImageText(path);
+  const auto job = texts.find(ImageMetadata::kJob);
+  if (job == texts.end())
+    throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
+                "is not there: a picture that Kiln drew has its job in it");
+  return job->second + "\n";
+}
+
 }  // namespace
 
 void addInfo(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = app.add_subcommand("info", "say what a store holds");
-  command->add_option("STORE", *path, "the store")->required();
-  command->add_flag("--json", *json, "the manifest as JSON, for programs, and what the store takes on disk");
+  CLI::App* command = app.add_subcommand("info", "say what a store holds, or how a picture was made");
+  command->add_option("STORE", *path, "the store; or a picture that Kiln drew")->required();
+  command->add_flag("--json", *json,
+                    "for programs: a store's manifest, and what it takes on disk; a picture's job, which kiln render "
+                    "draws again");
   command->callback([path, json, &context] {
     context.action = [path, json] {
+      if (fs::is_regular_file(*path)) {
+        *json ? fmt::print("{}", jobOfPicture(*path)) : printPicture(*path);
+        return;
+      }
       const StoreReader store(*path);  // checks before anything is printed
       if (*json) {
         fmt::print("{}", textForPrograms(store));
