@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Builds and runs the tests: test.sh [--nightly] [--only dev|asan|tsan].
-# The library's tests under the address and undefined-behaviour sanitizers; those that threads meet in under the thread
-# sanitizer instead; and in the build nearest to what users run the program's own tests, those that draw many pictures or
-# large ones, all that threads meet in, every change of a failing disk, and Kiln's use as a library. With --nightly the
-# address sanitizer sees the program and threads, too, long tests are run, and that build runs everything, as it does with
-# --only dev. The first stage that fails ends the script with its exit code; what is built is not built again.
+# The library's tests under the address and undefined-behaviour sanitizers; those of what threads wait for each other in
+# under the thread sanitizer instead; and in the build nearest to what users run the program's own tests, those that draw
+# many pictures or large ones or with many threads, every change of a failing disk, and Kiln's use as a library. With
+# --nightly the address sanitizer sees the program and threads, too, and the thread sanitizer frames, long tests are run,
+# and the last build runs everything, as it does with --only dev. The first stage that fails ends the script with its
+# exit code; what is built is not built again.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -39,10 +40,11 @@ for preset in "${presets[@]}"; do
   case $preset in
     asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
-    dev) labels=(threads fault known_answer cli consumer) ;;
+    dev) labels=(frames fault known_answer cli consumer) ;;
   esac
-  if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads cli); fi
-  if [ "$whole_dev" = ON ] && [ "$preset" = dev ]; then labels+=(unit property format); fi
+  if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads frames cli); fi
+  if [ "$nightly" = ON ] && [ "$preset" = tsan ]; then labels+=(frames); fi
+  if [ "$whole_dev" = ON ] && [ "$preset" = dev ]; then labels+=(unit threads property format); fi
   targets=()
   for label in "${labels[@]}"; do
     # An installed Kiln has the program, too.

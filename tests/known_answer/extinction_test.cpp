@@ -155,12 +155,11 @@ TEST_P(Extinction, HasItsClosedForm) {
         cameraFrom(shape.volume.geometry, randomDirection(kSeed, static_cast<std::uint64_t>(i)), projection);
     request.view = resolve(camera, {kPixels, kPixels});
     const std::vector<double> value_length = closedFormImage(request.view, shape.value_length);
-    for (const auto& [depth, steep] :
-         {std::pair{0.1, true}, {1.0, true}, {4.0, true}, {0.1, false}, {1.0, false}, {4.0, false}}) {
+    for (const double depth : {0.1, 1.0, 4.0}) {
       const double tau_per_value = depth / *std::max_element(value_length.begin(), value_length.end());
       request.transfer_function = linearExtinction(shape.largest_value, tau_per_value);
-      // Beyond all values: the lattice is that of solids.
-      if (steep) request.transfer_function.points.push_back({2 * shape.largest_value, glm::dvec3(1), 0.99});
+      // Beyond all values, in every other view: the lattice is that of solids.
+      if (i % 2 == 0) request.transfer_function.points.push_back({2 * shape.largest_value, glm::dvec3(1), 0.99});
       Progress silent;
       FrameStatistics statistics;
       const Image image = renderFrame(reader, cache, request, silent, statistics);
@@ -173,7 +172,7 @@ TEST_P(Extinction, HasItsClosedForm) {
       worst_rms = std::max(worst_rms, agreement.rms);
     }
   }
-  std::printf("%s, %s lattice, %s: worst of %d views and 6 functions: mean %.3f %%, rms %.3f %%\n", shape.name,
+  std::printf("%s, %s lattice, %s: worst of %d views and 3 functions: mean %.3f %%, rms %.3f %%\n", shape.name,
               nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", kViews,
               100 * worst_mean, 100 * worst_rms);
 }
