@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/module.h"
+#include "ingest/dicom_codestream.h"
 #include "ingest/gdcm_frames.h"
 #include "ingest/header_text.h"
 
@@ -19,10 +20,13 @@ std::vector<std::byte> decodeDicomFrame(const DicomHeader& header, std::int64_t 
     fragments.emplace_back(static_cast<std::size_t>(range.size));
     file.readAt(range.offset, std::as_writable_bytes(std::span(fragments.back())));
   }
+  const std::string place = fmt::format("frame {}", frame + 1);
+  if (const std::string fault = codestreamFault(header.pixels, fragments); !fault.empty())
+    throw Error(ErrorCode::kFormat, header.path, place, fault + "; the file is damaged, or was put together wrongly");
   std::vector<std::byte> out(static_cast<std::size_t>(header.pixels.frameBytes()));
   std::string why;
   if (!decode(header.pixels, fragments, out, why))
-    throw Error(ErrorCode::kFormat, header.path, fmt::format("frame {}", frame + 1),
+    throw Error(ErrorCode::kFormat, header.path, place,
                 fmt::format("the pixels cannot be decoded{}; the file is damaged",
                             why.empty() ? "" : " (" + inQuotes(why) + ")"));
   return out;

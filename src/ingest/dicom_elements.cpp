@@ -95,14 +95,15 @@ class Parser {
 
   void readValue(const Head& head, bool implicit, DicomSet& into, int depth) {
     const bool wanted = std::binary_search(wanted_.begin(), wanted_.end(), head.tag);
-    const bool sequence = head.length == kUndefined || head.representation == "SQ" || (implicit && isGroups(head.tag));
+    const bool sequence = head.length == kUndefined || head.representation == "SQ" ||
+                          ((implicit || head.representation == "UN") && isGroups(head.tag));
     if (!sequence || (!wanted && head.length != kUndefined)) {
       if (!wanted || head.length > kMaxValueBytes) return cursor_.skip(head.length);
       into.add({head.tag, cursor_.big_endian, cursor_.text(head.length), {}});
       return;
     }
     DicomElement element = {head.tag, cursor_.big_endian, "", {}};
-    // What is unknown and has no length is implicit inside.
+    // What is unknown is implicit inside.
     readItems(head, implicit || head.representation == "UN", element, depth + 1);
     if (wanted) into.add(std::move(element));
   }
@@ -126,11 +127,17 @@ class Parser {
   void readItems(const Head& sequence, bool implicit, DicomElement& into, int depth) {
     if (depth > kMaxDepth) cursor_.fail("sequences are nested too deeply");
     const std::uint64_t end = endOf(sequence);
+    // An icon's, say, compressed: its items are fragments and hold no elements.
+    const bool fragments = sequence.tag == kPixelData || sequence.representation.starts_with('O');
     while (cursor_.at() < end) {
       const Head item = readHead(implicit);
       if (item.tag == kDicomSequenceEnd && sequence.length == kUndefined) return;
       if (item.tag != kDicomItem)
         cursor_.fail(fmt::format("element {} holds {} and no item", nameOf(sequence.tag), nameOf(item.tag)));
+      if (fragments) {
+        cursor_.skip(item.length);
+        continue;
+      }
       into.items.emplace_back();
       readItem(item, implicit, into.items.back(), depth);
     }

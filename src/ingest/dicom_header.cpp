@@ -24,7 +24,7 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
                    kSamples = 0x00280002, kPhotometric = 0x00280004, kFrames = 0x00280008, kRows = 0x00280010,
                    kColumns = 0x00280011, kSpacing = 0x00280030, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
                    kHighBit = 0x00280102, kSigned = 0x00280103, kIntercept = 0x00281052, kSlope = 0x00281053,
-                   kModalityLut = 0x00283000, kFrameOffsets = 0x3004000c;
+                   kModalityLut = 0x00283000, kFrameOffsets = 0x3004000c, kDoseScaling = 0x3004000e;
 // Functional groups: those shared by all frames, those of each, and what they are made of.
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
@@ -38,11 +38,26 @@ std::vector<double> frameNumbers(const DicomSet& top, std::size_t frame, DicomTa
   return top.numbers(tag);
 }
 
+// A number that values are rescaled by; nothing where the file says none, as an empty value does.
+std::optional<double> rescaling(const DicomSet& top, std::size_t frame, DicomTag tag, const fs::path& path) {
+  const DicomSet* const own = top.item(kPerFrame, frame);
+  const DicomSet* const shared = top.item(kShared);
+  for (const DicomSet* place : {own == nullptr ? nullptr : own->item(kTransformation),
+                                shared == nullptr ? nullptr : shared->item(kTransformation), &top}) {
+    const std::string text = place == nullptr ? "" : trimmed(place->text(tag));
+    if (text.empty()) continue;
+    const std::vector<double> numbers = place->numbers(tag);
+    if (numbers.size() == 1) return numbers[0];
+    throw Error(ErrorCode::kFormat, path, nameOf(tag), inQuotes(text) + " is not a number, so that no value is known");
+  }
+  return std::nullopt;
+}
+
 glm::dvec3 vectorAt(const std::vector<double>& numbers, std::size_t at) {
   return {numbers[at], numbers[at + 1], numbers[at + 2]};
 }
 
-DicomFrame frameOf(const DicomSet& top, std::size_t index) {
+DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path) {
   DicomFrame out;
   if (const auto p = frameNumbers(top, index, kPlanePosition, kPosition); p.size() == 3) out.position = vectorAt(p, 0);
   if (const auto o = frameNumbers(top, index, kPlaneOrientation, kOrientation); o.size() == 6) {
@@ -55,15 +70,16 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index) {
     if (const auto d = frameNumbers(top, index, kMeasures, tag); d.size() == 1 && d[0] != 0)
       out.distance = std::abs(d[0]);
   }
-  const auto slope = frameNumbers(top, index, kTransformation, kSlope);
-  const auto intercept = frameNumbers(top, index, kTransformation, kIntercept);
-  if (slope.size() == 1 && slope[0] != 0) out.slope = slope[0];
-  if (intercept.size() == 1) out.intercept = intercept[0];
+  // A dose has a factor of its own.
+  const double slope =
+      rescaling(top, index, kSlope, path).value_or(1) * rescaling(top, index, kDoseScaling, path).value_or(1);
+  if (slope != 0) out.slope = slope;
+  out.intercept = rescaling(top, index, kIntercept, path).value_or(0);
   return out;
 }
 
 // Frames without a place of their own have the file's, which is the first one's: a dose grid says how far the others
-// are from it, and of others nothing is known.
+// are from it, or, where the first number is not 0, where each is along the same axis; of others nothing is known.
 void placeFrames(const DicomSet& top, std::vector<DicomFrame>& frames) {
   const DicomSet* const own = top.item(kPerFrame);
   if (frames.size() == 1 || (own != nullptr && own->item(kPlanePosition) != nullptr)) return;
@@ -71,7 +87,7 @@ void placeFrames(const DicomSet& top, std::vector<DicomFrame>& frames) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     DicomFrame& frame = frames[i];
     if (offsets.size() == frames.size() && frame.position && frame.along_row) {
-      *frame.position += glm::cross(*frame.along_row, *frame.along_column) * offsets[i];
+      *frame.position += glm::cross(*frame.along_row, *frame.along_column) * (offsets[i] - offsets[0]);
     } else {
       frame.position.reset();
     }
@@ -98,6 +114,10 @@ std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
     return "maps its values by a lookup table (modality LUT), which is not read";
   if (!among(kPlain) && !among(kPacked)) {
     return fmt::format("has its pixels in transfer syntax {}, which is not read", inQuotes(file.transfer_syntax));
+  }
+  if (among(kPacked) && pixels.high_bit != pixels.bits_stored - 1) {
+    return fmt::format("is compressed with {} bits stored up to bit {}, which is not read", pixels.bits_stored,
+                       pixels.high_bit);
   }
   if (file.big_endian && pixels.bits_allocated == 8 && file.pixels_representation == "OW") {
     return "holds bytes in big-endian words, which are not read";
@@ -156,12 +176,11 @@ VoxelType DicomPixels::storedType() const {
 DicomHeader readDicomHeader(const fs::path& path) {
   const File file(path);
   const DicomFile parsed =
-      readDicomElements(file, {kModality,         kDescription,  kThickness,     kBetween,   kSeries,
-                               kInstance,         kPosition,     kOrientation,   kSamples,   kPhotometric,
-                               kFrames,           kRows,         kColumns,       kSpacing,   kBitsAllocated,
-                               kBitsStored,       kHighBit,      kSigned,        kIntercept, kSlope,
-                               kModalityLut,      kFrameOffsets, kShared,        kPerFrame,  kPlanePosition,
-                               kPlaneOrientation, kMeasures,     kTransformation});
+      readDicomElements(file, {kModality,  kDescription,   kThickness,        kBetween,      kSeries,        kInstance,
+                               kPosition,  kOrientation,   kSamples,          kPhotometric,  kFrames,        kRows,
+                               kColumns,   kSpacing,       kBitsAllocated,    kBitsStored,   kHighBit,       kSigned,
+                               kIntercept, kSlope,         kModalityLut,      kFrameOffsets, kDoseScaling,   kShared,
+                               kPerFrame,  kPlanePosition, kPlaneOrientation, kMeasures,     kTransformation});
   DicomHeader out;
   out.path = path;
   out.series = parsed.set.text(kSeries);
@@ -175,7 +194,7 @@ DicomHeader readDicomHeader(const fs::path& path) {
   if (!out.refusal.empty()) return out;
   requirePixels(out.pixels, parsed, file);
   const auto count = static_cast<std::size_t>(out.pixels.frames);
-  for (std::size_t i = 0; i < count; ++i) out.frames.push_back(frameOf(parsed.set, i));
+  for (std::size_t i = 0; i < count; ++i) out.frames.push_back(frameOf(parsed.set, i, path));
   placeFrames(parsed.set, out.frames);
   if (!out.pixels.packed) return out;
   std::vector<std::vector<ByteRange>> fragments = dicomFragments(file, out.pixels.offset_bytes, count);

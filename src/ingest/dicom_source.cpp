@@ -40,6 +40,18 @@ void keepStoredBits(std::byte* data, std::size_t count, const DicomPixels& pixel
   }
 }
 
+// Not every codec has a sign: what GDCM did not extend is from 0 up to a power of two.
+template <class T>
+void extendSign(std::byte* data, std::size_t count, int bits) noexcept {
+  const std::int64_t values = std::int64_t{1} << bits;
+  for (std::size_t i = 0; i < count; ++i) {
+    T value;
+    std::memcpy(&value, data + i * sizeof(T), sizeof(T));
+    if (value >= values / 2 && value < values) value = static_cast<T>(value - values);
+    std::memcpy(data + i * sizeof(T), &value, sizeof(T));
+  }
+}
+
 class DicomSource : public VolumeSource {
  public:
   DicomSource(SourceInfo info, std::vector<DicomHeader> files, std::vector<DicomSlice> slices)
@@ -87,15 +99,20 @@ void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   if (pixels.packed) {
     const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&] { return decodeDicomFrame(header, slice.frame); });
     for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, frame_values->data() + first + y * line, row);
-    return;
+  } else {
+    const auto file = open_.take(slice.file, [&] { return std::make_unique<File>(header.path); });
+    const std::uint64_t offset = pixels.offset_bytes + static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes();
+    gatherRows(*file, offset + first, rows, row, line, out);
+    if (size > 1 && pixels.big_endian != (std::endian::native == std::endian::big)) swapBytes(out, count, size);
   }
-  const auto file = open_.take(slice.file, [&] { return std::make_unique<File>(header.path); });
-  const std::uint64_t offset = pixels.offset_bytes + static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes();
-  gatherRows(*file, offset + first, rows, row, line, out);
-  if (size > 1 && pixels.big_endian != (std::endian::native == std::endian::big)) swapBytes(out, count, size);
   if (pixels.bits_stored == pixels.bits_allocated) return;
   withVoxelType(stored(), [&]<class T>(std::type_identity<T>) {
-    if constexpr (std::is_integral_v<T>) keepStoredBits<T>(out, count, pixels);
+    if constexpr (std::is_integral_v<T>) {
+      if (!pixels.packed)
+        keepStoredBits<T>(out, count, pixels);
+      else if (pixels.is_signed)
+        extendSign<T>(out, count, pixels.bits_stored);
+    }
   });
 }
 
@@ -141,9 +158,11 @@ VoxelType DicomSource::type() {
 
 // Whether every stored value is from `lo` to `hi`. cost: reads the pixels where their bits do not settle it.
 bool DicomSource::storedFit(double lo, double hi) {
-  const DicomPixels& pixels = files_.front().pixels;
-  const double values = std::exp2(pixels.bits_stored);
-  const double can_lo = pixels.is_signed ? -values / 2 : 0, can_hi = pixels.is_signed ? values / 2 - 1 : values - 1;
+  int bits = 0;
+  for (const DicomHeader& header : files_) bits = std::max(bits, header.pixels.bits_stored);
+  const double values = std::exp2(bits);
+  const bool is_signed = files_.front().pixels.is_signed;
+  const double can_lo = is_signed ? -values / 2 : 0, can_hi = is_signed ? values / 2 - 1 : values - 1;
   if (can_lo >= lo && can_hi <= hi) return true;
   if (can_lo > hi || can_hi < lo || lo > hi) return false;
   const Extent3& dims = info_.geometry.dims;

@@ -206,6 +206,20 @@ TEST_F(DicomSeries, WithoutPositionsTheNumbersDecide) {
   EXPECT_EQ(open(options)->info().geometry.spacing(), glm::dvec3(1, 2, 3));
 }
 
+// Phases of one heart, say; where all have one number it is no number of slices.
+TEST_F(DicomSeries, WithoutPositionsNumbersThatRepeatAreSeveralVolumes) {
+  DicomSpec spec;
+  spec.position = spec.orientation = "";
+  for (int i = 0; i < 4; ++i) {
+    spec.instance = std::to_string(i % 2 + 1);
+    files_.write(std::string(1, static_cast<char>('a' + i)), slice(spec, i));
+  }
+  expectError(ErrorCode::kUnsupported, "'a' and 'c' have the same number");
+  spec.instance = "1";
+  for (int i = 0; i < 4; ++i) files_.write(std::string(1, static_cast<char>('a' + i)), slice(spec, i));
+  EXPECT_EQ(order(), (std::vector{0, 1, 2, 3}));
+}
+
 TEST_F(DicomSeries, FramesOfOneFileLieWhereTheirGroupsSay) {
   DicomSpec spec;
   spec.frames = 3;

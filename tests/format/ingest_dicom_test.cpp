@@ -79,6 +79,68 @@ TEST(IngestDicom, CompressedFramesAreDecoded) {
   }
 }
 
+// The file with another value of an element that holds a short, in explicit little endian.
+std::string withShort(std::string file, const std::string& element, int value) {
+  const std::size_t at = file.find(element + std::string("US\2\0", 4));
+  EXPECT_NE(at, std::string::npos);
+  file[at + 8] = static_cast<char>(value & 255), file[at + 9] = static_cast<char>(value >> 8);
+  return file;
+}
+const std::string kRows("\x28\0\x10\0", 4), kBitsAllocated("\x28\0\0\1", 4), kBitsStored("\x28\0\1\1", 4),
+    kHighBit("\x28\0\2\1", 4);
+
+// A header that is not its frame's: GDCM would read or write beyond the pixels.
+TEST(IngestDicom, AFrameThatIsNotTheHeadersIsAnError) {
+  for (const DicomCodec codec :
+       {DicomCodec::kRle, DicomCodec::kJpegLossless, DicomCodec::kJpegLs, DicomCodec::kJpeg2000}) {
+    const ForeignFiles files;
+    const ForeignVolume volume = randomVolume({16, 16, 1}, VoxelType::u16, 130);
+    const auto path = files.write("a.dcm", dicomFile(specOf(volume, 0, 1, {})));
+    compressDicom(path, codec);
+    const std::string whole = bytesOf(path);
+    const auto expect = [&](const std::string& changed, const std::string& says) {
+      const auto source = openSource(files.write("b.dcm", changed));
+      try {
+        readWhole(*source);
+        ADD_FAILURE() << "codec " << static_cast<int>(codec) << " " << says;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kFormat);
+        EXPECT_NE(std::string(error.what()).find("b.dcm: frame 1: "), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+      }
+    };
+    const bool runs = codec == DicomCodec::kRle;
+    expect(withShort(whole, kRows, 8), runs ? "256 pixels, but the header says 16 x 8" : "16 x 16 of 16 bits");
+    expect(withShort(whole, kRows, 32), runs ? "256 pixels" : "header says 16 x 32");
+    for (const int bits : {8, 32}) {
+      std::string changed = withShort(withShort(whole, kBitsAllocated, bits), kBitsStored, bits);
+      expect(withShort(changed, kHighBit, bits - 1), runs ? "2 run-length segments" : "of 16 bits");
+    }
+    files.write("c.dcm", withShort(withShort(whole, kBitsStored, 12), kHighBit, 15));
+    expectRefused(files.directory() / "c.dcm", ErrorCode::kUnsupported, "12 bits stored up to bit 15");
+  }
+}
+
+// What is unknown to whoever copied a file, or hidden in it: an icon in fragments, and groups that have become UN.
+TEST(IngestDicom, NestedElementsOfAnyKindArePassedOrRead) {
+  const auto implicit = [](const std::string& tag, const std::string& value) {
+    return tag + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+  };
+  const std::string item("\xfe\xff\0\xe0", 4);
+  const ForeignFiles files;
+  DicomSpec spec;
+  spec.pixel_bytes = std::string(40, '\1');
+  spec.spacing = "";
+  const std::string fragments = std::string("\xe0\x7f\x10\0OB\0\0\xff\xff\xff\xff", 12) + implicit(item, "") +
+                                implicit(item, "fragment") + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  const std::string icon = implicit(std::string("\x88\0\0\2SQ\0\0", 8), implicit(item, fragments));
+  const std::string spacing = implicit(std::string("\x28\0\x30\0", 4), "0.5\\0.25");
+  const std::string measures = implicit(std::string("\x28\0\x10\x91", 4), implicit(item, spacing));
+  const std::string groups = implicit(std::string("\0\x52\x29\x92UN\0\0", 8), implicit(item, measures));
+  spec.elements = icon + groups;
+  EXPECT_EQ(openSource(files.write("a.dcm", dicomFile(spec)))->info().geometry.spacing().x, 0.25);
+}
+
 // Twelve of sixteen bits, the others full of what is not the image's.
 TEST(IngestDicom, OnlyStoredBitsAreValues) {
   const ForeignFiles files;
@@ -163,6 +225,45 @@ TEST(IngestDicom, EachSliceHasItsOwnSlope) {
   }
 }
 
+// A slice may say more bits than the first.
+TEST(IngestDicom, TheTypeHoldsTheValuesOfAllSlices) {
+  const ForeignFiles files;
+  DicomSpec spec;
+  spec.columns = spec.rows = 1;
+  spec.is_signed = false, spec.intercept = "-1024", spec.slope = "1";
+  spec.bits_stored = 12, spec.pixel_bytes = std::string("\1\0", 2);
+  files.write("a", dicomFile(spec));
+  spec.bits_stored = 16, spec.pixel_bytes = std::string("\x60\xea", 2), spec.position = "0\\0\\1";  // 60000
+  files.write("b", dicomFile(spec));
+  const auto source = openSource(files.directory());
+  EXPECT_EQ(source->info().type, VoxelType::f32);
+  const std::vector<std::byte> bytes = readWhole(*source);
+  float values[2];
+  std::memcpy(values, bytes.data(), sizeof(values));
+  EXPECT_EQ(values[0], -1023);
+  EXPECT_EQ(values[1], 58976);
+}
+
+// PS3.3 C.8.8.3.2: offsets from the first frame, or places along its axis; and a factor of doses.
+TEST(IngestDicom, DosesAreScaledAndLieWhereTheirOffsetsSay) {
+  for (const char* offsets : {"0\\3", "-100\\-97"}) {
+    const ForeignFiles files;
+    DicomSpec spec;
+    spec.modality = "RTDOSE", spec.columns = spec.rows = 1, spec.frames = 2;
+    spec.position = "0\\0\\-100", spec.frame_offsets = offsets, spec.dose_scaling = "0.5";
+    spec.is_signed = false, spec.pixel_bytes = std::string("\4\0\6\0", 4);
+    const auto source = openSource(files.write("a.dcm", dicomFile(spec)));
+    EXPECT_EQ(source->info().geometry.worldOf({0, 0, 0}), glm::dvec3(0, 0, -100)) << offsets;
+    EXPECT_EQ(source->info().geometry.worldOf({0, 0, 1}), glm::dvec3(0, 0, -97)) << offsets;
+    const std::vector<std::byte> bytes = readWhole(*source);
+    float values[2];
+    ASSERT_EQ(bytes.size(), sizeof(values));
+    std::memcpy(values, bytes.data(), sizeof(values));
+    EXPECT_EQ(values[0], 2);
+    EXPECT_EQ(values[1], 3);
+  }
+}
+
 TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
   const ForeignFiles files;
   const auto expect = [&](const DicomSpec& spec, ErrorCode code, const std::string& says) {
@@ -187,6 +288,8 @@ TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
   expect(s, ErrorCode::kFormat, "there are 120 bytes");
   s = spec, s.frames = 4;
   expect(s, ErrorCode::kFormat, "there are 120 bytes");
+  s = spec, s.slope = "2,5";
+  expect(s, ErrorCode::kFormat, "(0028,1053): '2,5' is not a number");
   s = spec, s.bits_stored = 17;
   expect(s, ErrorCode::kFormat, "17 bits stored");
   files.write("a.dcm", std::string(128, '\0') + "DICM");

@@ -137,12 +137,15 @@ std::string dicomFile(const DicomSpec& spec) {
     out.text(0x28, 0x1053, "DS", spec.slope);
   }
   if (spec.modality_lut) out.sequence(0x28, 0x3000, {out.empty()});
+  out.text(0x3004, 0x0c, "DS", spec.frame_offsets);
+  out.text(0x3004, 0x0e, "DS", spec.dose_scaling);
   if (grouped) addFunctionalGroups(out, spec);
+  Elements pixels(spec.syntax);
   if (spec.pixels) {
     const std::string padding(spec.pixel_bytes.size() % 2, '\0');
-    out.add(0x7fe0, 0x10, spec.bits_allocated == 8 ? "OB" : "OW", spec.pixel_bytes + padding);
+    pixels.add(0x7fe0, 0x10, spec.bits_allocated == 8 ? "OB" : "OW", spec.pixel_bytes + padding);
   }
-  return metaHeader(spec.syntax) + out.bytes();
+  return metaHeader(spec.syntax) + out.bytes() + spec.elements + pixels.bytes();
 }
 
 void compressDicom(const std::filesystem::path& path, DicomCodec codec) {

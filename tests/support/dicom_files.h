@@ -26,6 +26,10 @@ struct DicomSpec {
   std::vector<std::string> frame_positions;
   bool pixels = true;
   bool modality_lut = false;
+  /// Of a dose grid.
+  std::string frame_offsets, dose_scaling;
+  /// Elements right before the pixels, as bytes of the syntax.
+  std::string elements;
   /// In the order of the syntax.
   std::string pixel_bytes;
 };
