@@ -2,6 +2,8 @@
 // named, so that a slice which is not recognised is noticed.
 #include "ingest/slice_directory.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -44,9 +46,15 @@ std::vector<fs::path> regularFilesIn(const fs::path& directory) {
   fs::directory_iterator entries(directory, error);
   if (error) throw systemError(error.value(), directory, "listing the directory");
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    std::error_code ignored;
-    const bool hidden = entries->path().filename().string().starts_with('.');
-    if (!hidden && entries->is_regular_file(ignored)) out.push_back(entries->path());
+    if (entries->path().filename().string().starts_with('.')) continue;
+    // A slice that nobody can look at is missing, and those above it would move down.
+    std::error_code unknown;
+    const fs::file_status status = entries->status(unknown);
+    if (status.type() == fs::file_type::not_found)
+      throw Error(ErrorCode::kNotFound, entries->path(), "",
+                  "is a link to a file that is not there; mend or remove it");
+    if (unknown) throw systemError(unknown.value(), entries->path(), "looking at the file");
+    if (fs::is_regular_file(status)) out.push_back(entries->path());
   }
   if (error) throw systemError(error.value(), directory, "listing the directory");
   std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
@@ -100,6 +108,14 @@ SliceFiles slicesIn(const fs::path& directory) {
   out.input = directory;
   out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
   out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
+  for (const fs::path& path : other) {
+    const auto named_so = [&](const fs::path& slice) { return slice.extension() == path.extension(); };
+    if (!path.has_extension() || std::none_of(out.files.begin(), out.files.end(), named_so)) continue;
+    throw Error(
+        ErrorCode::kFormat, path, "",
+        fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
+                    out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
+  }
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");
   return out;
 }

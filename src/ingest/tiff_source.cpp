@@ -31,8 +31,11 @@ struct Slice {
 struct Stack {
   std::vector<Slice> slices;
   TiffPage first;
-  std::optional<ImageJNotes> imagej;
+  std::optional<StackNotes> notes;
   std::uint64_t largest_packed_block_bytes = 0;
+
+  /// As ImageJ writes signed numbers, which TIFF has had for longer than ImageJ.
+  bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
 };
 
 std::string describe(const TiffPage& page) {
@@ -47,15 +50,15 @@ void requireAlike(const TiffPage& first, const fs::path& first_file, const TiffF
                           describe(page), first_file.filename().string(), describe(first)));
 }
 
-void refuseHyperstack(const ImageJNotes& notes, const fs::path& path) {
+void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
   if (notes.channels == 1 && notes.frames == 1) return;
   throw Error(ErrorCode::kUnsupported, path, "",
-              fmt::format("is a stack of {} channels and {} times, by ImageJ's description; save one of them",
-                          notes.channels, notes.frames));
+              fmt::format("is {} stacks (channels, times or positions), by {}'s description; save one of them",
+                          notes.channels * notes.frames, notes.writer));
 }
 
 // Beyond 4 GB ImageJ writes one directory, and the other images behind the first.
-std::int64_t imagesBehind(const TiffFile& file, const ImageJNotes& notes) {
+std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   const TiffPage& page = file.page();
   if (notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
   const std::uint64_t room = file.file().size() - file.blockOffset(0);
@@ -68,11 +71,11 @@ std::int64_t imagesBehind(const TiffFile& file, const ImageJNotes& notes) {
 
 void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index) {
   TiffFile file(files[index]);
-  const std::optional<ImageJNotes> notes = imageJNotes(file.description());
+  const std::optional<StackNotes> notes = stackNotes(file.description());
   if (notes) refuseHyperstack(*notes, files[index]);
   if (index == 0) {
     stack.first = file.page();
-    stack.imagej = notes;
+    stack.notes = notes;
   }
   const std::size_t before = stack.slices.size();
   do {
@@ -119,6 +122,13 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
     readSlice(in_slice, out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes);
+  }
+  if (!stack_.storesLargerBy32768()) return;
+  for (std::size_t i = 0; i < out.size(); i += sizeof(std::uint16_t)) {
+    std::uint16_t value;
+    std::memcpy(&value, &out[i], sizeof(value));
+    value ^= 0x8000;
+    std::memcpy(&out[i], &value, sizeof(value));
   }
 }
 
@@ -174,10 +184,13 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
   for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i);
   SourceInfo info;
   info.notes = input.notes;
-  info.type = stack.first.type;
+  info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type;
   const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
   checkedBytes(dims, info.type, input.input);
-  info.geometry = tiffGeometry(dims, stack.first, stack.imagej, options, info.notes);
+  info.geometry = tiffGeometry(dims, stack.first, stack.notes, options, info.notes);
+  if (stack.notes && !stack.notes->line.empty())
+    info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
+                                     stack.notes->writer, stack.notes->line));
   info.format = fmt::format("TIFF, {} {}", dims.z, dims.z == 1 ? "slice" : "slices");
   // The directory's own time tells of files that came or went.
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);

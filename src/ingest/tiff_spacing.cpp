@@ -46,11 +46,11 @@ glm::dvec2 pixelByTags(const TiffPage& page) {
   return isPrinters(25.4 / pixel.x) ? glm::dvec2(0) : pixel;
 }
 
-}  // namespace
-
-std::optional<ImageJNotes> imageJNotes(std::string_view description) {
+std::optional<StackNotes> imageJNotes(std::string_view description) {
   if (!description.starts_with("ImageJ=")) return std::nullopt;
-  ImageJNotes out;
+  StackNotes out;
+  out.writer = "ImageJ";
+  std::string fit, c0, c1;
   while (!description.empty()) {
     const std::string_view line = description.substr(0, description.find('\n'));
     description.remove_prefix(std::min(line.size() + 1, description.size()));
@@ -62,24 +62,99 @@ std::optional<ImageJNotes> imageJNotes(std::string_view description) {
     if (key == "frames") out.frames = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
     // Stacks whose order was turned around have a negative one.
     if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
-    if (key == "unit") out.unit = unitNamed(value);
+    if (key == "unit") {
+      out.unit = unitNamed(value);
+      out.in_unit = !value.empty() && value != "pixel" && value != "pixels";
+    }
+    // A calibration, of which 0 is a straight line.
+    if (key == "cf") fit = value;
+    if (key == "c0") c0 = value;
+    if (key == "c1") c1 = value;
   }
+  const std::optional<double> at_zero = doubleOf(c0), slope = doubleOf(c1);
+  if (fit.empty() || !at_zero || !slope) return out;
+  out.offset_signed = fit == "0" && *at_zero == -32768 && *slope == 1;
+  if (!out.offset_signed && !(fit == "0" && *at_zero == 0 && *slope == 1))
+    out.line = fit == "0" ? fmt::format("{:.9g} + {:.9g} times", *at_zero, *slope) : "a curve (calibration) of";
   return out;
 }
 
-VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<ImageJNotes>& imagej,
+// Of the first element of an XML text that is named so; empty where there is none.
+std::string attributeOf(std::string_view xml, std::string_view element, const std::string& name) {
+  const std::size_t begin = xml.find(element);
+  if (begin == std::string_view::npos) return "";
+  const std::string_view tag = xml.substr(begin, xml.find('>', begin) - begin);
+  const std::size_t at = tag.find(" " + name + "=");
+  if (at == std::string_view::npos || at + name.size() + 2 >= tag.size()) return "";
+  const std::size_t first = at + name.size() + 2;  // the quote
+  const std::size_t last = tag.find(tag[first], first + 1);
+  return last == std::string_view::npos ? "" : std::string(tag.substr(first + 1, last - first - 1));
+}
+
+// Source: the OME data model of 2016-06, Pixels.
+std::optional<StackNotes> omeNotes(std::string_view description) {
+  if (description.find("<OME ") == std::string_view::npos) return std::nullopt;
+  const auto of = [&](const std::string& name) { return attributeOf(description, "<Pixels ", name); };
+  const auto count = [&](const std::string& name) {
+    return std::max<std::int64_t>(integerOf(of(name)).value_or(1), 1);
+  };
+  StackNotes out;
+  out.writer = "OME";
+  out.channels = count("SizeC");
+  out.frames = count("SizeT");
+  // Those along other axes count where they have the same unit.
+  const std::string unit = of("PhysicalSizeXUnit");
+  const auto length = [&](const std::string& name) {
+    return of(name + "Unit") == unit ? doubleOf(of(name)).value_or(0) : 0;
+  };
+  out.pixel = {length("PhysicalSizeX"), length("PhysicalSizeY")};
+  out.spacing = length("PhysicalSizeZ");
+  // Micrometres if nothing is said.
+  out.unit = unit.empty() ? "um" : unitNamed(unit);
+  return out;
+}
+
+// {"shape": [2, 5, 64, 64]}: beyond three dimensions that are no 1, they are channels, times or positions.
+std::optional<StackNotes> tifffileNotes(std::string_view description) {
+  constexpr std::string_view kBegin = "{\"shape\": [";
+  if (!description.starts_with(kBegin)) return std::nullopt;
+  description.remove_prefix(kBegin.size());
+  const std::string shape(description.substr(0, description.find(']')));
+  std::vector<std::int64_t> dims;
+  for (std::size_t at = 0; at < shape.size();) {
+    const std::size_t end = std::min(shape.find(',', at), shape.size());
+    if (const auto dim = integerOf(trimmed(std::string_view(shape).substr(at, end - at))); dim && *dim != 1)
+      dims.push_back(*dim);
+    at = end + 1;
+  }
+  StackNotes out;
+  out.writer = "tifffile";
+  for (std::size_t i = 0; i + 3 < dims.size(); ++i) out.channels *= std::max<std::int64_t>(dims[i], 1);
+  return out;
+}
+
+}  // namespace
+
+std::optional<StackNotes> stackNotes(std::string_view description) {
+  for (const auto& read : {imageJNotes, omeNotes, tifffileNotes}) {
+    if (std::optional<StackNotes> out = read(description)) return out;
+  }
+  return std::nullopt;
+}
+
+VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<StackNotes>& stack,
                             const SourceOptions& options, std::vector<std::string>& notes) {
   VolumeGeometry out;
   out.dims = dims;
   glm::dvec3 spacing(1);
   const glm::dvec2 tags = pixelByTags(page);
-  if (imagej && (usable(imagej->spacing) || !imagej->unit.empty())) {
-    // ImageJ's resolution is in pixels per its own unit.
-    const glm::dvec2 pixel(1 / page.x_resolution, 1 / page.y_resolution);
-    const bool sized = !imagej->unit.empty() && usable(pixel.x) && usable(pixel.y);
+  const bool told = stack && usable(stack->pixel.x) && usable(stack->pixel.y);
+  if (stack && (usable(stack->spacing) || stack->in_unit || told)) {
+    const glm::dvec2 pixel = told ? stack->pixel : glm::dvec2(1 / page.x_resolution, 1 / page.y_resolution);
+    const bool sized = told || (stack->in_unit && usable(pixel.x) && usable(pixel.y));
     if (sized) spacing = glm::dvec3(pixel, pixel.x);
-    if (usable(imagej->spacing)) spacing.z = imagej->spacing;
-    if (sized) out.unit = imagej->unit;
+    if (usable(stack->spacing)) spacing.z = stack->spacing;
+    if (sized) out.unit = stack->unit;
   } else if (tags.x > 0) {
     spacing = glm::dvec3(tags, tags.x);
     out.unit = "mm";

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <random>
 #include <thread>
 
@@ -237,7 +238,73 @@ TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   layout = {}, layout.bits = 1;
   expect(layout, "1-bit integers");
   layout = {}, layout.description = "ImageJ=1.53c\nimages=6\nchannels=3\nslices=2\n";
-  expect(layout, "3 channels");
+  expect(layout, "is 3 stacks (channels, times or positions), by ImageJ's description");
+  layout.description =
+      R"(<?xml version="1.0"?><OME xmlns="x"><Image><Pixels SizeC="2" SizeT="3" SizeZ="1"/></Image></OME>)";
+  expect(layout, "is 6 stacks (channels, times or positions), by OME's description");
+  layout.description = R"({"shape": [2, 1, 3, 19, 21]})";
+  expect(layout, "is 2 stacks (channels, times or positions), by tifffile's description");
+}
+
+// What descriptions say of pixels, in the units that their programs write.
+TEST(IngestTiff, DescriptionsGiveTheSpacing) {
+  struct Said {
+    std::string description;
+    glm::dvec3 spacing;
+    std::string unit;
+  };
+  for (
+      const Said& said : std::vector<Said>{
+          {"ImageJ=1.53c\nunit=um\nspacing=0.5\n", {0.25, 0.25, 0.5}, "um"},
+          {"ImageJ=1.53c\nunit=angstrom\nspacing=0.5\n", {0.25, 0.25, 0.5}, ""},
+          {"ImageJ=1.53c\nunit=pixel\nspacing=2\n", {1, 1, 2}, ""},
+          {R"(<OME x="y"><Pixels SizeC="1" PhysicalSizeX="0.2" PhysicalSizeY="0.3" PhysicalSizeZ="1.5"/></OME>)",
+           {0.2, 0.3, 1.5},
+           "um"},
+          {R"(<OME x="y"><Pixels PhysicalSizeX="0.2" PhysicalSizeXUnit="mm" PhysicalSizeY="0.3" PhysicalSizeYUnit="mm"/></OME>)",
+           {0.2, 0.3, 0.2},
+           "mm"},
+          {R"({"shape": [4, 19, 21]})", {1, 1, 1}, ""}}) {
+    const ForeignFiles files;
+    TiffLayout layout;
+    layout.description = said.description;
+    layout.x_resolution = layout.y_resolution = 4, layout.resolution_unit = 1;
+    writeTiff(files.directory() / "a.tif", randomVolume(kStackDims, VoxelType::u8, 18), 0, 4, layout);
+    const VolumeGeometry geometry = openSource(files.directory() / "a.tif")->info().geometry;
+    EXPECT_LT(glm::length(geometry.spacing() - said.spacing), 1e-9) << said.description;
+    EXPECT_EQ(geometry.unit, said.unit) << said.description;
+  }
+}
+
+// ImageJ stores signed numbers 32768 larger and says so.
+TEST(IngestTiff, SignedNumbersOfImageJAreSigned) {
+  const ForeignFiles files;
+  ForeignVolume stored = randomVolume(kStackDims, VoxelType::u16, 19);
+  TiffLayout layout;
+  layout.description = "ImageJ=1.53c\nslices=4\ncf=0\nc0=-32768.0\nc1=1.0\nvunit=gray value\n";
+  writeTiff(files.directory() / "a.tif", stored, 0, 4, layout);
+  ForeignVolume meant{stored.dims, VoxelType::i16, stored.voxels};
+  for (std::size_t i = 1; i < meant.voxels.size(); i += 2) meant.voxels[i] ^= std::byte{0x80};
+  expectReadsBack(meant, files.directory() / "a.tif", 19);
+  layout.description = "ImageJ=1.53c\nslices=4\ncf=0\nc0=-1000\nc1=2\n";
+  writeTiff(files.directory() / "b.tif", stored, 0, 4, layout);
+  const auto source = openSource(files.directory() / "b.tif");
+  ASSERT_EQ(source->info().notes.size(), 1u);
+  EXPECT_NE(source->info().notes[0].find("-1000 + 2 times what is stored"), std::string::npos);
+}
+
+// A slice that is not there, or is empty, would move the others down.
+TEST(IngestTiff, ASliceThatCannotBeReadIsAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 20);
+  for (int z = 0; z < 3; ++z) writeTiff(files.directory() / ("s" + std::to_string(z) + ".tif"), volume, z, z + 1);
+  files.write("notes.txt", "");
+  EXPECT_EQ(openSource(files.directory())->info().geometry.dims.z, 3);
+  files.write("s1.tif", "");
+  expectRefused(files.directory(), ErrorCode::kFormat, "s1.tif: is named like the slices beside it");
+  std::filesystem::remove(files.directory() / "s1.tif");
+  std::filesystem::create_symlink("gone.tif", files.directory() / "s1.tif");
+  expectRefused(files.directory(), ErrorCode::kNotFound, "s1.tif: is a link to a file that is not there");
 }
 
 // LZW's number in the directory, which is a short at the front of the entry's value, is replaced.
