@@ -14,25 +14,18 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// What bricks are made of, as text: the same text gives the same bricks.
-std::string identityOf(const SourceInfo& info, Manifest draft) {
+// What bricks are made of, as text: the same text, with the names and the state of files in it, gives the same bricks.
+std::string identityOf(Manifest draft) {
   draft.source.command.clear();
   draft.source.time.clear();
-  std::string out = containerVersion() + "\n";
-  for (const fs::path& file : info.files) {
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) continue;
-    out += fmt::format("{} {} {}\n", file.string(), fs::is_directory(file, ignored) ? 0 : fs::file_size(file, ignored),
-                       fs::last_write_time(file, ignored).time_since_epoch().count());
-  }
-  return out + manifestText(draft);
+  return containerVersion() + "\n" + manifestText(draft);
 }
 
 // What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
-std::optional<JournalContent> resumable(Destination& destination, const SourceInfo& info, const Manifest& draft,
+std::optional<JournalContent> resumable(Destination& destination, const Manifest& draft,
                                         const ConvertOptions& options) {
   std::optional<JournalContent> found = Journal::read(destination.building());
-  if (found && found->identity.volume != identityOf(info, draft)) {
+  if (found && found->identity.volume != identityOf(draft)) {
     if (!options.overwrite) {
       throw Error(ErrorCode::kExists, destination.building(), "",
                   "was begun from another source, an older state of it, or with other options; give --overwrite to "
@@ -54,7 +47,7 @@ std::vector<std::byte> hashBytesOf(const std::string& identity) {
 
 void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ranks) {
   if (ranks.alone()) return;
-  const std::vector<std::vector<std::byte>> all = ranks.gather(hashBytesOf(identityOf(info, draft)));
+  const std::vector<std::vector<std::byte>> all = ranks.gather(hashBytesOf(identityOf(draft)));
   for (std::size_t rank = 1; rank < all.size(); ++rank) {
     if (all[rank] == all[0]) continue;
     throw Error(ErrorCode::kFormat, info.files.empty() ? fs::path() : info.files.front(), "",
@@ -80,16 +73,14 @@ void share(Beginning& beginning, Ranks& ranks) {
   shareBricks(beginning.earlier.bricks, ranks);
 }
 
-Beginning beginAt(Destination& destination, const SourceInfo& info, const Manifest& draft,
-                  const ConvertOptions& options, const Ranks& ranks, FileSystem& disk) {
+Beginning beginAt(Destination& destination, const Manifest& draft, const ConvertOptions& options, const Ranks& ranks,
+                  FileSystem& disk) {
   Beginning out{destination.finished(), destination.building(), {}};
   if (out.finished) return out;
   if (options.resume) {
-    if (std::optional<JournalContent> found = resumable(destination, info, draft, options))
-      out.earlier = *std::move(found);
+    if (std::optional<JournalContent> found = resumable(destination, draft, options)) out.earlier = *std::move(found);
   }
-  if (out.earlier.identity.volume.empty())
-    out.earlier.identity = {identityOf(info, draft), options.command, options.time};
+  if (out.earlier.identity.volume.empty()) out.earlier.identity = {identityOf(draft), options.command, options.time};
   // Each rank clears a folder of its own in it; there may have been more of them.
   if (!ranks.alone()) disk.removeAll(out.directory / "parts");
   return out;

@@ -25,8 +25,8 @@ void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ran
 
 /// What is at the destination. On the first rank; the others get it by `share`. throws: Error kExists where an earlier
 /// conversion was of another volume.
-Beginning beginAt(Destination& destination, const SourceInfo& info, const Manifest& draft,
-                  const ConvertOptions& options, const Ranks& ranks, FileSystem& disk);
+Beginning beginAt(Destination& destination, const Manifest& draft, const ConvertOptions& options, const Ranks& ranks,
+                  FileSystem& disk);
 
 /// Collective. Gives all ranks what the first has.
 void share(Beginning& beginning, Ranks& ranks);

@@ -14,6 +14,7 @@
 #include "convert/conversion.h"
 #include "convert/destination.h"
 #include "convert/foreign_cache.h"
+#include "convert/source_state.h"
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
@@ -35,6 +36,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   }
   manifest.source.format = info.format;
   for (const fs::path& file : info.files) manifest.source.files.push_back(file.string());
+  manifest.source.state = stateOf(info.files);
   manifest.source.command = options.command;
   manifest.source.time = options.time;
   manifest.source.vdb = info.vdb;
@@ -220,7 +222,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   Beginning beginning;
   if (ranks.first()) {
     destination.emplace(out, options.overwrite, options.resume, disk);
-    beginning = beginAt(*destination, info, draft, options, ranks, disk);
+    beginning = beginAt(*destination, draft, options, ranks, disk);
   }
   share(beginning, ranks);
   draft.source.command = beginning.earlier.identity.command;

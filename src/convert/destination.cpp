@@ -1,5 +1,6 @@
 #include "convert/destination.h"
 
+#include <algorithm>
 #include <system_error>
 
 #include "base/error.h"
@@ -23,11 +24,21 @@ bool holdsOnlyAStore(const fs::path& directory) {
   if (!fs::is_directory(directory, error)) return false;
   for (const auto& entry : fs::directory_iterator(directory, error)) {
     const fs::path name = entry.path().filename();
-    if (name != "manifest.json" && name != "index.bin" && name != "bricks" && name != "parts" &&
-        entry.path() != Journal::pathIn(directory) && name.extension() != ".tmp")
-      return false;
+    const auto is_called = [&](const fs::path& of_store) {
+      return name == of_store || name == of_store.string() + ".tmp";
+    };
+    const bool known = is_called("manifest.json") || is_called("index.bin") || is_called("bricks") ||
+                       is_called("parts") || is_called(Journal::pathIn(directory).filename());
+    if (!known) return false;
   }
   return !error;
+}
+
+// What is whole files of it is in folders, which anybody may have given their names.
+bool holdsFolders(const fs::path& directory) {
+  std::error_code error;
+  const fs::directory_iterator entries(directory, error);
+  return std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& e) { return e.is_directory(error); });
 }
 
 bool isUnfinished(const fs::path& directory) {
@@ -60,7 +71,7 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
                 isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
                                    : "is there already; name another output or give --overwrite");
   }
-  if (!holdsOnlyAStore(out_)) {
+  if (!holdsOnlyAStore(out_) || (holdsFolders(out_) && !isStore(out_) && !isUnfinished(out_))) {
     throw Error(ErrorCode::kExists, out_, "",
                 "is not a store, so it is neither replaced nor gone on with; name another output");
   }

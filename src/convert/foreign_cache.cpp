@@ -1,10 +1,14 @@
 #include "convert/foreign_cache.h"
 
+#include <algorithm>
 #include <optional>
 #include <system_error>
+#include <utility>
 
+#include "base/file_lock.h"
 #include "convert/destination.h"
 #include "convert/journal.h"
+#include "convert/source_state.h"
 #include "ingest/formats.h"
 #include "store/store_reader.h"
 
@@ -12,17 +16,20 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-bool sameVolume(const fs::path& store, const SourceInfo& info) {
-  try {
-    const Manifest manifest = StoreReader(store).manifest();
-    const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() &&
-                           (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
-    return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
-           manifest.geometry().dims == info.geometry.dims &&
-           manifest.geometry().world_from_index == info.geometry.world_from_index;
-  } catch (const Error&) {
-    return false;  // damaged, or of another format: made anew
-  }
+bool sameVolume(const Manifest& manifest, const SourceInfo& info) {
+  const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() &&
+                         (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
+  return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
+         manifest.geometry().dims == info.geometry.dims &&
+         manifest.geometry().world_from_index == info.geometry.world_from_index;
+}
+
+bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
+  std::error_code error;
+  const auto finished = fs::last_write_time(store / "manifest.json", error);
+  return !error && std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
+    return namesPhantom(file) || (fs::last_write_time(file, error) <= finished && !error);
+  });
 }
 
 // The command that made a store, or that began to; nothing where that cannot be told.
@@ -60,15 +67,14 @@ fs::path baseOf(const fs::path& input) {
 }  // namespace
 
 bool isStoreOf(const fs::path& store, const SourceInfo& info) {
-  std::error_code error;
-  const auto finished = fs::last_write_time(store / "manifest.json", error);
-  if (error) return false;
-  for (const fs::path& file : info.files) {
-    if (namesPhantom(file)) continue;
-    const auto written = fs::last_write_time(file, error);
-    if (error || written > finished) return false;
+  try {
+    const Manifest manifest = StoreReader(store).manifest();
+    return (manifest.source.state.empty() ? isYounger(store, info.files)
+                                          : manifest.source.state == stateOf(info.files)) &&
+           sameVolume(manifest, info);
+  } catch (const Error&) {
+    return false;  // damaged, or of another format: made anew
   }
-  return sameVolume(store, info);
 }
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
@@ -89,6 +95,12 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
+  bool waits = false;
+  const FileLock lock(store.string() + ".lock", [&] {
+    if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());
+    progress.throwIfCancelled("waiting for another process");
+  });
+  if (isStoreOf(store, source->info())) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;

@@ -7,13 +7,15 @@
 namespace kiln {
 
 /// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing, older
-/// than the file or made with other source options; says so through `progress.note`. throws: as openSource and convert;
+/// than the file or made with other source options; says so through `progress.note`. Of several processes one makes it
+/// while the others wait. throws: as openSource and convert;
 /// Error kExists where a store that it would replace was not made by a rendering (Provenance::command).
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress);
 
-/// Whether `store` was finished after each file of the source was last written, and holds the volume that the source
-/// describes now: other --dims or another --endian make another volume.
+/// Whether each file of the source is as it was when `store` was made of them (of older stores, was last written before
+/// it was finished), and it holds the volume that the source describes now: other --dims or another --endian make
+/// another volume.
 bool isStoreOf(const std::filesystem::path& store, const SourceInfo& info);
 
 }  // namespace kiln

@@ -151,12 +151,13 @@ class Reader {
   std::vector<std::string> seen_;
 };
 
-Json sourceJson(const Provenance& source) {
+Json sourceJson(const Provenance& source, int format) {
   Json out = {{"format", source.format},
               {"files", source.files},
               {"command", source.command},
               {"time", source.time},
               {"kiln", KILN_VERSION}};
+  if (format >= 4) out["state"] = source.state;
   if (source.vdb) {
     out["grid"] = source.vdb->grid_name;
     const VoxelCoord& origin = source.vdb->index_origin;
@@ -166,13 +167,14 @@ Json sourceJson(const Provenance& source) {
   return out;
 }
 
-Provenance readSource(Reader source) {
+Provenance readSource(Reader source, int format) {
   Provenance out;
   out.format = source.value<std::string>("format");
   out.files = source.value<std::vector<std::string>>("files");
   out.command = source.value<std::string>("command");
   out.time = source.value<std::string>("time");
   source.value<std::string>("kiln");
+  if (format >= 4) out.state = source.value<std::string>("state");
   if (source.has("grid")) {
     VdbOrigin vdb;
     vdb.grid_name = source.value<std::string>("grid");
@@ -263,7 +265,7 @@ std::string manifestText(const Manifest& m) {
       {"levels", levels},
       {"codec", {{"container", m.container_version}, {"compression", "blosc"}}},
       {"index", {{"file", "index.bin"}, {"bytes", m.index_bytes}, {"checksum", toHex(m.index_checksum)}}},
-      {"source", sourceJson(m.source)},
+      {"source", sourceJson(m.source, m.format)},
       {"checksum", std::string(kDigits, '0')},
   };
   std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -329,7 +331,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   m.index_bytes = index.count("bytes");
   m.index_checksum = index.checksum("checksum");
   index.finish();
-  m.source = readSource(Reader(root.get("source"), "source.", path));
+  m.source = readSource(Reader(root.get("source"), "source.", path), m.format);
   root.get("checksum");
   root.finish();
   return m;

@@ -14,7 +14,7 @@
 
 namespace kiln {
 
-inline constexpr int kFormatVersion = 3;
+inline constexpr int kFormatVersion = 4;
 /// The first that is still read.
 inline constexpr int kFirstFormatVersion = 1;
 inline constexpr std::int64_t kApron = 6;
@@ -37,6 +37,7 @@ struct LevelInfo {
 struct Provenance {
   std::string format;
   std::vector<std::string> files;
+  std::string state;  // of the files when they were read (convert/source_state.h); empty where nothing is known of it
   std::string command;
   std::string time;  // ISO 8601, UTC; what the caller of the conversion gave
   std::optional<VdbOrigin> vdb;

@@ -367,12 +367,12 @@ TEST(StoreFormatEdges, StoresOfEarlierFormatsOpen) {
   const std::uint64_t files = wholeFiles(store);
   const BrickKey first{0, {0, 0, 0}};
   EXPECT_EQ(StoreReader(store).index().at(first).sub_ranges->along(), 8);
-  for (const int format : {2, 1}) {
+  for (const int format : {3, 2, 1}) {
     makeFormat(format, store);
     const StoreReader reader(store);
     EXPECT_EQ(reader.manifest().format, format);
     const SubRanges* const ranges = reader.index().at(first).sub_ranges.get();
-    EXPECT_EQ(ranges == nullptr ? 0 : ranges->along(), format == 2 ? 4 : 0);
+    EXPECT_EQ(ranges == nullptr ? 0 : ranges->along(), format == 3 ? 8 : format == 2 ? 4 : 0);
     EXPECT_TRUE(equalBits(draw(store, request), picture)) << "format " << format;
     EXPECT_EQ(wholeFiles(store), files) << "format " << format;
   }
@@ -446,7 +446,7 @@ TEST(StoreManifest, ComesBackAsItWas) {
 // Known from FORMAT.md, Versions: a reader refuses a number it does not know, by name.
 TEST(StoreManifest, RefusesAnotherFormat) {
   Json json = Json::parse(manifestText(unusualManifest()));
-  for (const int format : {0, 4}) {
+  for (const int format : {0, 5}) {
     json["kiln"] = format;
     const std::string said = complaintOf(json, ErrorCode::kUnsupported);
     EXPECT_NE(said.find("kiln: store format " + std::to_string(format)), std::string::npos) << said;

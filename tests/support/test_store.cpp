@@ -81,6 +81,11 @@ void makeFormat(int format, const fs::path& store) {
   constexpr std::size_t kDigitOfMagic = 7;
   const StoreReader reader(store);
   const Manifest& now_manifest = reader.manifest();
+  if (format == 3) {
+    Manifest manifest = now_manifest;
+    manifest.format = format;
+    return writeText(store / "manifest.json", manifestText(manifest));
+  }
   BrickIndex index = reader.index();
   for (int level = 0; level < index.levels(); ++level) {
     for (std::int64_t i = 0; i < index.lattice(level).count(); ++i) {

@@ -1,0 +1,104 @@
+// The store that stands beside a foreign file: whose it is, who makes it, and what is never taken for one. Known
+// because a picture of the file is one of a store that was converted by hand.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "support/drawing.h"
+#include "support/foreign_files.h"
+#include "support/procedural.h"
+#include "support/tiff_files.h"
+#include "support/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+class ForeignCache : public ToolTest {
+ protected:
+  ForeignCache() : ToolTest("cache_") {}
+  // A volume of 64^3 bytes.
+  void write(const std::string& name, double step) const {
+    writeText(in(name), textOf(ramp({{64, 64, 64}, VoxelType::u8}, 1, step).voxels));
+  }
+  std::vector<std::string> drawn(const std::string& volume, const std::string& picture) const {
+    return {"render", in(volume), "-o",     in(picture), "--size", "32x32",
+            "--tf",   "iso:90",   "--dims", "64,64,64",  "--type", "u8"};
+  }
+};
+
+// Moved or copied to that name with its time, as archives are unpacked: the store is younger.
+TEST_F(ForeignCache, AnotherFileOfThatNameIsConvertedThoughItIsOlder) {
+  write("v.raw", 3);
+  done(drawn("v.raw", "first.png"));
+  done(drawn("v.raw", "again.png"));
+  EXPECT_EQ(readFile(in("again.png")), readFile(in("first.png")));
+  write("other.raw", 1.5);
+  fs::last_write_time(in("other.raw"), fs::file_time_type::clock::now() - std::chrono::hours(24 * 365));
+  fs::rename(in("other.raw"), in("v.raw"));
+  done(drawn("v.raw", "second.png"));
+  fs::rename(in("v.raw"), in("w.raw"));
+  done(drawn("w.raw", "expected.png"));
+  // Files differ in the volume's name.
+  const Image second = readImage(in("second.png"));
+  EXPECT_TRUE(equalBits(second, readImage(in("expected.png"))));
+  EXPECT_FALSE(equalBits(second, readImage(in("first.png"))));
+}
+
+// As the jobs of a farm do: one converts, the others wait and take its store.
+TEST_F(ForeignCache, ProcessesThatStartAtOnceMakeOneStore) {
+  write("v.raw", 3);
+  std::vector<ToolResult> results(4);
+  std::vector<std::thread> processes;
+  for (std::size_t i = 0; i < results.size(); ++i)
+    processes.emplace_back([&, i] { results[i] = runTool(drawn("v.raw", "p" + std::to_string(i) + ".png")); });
+  for (std::thread& process : processes) process.join();
+  int conversions = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].exit_code, 0) << results[i].err;
+    conversions += results[i].err.find("converting to the store") != std::string::npos ? 1 : 0;
+    EXPECT_EQ(readFile(in("p" + std::to_string(i) + ".png")), readFile(in("p0.png")));
+  }
+  EXPECT_EQ(conversions, 1);
+  EXPECT_FALSE(fs::exists(in("v.raw.kiln.lock")));
+}
+
+// Folders that have the names of a store's, or temporary ones, and no manifest or journal.
+TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
+  write("v.raw", 3);
+  fs::create_directories(in("a"));
+  writeText(in("a/notes.tmp"), "mine");
+  fs::create_directories(in("b/bricks"));
+  writeText(in("b/bricks/mine.txt"), "mine");
+  for (const char* how : {"--overwrite", "--resume"}) {
+    for (const auto& [folder, file] : {std::pair{"a", "a/notes.tmp"}, {"b", "b/bricks/mine.txt"}}) {
+      refused({"convert", in("v.raw"), in(folder), "--dims", "64,64,64", "--type", "u8", how}, 1, "is not a store");
+      EXPECT_EQ(readTextFile(in(file)), "mine") << how;
+    }
+  }
+}
+
+// A directory's time changes with the store that is made in it.
+TEST_F(ForeignCache, AConversionIntoItsOwnInputIsResumed) {
+  const ForeignVolume volume = randomVolume({256, 256, 64}, VoxelType::u16, 3);
+  fs::create_directory(in("scan"));
+  for (int z = 0; z < 64; ++z) writeTiff(in("scan/s" + std::to_string(z) + ".tif"), volume, z, z + 1);
+  const std::vector<std::string> convert = {"convert",   in("scan"), in("scan/out.kiln"), "--brick-size", "16",
+                                            "--threads", "1"};
+  ToolOptions options;
+  options.interrupt_when = [&] { return fs::exists(in("scan/out.kiln/bricks/0/3_3_0.vdb")); };
+  const ToolResult first = runTool(convert, options);
+  ASSERT_TRUE(first.interrupted) << "finished before it could be stopped";
+  std::vector<std::string> resumed = convert;
+  resumed.push_back("--resume");
+  done(resumed);
+  done({"verify", in("scan/out.kiln")});
+}
+
+}  // namespace
+}  // namespace kiln::test
