@@ -5,13 +5,16 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/poll.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <thread>
 #include <utility>
 
 #include "base/error.h"
@@ -66,19 +69,28 @@ void FedProcess::closeInput() {
   if (input_ >= 0) ::close(std::exchange(input_, -1));
 }
 
-void FedProcess::write(std::span<const std::byte> data) {
+void FedProcess::write(std::span<const std::byte> data, const Waiting& waiting) {
+  constexpr int kWait_ms = 100;
   while (!data.empty()) {
-    const ssize_t put = ::send(input_, data.data(), data.size(), MSG_NOSIGNAL);
-    if (put < 0 && errno == EINTR) continue;
+    pollfd room{input_, POLLOUT, 0};
+    if (::poll(&room, 1, kWait_ms) <= 0) {
+      waiting();
+      continue;
+    }
+    const ssize_t put = ::send(input_, data.data(), data.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (put < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (put < 0) fail("takes no more input");
     data = data.subspan(static_cast<std::size_t>(put));
   }
 }
 
-void FedProcess::finish() {
+void FedProcess::finish(const Waiting& waiting) {
+  using namespace std::chrono_literals;
   closeInput();
   int status = 0;
-  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  while (::waitpid(process_, &status, WNOHANG) == 0) {
+    waiting();
+    std::this_thread::sleep_for(20ms);
   }
   process_ = -1;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,10 +21,12 @@ class FedProcess {
   FedProcess(const FedProcess&) = delete;
   FedProcess& operator=(const FedProcess&) = delete;
 
-  /// throws: Error kIo with the program's last complaint where it takes no more.
-  void write(std::span<const std::byte> data);
-  /// Ends its input and waits for it. throws: Error kIo with its last complaint where it fails.
-  void finish();
+  /// Asked several times a second while the program keeps this one waiting; it may throw.
+  using Waiting = std::function<void()>;
+  /// throws: Error kIo with the program's last complaint where it takes no more; what `waiting` throws.
+  void write(std::span<const std::byte> data, const Waiting& waiting);
+  /// Ends its input and waits for it. throws: Error kIo with its last complaint where it fails; what `waiting` throws.
+  void finish(const Waiting& waiting);
 
  private:
   [[noreturn]] void fail(const std::string& what) const;

@@ -58,17 +58,18 @@ void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& optio
     Image image = readImage(pictures.front());
     const int width = image.width, height = image.height;
     FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
+    const auto waiting = [&] { progress.throwIfCancelled("making the video"); };
     for (std::size_t i = 0; i < pictures.size(); ++i) {
-      progress.throwIfCancelled("making the video");
+      waiting();
       if (i > 0) image = readImage(pictures[i]);
       if (image.width != width || image.height != height)
         throw Error(ErrorCode::kUsage, pictures[i], "",
                     fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
                                 width, height));
-      encoder.write(overBlack(image));
+      encoder.write(overBlack(image), waiting);
       progress.advance("making the video", "frames", i + 1, pictures.size());
     }
-    encoder.finish();
+    encoder.finish(waiting);
     // What it was made of may be removed once it has its name.
     disk.syncFile(temporary);
   });
