@@ -61,10 +61,11 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
 }
 
 // The voxel of each of a line of pixels.
-std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pixel) {
+std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pixel, std::int64_t voxels) {
   std::vector<std::int64_t> out;
   for (std::int64_t i = 0; i < pixels; ++i)
-    out.push_back(static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * voxels_per_pixel));
+    // Of a side that is rounded up, the last pixel's middle may be beyond.
+    out.push_back(std::min(static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * voxels_per_pixel), voxels - 1));
   return out;
 }
 
@@ -131,8 +132,9 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
                             formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
   }
   Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
-  const std::vector<std::int64_t> columns = voxelsAlong(layout.width, layout.voxels_per_column);
-  const std::vector<std::int64_t> rows = voxelsAlong(layout.height, layout.voxels_per_row);
+  const std::vector<std::int64_t> columns =
+      voxelsAlong(layout.width, layout.voxels_per_column, volume.dims[layout.right]);
+  const std::vector<std::int64_t> rows = voxelsAlong(layout.height, layout.voxels_per_row, volume.dims[layout.down]);
   const Extent3& lattice = store.index().lattice(request.level);
   const std::int64_t row = index / store.manifest().brick_size;
   const std::int64_t bricks = lattice[layout.right] * lattice[layout.down];
