@@ -56,7 +56,6 @@ struct Pipe {
   if (file_bytes != std::numeric_limits<std::uint64_t>::max()) {
     const rlimit limit{static_cast<rlim_t>(file_bytes), static_cast<rlim_t>(file_bytes)};
     ::setrlimit(RLIMIT_FSIZE, &limit);
-    std::signal(SIGXFSZ, SIG_IGN);  // the write fails instead of killing the child
   }
   ::execvp(arguments[0], arguments);
   ::_exit(127);

@@ -1,6 +1,7 @@
 // The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
 // 0 done, 1 data or I/O, 2 command line. Started by mpirun it is one of several ranks: one of them speaks, and one that
 // fails ends all.
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -116,6 +117,8 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Beyond a limit of file sizes a write fails, and is told of, as on a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
     const int exit_code = run(argc, argv, *ranks);
