@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
@@ -23,6 +24,7 @@ struct Part {
   VoxelBox box;
   ordered_json look;  // the job without what tells one part from another
   ordered_json volume;
+  std::uint64_t damaged_bricks = 0;
 };
 
 VolumeGeometry geometryOf(const ordered_json& volume) {
@@ -41,7 +43,7 @@ Part partFrom(const fs::path& path) {
     throw Error(ErrorCode::kUnsupported, path, name,
                 "is not in the header; expected an image that kiln render --part drew");
   };
-  Part out{path, {}, {}, {}, {}};
+  Part out{path, {}, {}, {}, {}, 0};
   try {
     out.look = ordered_json::parse(of(ImageMetadata::kJob));
     out.volume = ordered_json::parse(of("kiln:volume"));
@@ -55,7 +57,10 @@ Part partFrom(const fs::path& path) {
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "names no part; expected an image that kiln render --part drew");
   out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
-  for (const char* key : {"part", "volume"}) out.look.erase(key);
+  // Only a part that met damage says that it was passed over.
+  for (const char* key : {"part", "volume", "skipDamaged"}) out.look.erase(key);
+  if (const auto damaged = text.find(ImageMetadata::kDamagedBricks); damaged != text.end())
+    std::from_chars(damaged->second.data(), damaged->second.data() + damaged->second.size(), out.damaged_bricks);
   return out;
 }
 
@@ -103,9 +108,11 @@ void layPart(const Image& part, float opaque_at, std::vector<PartPixel>& made) {
   }
 }
 
-ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view) {
+ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view, std::uint64_t damaged_bricks) {
   job.picture.clipping.part.reset();
+  job.picture.skip_damaged = damaged_bricks > 0;
   ImageMetadata out;
+  if (damaged_bricks > 0) out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged_bricks);
   if (const auto& crop = job.picture.crop) out.whole = {crop->x0, crop->y0, view.size.width, view.size.height};
   out.world_to_camera = exrWorldToCamera(view);
   out.world_to_ndc = exrWorldToNdc(view);
@@ -141,11 +148,12 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const View view = resolve(camera, picture.stereo, picture.size);
   const PixelRect pixels = drawnPixels(picture.size, picture.crop);
   CompositedParts out;
-  out.metadata = metadataOf(parts.front().job, camera, view);
   std::vector<PartPixel> made(pixels.count());
   const std::vector<std::string> planes = {kCoveragePlane};
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
-  std::uint64_t done = 0;
+  std::uint64_t done = 0, damaged_bricks = 0;
+  for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
+  out.metadata = metadataOf(parts.front().job, camera, view, damaged_bricks);
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");

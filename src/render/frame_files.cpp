@@ -22,7 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kHashKey = "kiln:jobHash";
-constexpr const char* kDamageKey = "kiln:damagedBricks";
 
 // The job that draws what the file holds of the frame, and nothing else.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
@@ -53,7 +52,7 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   ImageMetadata out;
   if (const std::uint64_t damaged = drawn.statistics.bricks_damaged) {
     of_file.picture.skip_damaged = true;
-    out.text[kDamageKey] = std::to_string(damaged);
+    out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged);
   }
   if (const auto& crop = job.picture.crop)
     out.whole = {crop->x0, crop->y0, job.picture.size.width, job.picture.size.height};
@@ -225,7 +224,7 @@ FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScen
     text = readImageText(file.path);
     if (const auto hash = text.find(kHashKey);
         hash != text.end() && hash->second == contentHash(job, file, scene, store)) {
-      if (text.contains(kDamageKey) && !job.picture.skip_damaged) return FoundFile::kDamaged;
+      if (text.contains(ImageMetadata::kDamagedBricks) && !job.picture.skip_damaged) return FoundFile::kDamaged;
       checkImage(file.path);
       return FoundFile::kWhole;
     }
