@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "base/elapsed.h"
@@ -68,10 +69,16 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ran
   return boxes;
 }
 
-// The part as it is composited, and as others' arrive, with as many layers of edges as scans have.
-std::uint64_t partBytes(const RenderJob& job) {
-  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) *
-         drawnPixels(job.picture.size, job.picture.crop).count();
+// Where the job's own store can be looked at, the part is of it: the picture names that.
+void requireSameStore(const std::filesystem::path& part, const std::filesystem::path& whole) {
+  std::optional<Hash128> expected;
+  try {
+    expected = StoreReader(whole).manifest().index_checksum;
+  } catch (const Error&) {
+    return;
+  }
+  if (StoreReader(part).manifest().index_checksum == *expected) return;
+  throw Error(ErrorCode::kUsage, part, "", "--store-local: holds a part of another store than " + whole.string());
 }
 
 struct Plan {
@@ -83,6 +90,7 @@ Plan planFor(const RenderJob& job, const SequenceOptions& options) {
   requireParts(job);
   if (!options.store_local.empty()) {
     const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
+    requireSameStore(part, job.volume);
     return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, *options.ranks)};
   }
   Plan out{sharedStores(job, options), {}};
@@ -169,6 +177,11 @@ class BrickSequence : public RankedSequence {
 };
 
 }  // namespace
+
+std::uint64_t partBytes(const RenderJob& job) {
+  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) *
+         drawnPixels(job.picture.size, job.picture.crop).count();
+}
 
 SequenceResult shareBricksOfSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                                      SequenceListener& listener) {

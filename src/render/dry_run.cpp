@@ -11,7 +11,7 @@
 #include "scene/frame_scene.h"
 
 namespace kiln {
-DryRun dryRun(const RenderJob& given) {
+DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
   job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
@@ -20,6 +20,7 @@ DryRun dryRun(const RenderJob& given) {
   const SceneOfJob scenes(job, manifestsOf(opened));
   DryRun out;
   out.memory = memoryOf(job, stores, scenes);
+  out.memory.image += beside_bytes;
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;

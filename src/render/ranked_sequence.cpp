@@ -40,6 +40,11 @@ void RankedSequence::shareAndRead() {
   try {
     share();
     if (shared_reads_) shared_reads_->finish();
+  } catch (const Error& error) {
+    if (shared_reads_) shared_reads_->abandon();
+    // Each rank is told, and one says it, which need not know how many the others have made.
+    if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
+    throw;
   } catch (...) {
     if (shared_reads_) shared_reads_->abandon();
     throw;
@@ -75,7 +80,7 @@ void RankedSequence::attempt(FrameReport& report, const std::function<void()>& b
     progress_.throwIfCancelled("rendering");
     body();
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kCancelled) throw frames_.interrupted(done_);
+    if (error.code() == ErrorCode::kCancelled) throw;
     if (single()) throw Error(error.code(), fmt::format("frame {}: {}", frame, error.what()));
     report.failure = Error(error.code(), fmt::format("rank {}: {}", ranks_.rank(), error.what()));
   }

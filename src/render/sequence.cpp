@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/trace.h"
+#include "render/brick_sequence.h"
 #include "render/frame_checkpoint.h"
 #include "render/shared_sequence.h"
 
@@ -22,8 +23,7 @@ class Sequence {
         checkpoint_(options.checkpoint),
         progress_(progress),
         listener_(listener),
-        frames_(job, options.store_for, progress, options.checkpoint ? checkpointBytes(job) : 0,
-                {.writes_behind = writesBehind(job)}) {}
+        frames_(job, options.store_for, progress, besideBytes(job, options), {.writes_behind = writesBehind(job)}) {}
 
   SequenceResult run() {
     if (checkpoint_) requireCheckpoint(job_);
@@ -125,6 +125,11 @@ std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Rank
 // One thread gains nothing by it.
 bool writesBehind(const RenderJob& job) {
   return framesOf(job).size() > 1 && !isSeries(job) && ThreadLimit::active() > 1;
+}
+
+std::uint64_t besideBytes(const RenderJob& job, const SequenceOptions& options) {
+  if (options.ranks == nullptr || options.ranks->alone()) return options.checkpoint ? checkpointBytes(job) : 0;
+  return job.distribution == Distribution::kBricks ? partBytes(job) : sharedTileBytes(job);
 }
 
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,

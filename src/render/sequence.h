@@ -47,6 +47,9 @@ struct SequenceResult {
 /// all is made by one thread, whatever others do. Of a time series one store is open at a time.
 bool writesBehind(const RenderJob& job);
 
+/// What drawing them so has in memory beside the picture: finished tiles, or those of other ranks. unit: bytes.
+std::uint64_t besideBytes(const RenderJob& job, const SequenceOptions& options);
+
 /// Draws the job's frames and writes their files and its video. Bricks stay in memory from frame to frame; of a time
 /// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is
 /// made then. throws: Error kUsage where the job as a whole cannot be drawn, kExists where, resuming, a file is of

@@ -130,10 +130,10 @@ void SequenceFrames::describeMemory(RenderStatistics& statistics) const {
   if (opened_) opened_->describeMemory(statistics);
 }
 
-Error SequenceFrames::interrupted(std::size_t done) const {
+Error SequenceFrames::interrupted(std::optional<std::size_t> done) const {
   return Error(ErrorCode::kCancelled,
-               fmt::format("interrupted: {} of {} frames are there and stay; the same command with --resume goes on",
-                           done, numbers_.size()));
+               fmt::format("interrupted: {} are there and stay; the same command with --resume goes on",
+                           done ? fmt::format("{} of {} frames", *done, numbers_.size()) : "finished frames"));
 }
 
 }  // namespace kiln

@@ -60,7 +60,7 @@ class SequenceFrames {
   /// Of the stores that were open.
   void describeMemory(RenderStatistics& statistics) const;
   /// That says how to go on, where `done` frames are finished.
-  Error interrupted(std::size_t done) const;
+  Error interrupted(std::optional<std::size_t> done) const;
 
  private:
   const RenderJob& job_;

@@ -25,11 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
 
-// Beside the image that a rank may put together: a tile of its own, its rays, one that it sends and one that it gets.
-std::uint64_t tileBytes(const RenderJob& job) {
-  return 4 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
-}
-
 // A frame that this rank puts together.
 struct Assembly {
   Image image;
@@ -41,7 +36,7 @@ struct Assembly {
 class SharedSequence : public RankedSequence {
  public:
   SharedSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
-      : RankedSequence(job, options, sharedStores(job, options), progress, listener, tileBytes(job), std::nullopt,
+      : RankedSequence(job, options, sharedStores(job, options), progress, listener, sharedTileBytes(job), std::nullopt,
                        job.share_reads && !isSeries(job)),
         crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
 
@@ -228,6 +223,10 @@ class SharedSequence : public RankedSequence {
 };
 
 }  // namespace
+
+std::uint64_t sharedTileBytes(const RenderJob& job) {
+  return 4 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
+}
 
 SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                              SequenceListener& listener) {

@@ -12,4 +12,8 @@ namespace kiln {
 SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                              SequenceListener& listener);
 
+/// Beside the image that a rank may put together: a tile of its own, its rays, one that it sends and one that it gets.
+/// unit: bytes.
+std::uint64_t sharedTileBytes(const RenderJob& job);
+
 }  // namespace kiln

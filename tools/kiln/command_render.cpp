@@ -151,7 +151,24 @@ void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
 }
 
 // What the options name stands still, whatever the job has keyframes of.
+void requireStillCamera(const RenderArguments& a, const RenderJob& job) {
+  const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
+  const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
+  if ((!keys && !matrices) || a.turntable) return;
+  const std::pair<const char*, bool> given[] = {
+      {"--eye", a.eye.has_value()},   {"--target", a.target.has_value()},   {"--up", a.up.has_value()},
+      {"--view", a.view.has_value()}, {"--azimuth", a.azimuth.has_value()}, {"--elevation", a.elevation.has_value()},
+      {"--zoom", a.zoom.has_value()}, {"--fov", keys && a.fov.has_value()}, {"--height", keys && a.height.has_value()}};
+  for (const auto& [option, is_given] : given) {
+    if (is_given)
+      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by {} where the camera is in each frame; change it "
+                                                 "there, or give --turntable",
+                                                 option, keys ? "keyframes" : "matrices"));
+  }
+}
+
 void applyFrames(const RenderArguments& a, RenderJob& job) {
+  requireStillCamera(a, job);
   if (a.frames) job.frames = parseFrames(*a.frames, "--frames");
   if (a.turntable) {
     if (*a.turntable < 1)
@@ -278,8 +295,8 @@ RenderJob jobOf(const RenderArguments& a) {
 }
 
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const RenderArguments& a, const RenderJob& job) {
-  const DryRun cost = dryRun(job);
+void sayCost(const RenderArguments& a, const RenderJob& job, std::uint64_t beside_bytes) {
+  const DryRun cost = dryRun(job, beside_bytes);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
     fmt::print("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
@@ -357,10 +374,6 @@ void run(const RenderArguments& a, Context& context) {
   applyProgress(a.progress, context.progress);
   const RenderJob job = jobOf(a);
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1)) return;
-  if (a.dry_run) {
-    sayCost(a, job);
-    return;
-  }
   SequenceOptions options;
   options.ranks = context.ranks;
   options.store_local = a.store_local.value_or("");
@@ -371,6 +384,7 @@ void run(const RenderArguments& a, Context& context) {
   if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
     throw Error(ErrorCode::kUsage,
                 "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
+  if (a.dry_run) return sayCost(a, job, besideBytes(job, options));
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
