@@ -119,7 +119,7 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t bes
 
 void OpenedJob::noteUnknownLabels(Progress& progress) const {
   for (std::size_t v = 0; v < stores_.size(); ++v) {
-    const std::string unknown = unknownLabelsText(scenes_.functionOf(v), stores_[v]->manifest());
+    const std::string unknown = unknownLabelsText(scenes_.functionsOf(v), stores_[v]->manifest());
     if (!unknown.empty()) progress.note("warning: " + stores_[v]->path().string() + ": " + unknown);
   }
 }

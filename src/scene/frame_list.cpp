@@ -6,6 +6,7 @@
 #include <charconv>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "base/error.h"
 
@@ -69,12 +70,34 @@ std::string framesText(const std::vector<int>& frames) {
   return out;
 }
 
-bool hasFramePlace(const std::filesystem::path& pattern) { return pattern.string().find('#') != std::string::npos; }
+namespace {
+
+// How much of a pattern is a folder that is there as it is written, such as the one that a job lies in: no place of it
+// is a frame's.
+std::size_t literalPart(const std::string& text) {
+  std::size_t out = 0;
+  for (std::size_t slash = text.find('/'); slash != std::string::npos; slash = text.find('/', slash + 1)) {
+    const std::string folder = text.substr(0, slash);
+    std::error_code ignored;
+    if (folder.find('#') == std::string::npos) continue;
+    if (!std::filesystem::is_directory(folder, ignored)) break;
+    out = slash;
+  }
+  return out;
+}
+
+}  // namespace
+
+bool hasFramePlace(const std::filesystem::path& pattern) {
+  const std::string text = pattern.string();
+  return text.find('#', literalPart(text)) != std::string::npos;
+}
 
 std::filesystem::path pathOfFrame(const std::filesystem::path& pattern, int frame) {
   const std::string text = pattern.string();
-  std::string out;
-  for (std::size_t i = 0; i < text.size();) {
+  const std::size_t literal = literalPart(text);
+  std::string out = text.substr(0, literal);
+  for (std::size_t i = literal; i < text.size();) {
     const std::size_t end = std::min(text.find_first_not_of('#', i), text.size());
     if (end == i)
       out += text[i++];

@@ -40,8 +40,8 @@ class SceneOfJob {
   FrameScene at(int frame) const;
   /// That a pixel of any frame takes; a frame whose camera cannot be used has none.
   int mostSamples() const;
-  /// Of a volume: the still one, or of the first key.
-  const TransferFunction& functionOf(std::size_t volume) const { return functions_[volume].values.front(); }
+  /// Of a volume: the still one, or those of its keys.
+  const std::vector<TransferFunction>& functionsOf(std::size_t volume) const { return functions_[volume].values; }
 
  private:
   // Of a volume.

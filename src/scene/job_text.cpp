@@ -155,6 +155,7 @@ std::string resolvedJobText(const RenderJob& job, const Camera& camera, const Tr
     out["visibility"]["method"] = "quadtree";
     out["visibility"]["area"] = nameIn(kProjectedAreaNames, visibility.area);
     out["visibility"]["epsilon"] = visibility.epsilon_px;
+    out["tile"] = job.speed.tile_px;
   }
   out["lattice"] = nameIn(kLatticeNames, picture.lattice);
   if (picture.lattice == Lattice::kPixel) out["interpolation"] = nameIn(kInterpolationNames, picture.interpolation);

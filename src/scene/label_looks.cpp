@@ -145,14 +145,16 @@ std::optional<std::vector<LabelCount>> labelsOf(const Manifest& manifest) {
   return out;
 }
 
-std::string unknownLabelsText(const TransferFunction& function, const Manifest& manifest) {
+std::string unknownLabelsText(const std::vector<TransferFunction>& functions, const Manifest& manifest) {
   const auto known = labelsOf(manifest);
   if (!known) return {};
   std::string list;
   std::size_t unknown = 0;
   for (const LabelCount& count : *known) {
-    const bool given = std::any_of(function.labels.begin(), function.labels.end(),
-                                   [&](const LabelLook& look) { return look.label == count.label; });
+    const bool given = std::any_of(functions.begin(), functions.end(), [&](const TransferFunction& function) {
+      return std::any_of(function.labels.begin(), function.labels.end(),
+                         [&](const LabelLook& look) { return look.label == count.label; });
+    });
     if (given || count.label == 0) continue;
     if (++unknown <= 8) list += fmt::format("{}{:.0f}", list.empty() ? "" : ", ", count.label);
   }

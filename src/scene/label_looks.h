@@ -34,9 +34,9 @@ struct LabelCount {
 /// The labels that have voxels, in order; nothing where the manifest does not know them one by one (countsEachLabel).
 std::optional<std::vector<LabelCount>> labelsOf(const Manifest& manifest);
 
-/// Those of them, but for 0, that the function says nothing of, as a sentence; empty where there are none, or nobody
-/// knows.
-std::string unknownLabelsText(const TransferFunction& function, const Manifest& manifest);
+/// Those of them, but for 0, that none of the functions says anything of, as a sentence; empty where there are none, or
+/// nobody knows.
+std::string unknownLabelsText(const std::vector<TransferFunction>& functions, const Manifest& manifest);
 
 /// throws: Error kUsage where the function is of labels and the volume is not, or the other way round, where a window
 /// would stretch labels, or where they are too large to be drawn.

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "scene/frame_list.h"
 #include "scene/job_animation.h"
 #include "scene/job_names.h"
 #include "scene/job_parts.h"
@@ -330,8 +332,33 @@ std::vector<int> framesOf(const RenderJob& job) {
   Animation all = job.animation;
   for (const VolumeOptions& volume : job.volumes)
     all.functions.insert(all.functions.end(), volume.functions.begin(), volume.functions.end());
-  return all.frames();
+  const std::vector<int> out = all.frames();
+  if (out.empty())
+    throw Error(ErrorCode::kUsage,
+                "no whole frame is between the first keyframe and the last; keys are at frames such as 1 and 48");
+  if (out.size() > kMostFrames)
+    throw Error(ErrorCode::kUsage, fmt::format("the keyframes span {} frames, more than {}", out.size(), kMostFrames));
+  return out;
 }
+
+namespace {
+
+// What is legal by itself: where it is not beside the other keys, the one that asks for it is named.
+void requireTogether(const JobObject& root, const PictureOptions& picture) {
+  const auto check = [&](const char* key, const std::function<void()>& require) {
+    if (!root.has(key)) return;
+    try {
+      require();
+    } catch (const Error& error) {
+      root.complain(key, error.what());
+    }
+  };
+  check("image", [&] { drawnPixels(picture.size, picture.crop); });
+  check("interpolation", [&] { requireInterpolation(picture.lattice, picture.interpolation); });
+  check("samples", [&] { requireSamples(picture.lattice, picture.samples.value_or(1)); });
+}
+
+}  // namespace
 
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
@@ -369,6 +396,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.share_reads = root.flag("shareReads").value_or(true);
   readOutput(root, job.output);
   if (const auto trace = root.text("trace", "a file name")) job.trace = besideJob(*trace, path);
+  requireTogether(root, job.picture);
   return job;
 }
 

@@ -178,6 +178,12 @@ TEST_F(Cli, Slice) {
   EXPECT_NEAR(image.pixel(0, 7)[0], 0, 0.01);
   EXPECT_NEAR(image.pixel(23, 7)[0], 1, 0.01);
   for (int x = 1; x < 24; ++x) EXPECT_GT(image.pixel(x, 7)[1], image.pixel(x - 1, 7)[1]);
+  // Of a side that is half a pixel longer than whole ones, the last pixel shows the last voxel.
+  expectDone({"convert", "phantom:head:8x8x3", in("odd.kiln"), "--spacing", "1,1,2.5"});
+  expectDone({"slice", in("odd.kiln"), "-o", in("odd.png"), "--axis", "x"});
+  const Image odd = readImage(in("odd.png"));
+  ASSERT_EQ(odd.height, 8);
+  for (int y = 0; y < odd.height; ++y) EXPECT_EQ(odd.pixel(4, y)[3], 1) << y;
   expectDone({"slice", in("v.kiln"), "-o", in("x.png"), "--axis", "x"});
   EXPECT_EQ(readImage(in("x.png")).width, 20);
   // A coarser level, whose voxels are twice as long, from the same black to the same white.
@@ -355,6 +361,15 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   };
+  // Tiles that are kept take more.
+  const std::vector<std::string> in_tiles = {"-o", in("t.png"), "--checkpoint"};
+  std::string said = with(4096, {"--dry-run", "--checkpoint"}).out;
+  said.erase(0, said.find("--memory ") + 9);
+  const std::uint64_t of_tiles = std::stoull(said);
+  EXPECT_GT(of_tiles, smallest);
+  EXPECT_EQ(with(of_tiles, in_tiles).exit_code, 0);
+  EXPECT_EQ(with(of_tiles - 1, in_tiles).exit_code, 1);
+  EXPECT_EQ(readFile(in("t.png")).size(), readFile(in("p.png")).size());
   EXPECT_EQ(with(smallest, {"-o", in("q.png")}).exit_code, 0);
   EXPECT_EQ(readFile(in("p.png")), readFile(in("q.png")));
   for (const std::vector<std::string>& more : {std::vector<std::string>{"-o", in("q.png")}, {"--dry-run"}}) {
@@ -701,6 +716,11 @@ TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
     "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}})");
   EXPECT_EQ(expectDone({"render", in("job.json")}).errorLines().size(), 2u);
   EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
+  // Of parts, one of which met it: the whole says so, too.
+  for (const char* part : {"1", "2", "3"})
+    draw(std::string("p") + part + ".exr", {"--skip-damaged", "--samples", "1", "--part", std::string(part) + "/3"});
+  expectDone({"composite", in("p1.exr"), in("p2.exr"), in("p3.exr"), "-o", in("made.exr")});
+  EXPECT_GE(std::stoi(readImageText(in("made.exr")).at("kiln:damagedBricks")), 1);
   // What cannot be drawn around: the index.
   fs::remove(in("v.kiln") + "/index.bin");
   expectRefused({"render", in("job.json")}, 1, {"index.bin", "is missing"});

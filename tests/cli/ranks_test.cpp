@@ -246,6 +246,12 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
       2, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--distribute", "bricks", "--store-local", parts});
   EXPECT_EQ(fewer.exit_code, 2);
   EXPECT_NE(fewer.err.find("run as many ranks as kiln split made parts"), std::string::npos) << fewer.err;
+  const fs::path other =
+      makeStore(head({{20, 20, 20}, VoxelType::u8, obliqueAffine()}, usualRange(VoxelType::u8)), "ranks_other", 8);
+  const ToolResult foreign = run(3, {"render", other.string(), "-o", (directory_ / "x.exr").string(), "--distribute",
+                                     "bricks", "--store-local", parts});
+  EXPECT_EQ(foreign.exit_code, 2);
+  EXPECT_NE(foreign.err.find("holds a part of another store than " + other.string()), std::string::npos) << foreign.err;
 }
 
 // A brick that cannot be read fails the frames that need it and no others, whichever rank finds it.

@@ -223,6 +223,34 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   EXPECT_TRUE(readFile(in("w.webm")) == video);
 }
 
+// An encoder that hangs is not waited for once somebody interrupts.
+TEST_F(SequenceCli, AnEncoderThatHangsCanBeInterrupted) {
+  const std::string path = pathWithFfmpeg();
+  writeText(in("bin/ffmpeg"), "#!/bin/sh\nexec sleep 1000\n");
+  writeTurn(3);
+  const PathOf stand_in(path);
+  ToolOptions options;
+  options.seconds = 60;
+  options.interrupt_when = [&] { return fs::exists(in("v.mp4.frames/000003.png")); };
+  const ToolResult stopped = runTool({"render", in("job.json"), "-o", in("v.mp4")}, options);
+  EXPECT_FALSE(stopped.timed_out);
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.err.find("interrupted"), std::string::npos) << stopped.err;
+}
+
+// Known because the job's own words are where the camera is.
+TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
+  writeText(in("keys.json"),
+            R"({"volume": "h.kiln", "output": "k_#.png", "image": {"width": 16, "height": 16}, "camera":
+      {"keyframes": [{"frame": 1, "view": "front"}, {"frame": 2, "view": "left"}]}})");
+  refused({"render", in("keys.json"), "--eye", "0,0,300"}, 2, "--eye: the job says by keyframes where the camera is");
+  refused({"render", in("keys.json"), "--zoom", "2"}, 2, "--zoom: the job says by keyframes");
+  done({"render", in("keys.json")});
+  writeText(in("none.json"), R"({"volume": "h.kiln", "output": "k_#.png", "camera":
+      {"keyframes": [{"frame": 1.5, "view": "front"}]}})");
+  refused({"render", in("none.json")}, 2, "no whole frame is between the first keyframe and the last");
+}
+
 // An EXR has a pair in two parts; a video has one beside the other. Known because what lies between two keys is halfway
 // the still picture of half of both.
 TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {

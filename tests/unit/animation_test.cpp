@@ -13,6 +13,7 @@
 #include "scene/frame_list.h"
 #include "scene/render_job.h"
 #include "scene/transfer_function_fade.h"
+#include "support/test_store.h"
 
 namespace kiln {
 namespace {
@@ -46,6 +47,13 @@ TEST(FrameList, NumbersFillTheirPlace) {
   EXPECT_EQ(pathOfFrame("d_##/a_####.exr", 12), "d_12/a_0012.exr");
   EXPECT_EQ(pathOfFrame("a_##.exr", 1234), "a_1234.exr");
   EXPECT_EQ(pathOfFrame("a.exr", 3), "a.exr");
+  // A folder that is there is no pattern, such as the job's own.
+  const std::filesystem::path shot = test::freshDirectory("frames_of") / "shot#3";
+  std::filesystem::create_directory(shot);
+  EXPECT_EQ(pathOfFrame(shot / "a_##.exr", 7), shot / "a_07.exr");
+  EXPECT_EQ(pathOfFrame(shot / "d#/a_##.exr", 7), shot / "d7/a_07.exr");
+  EXPECT_TRUE(hasFramePlace(shot / "a_##.exr"));
+  EXPECT_FALSE(hasFramePlace(shot / "a.exr"));
   EXPECT_FALSE(hasFramePlace("a.exr"));
 }
 

@@ -91,9 +91,12 @@ TEST(LabelLooks, AreCountedAndThoseOfNobodyNamed) {
   EXPECT_EQ((*counts)[1].voxels, 5u);
   TransferFunction f;
   f.labels = {{3, "", glm::dvec3(1), 0}};
-  EXPECT_NE(unknownLabelsText(f, manifest).find("label 7 is in the volume"), std::string::npos);
+  EXPECT_NE(unknownLabelsText({f}, manifest).find("label 7 is in the volume"), std::string::npos);
+  TransferFunction of_another_key;
+  of_another_key.labels = {{7, "", glm::dvec3(1), 1}};
+  EXPECT_EQ(unknownLabelsText({f, of_another_key}, manifest), "");
   f.labels.push_back({7, "", glm::dvec3(1), 1});
-  EXPECT_EQ(unknownLabelsText(f, manifest), "");
+  EXPECT_EQ(unknownLabelsText({f}, manifest), "");
   EXPECT_FALSE(labelsOf(Manifest{}));
   Manifest wide = manifest;
   wide.type = VoxelType::i32, wide.range = {-1, 7};

@@ -19,6 +19,9 @@ void run(const CompareArguments& arguments) {
   if (!arguments.output.empty()) requireImagePath(arguments.output);
   const Image a = readImage(arguments.a);
   const Image b = readImage(arguments.b);
+  if (a.width != b.width || a.height != b.height)
+    throw Error(ErrorCode::kUsage, arguments.b, "",
+                fmt::format("is {} x {} pixels, but {} is {} x {}", b.width, b.height, arguments.a, a.width, a.height));
   const ImageDifference d = compareImages(a, b);
   if (!arguments.output.empty()) writeImage(differenceImage(a, b), {}, {}, arguments.output);
   if (arguments.json) {
@@ -36,7 +39,7 @@ void run(const CompareArguments& arguments) {
     return;
   }
   if (d.differing == 0) {
-    fmt::print("equal: {} x {} pixels\n", a.width, a.height);
+    fmt::print("equal colours: {} x {} pixels\n", a.width, a.height);
     return;
   }
   fmt::print(
@@ -49,7 +52,8 @@ void run(const CompareArguments& arguments) {
 
 void addCompare(CLI::App& app, Context& context) {
   auto a = std::make_shared<CompareArguments>();
-  CLI::App* command = app.add_subcommand("compare", "say how far two pictures are apart");
+  CLI::App* command =
+      app.add_subcommand("compare", "say how far the colours of two pictures are apart, of several views the first's");
   command->add_option("A", a->a, "a picture, .exr or .png")->required();
   command->add_option("B", a->b, "another")->required();
   command->add_option("-o,--output", a->output,
