@@ -73,6 +73,8 @@ class Sequence {
   void draw(int frame, OpenedJob& opened) {
     requirePlaces(job_, frame);
     listener_.frameStarted(frame);
+    if (const auto tiles = checkpointOf(job_, frame); resume_ && !checkpoint_ && std::filesystem::exists(tiles))
+      progress_.note(tiles.string() + " holds finished tiles of a picture; with --checkpoint they are gone on from");
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
     finishWriting();
     if (!opened.writesBehind()) {

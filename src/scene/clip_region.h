@@ -28,7 +28,12 @@ struct Clipping {
   /// Of level 0. Not a cut: of the whole picture, what lies in the box is drawn as it is there, with what is beside the
   /// box known for interpolation and footprints, so that the pictures of boxes that fill the volume make the whole one.
   std::optional<VoxelBox> part = {};
-  bool operator==(const Clipping&) const = default;
+  /// So many of the planes, the first ones, are the faces of a box of the world, which options replace by themselves.
+  std::size_t box_faces = 0;
+  /// Of what is shown.
+  bool operator==(const Clipping& other) const {
+    return region == other.region && planes == other.planes && part == other.part;
+  }
 };
 
 /// The planes that show a box of the world, its faces included. requires: lo below hi along each axis.

@@ -115,6 +115,7 @@ Clipping regionsFrom(const JobObject& owner) {
     const glm::dvec3 lo((*n)[0], (*n)[1], (*n)[2]), hi((*n)[3], (*n)[4], (*n)[5]);
     if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z)) owner.refuse("worldRegion", kBox);
     out.planes = facesOf(lo, hi);
+    out.box_faces = out.planes.size();
   }
   return out;
 }

@@ -112,6 +112,22 @@ TEST_F(SceneCli, LightClippingAndBackground) {
       drawn({"--light", "headlight", "--shading", "phong", "--background", "transparent", "--region", "0,0,0,20,20,16"})
           .rgba,
       by_default.rgba);
+  // Of a job, an option replaces what it names, and leaves the other cuts.
+  const auto of_job = [&](const std::string& box, const std::string& plane, const std::vector<std::string>& more) {
+    writeText(in("cuts.json"), R"({"volume": ")" + store_ +
+                                   R"(", "image": {"width": 32, "height": 24}, "worldRegion": )" + box +
+                                   R"(, "clip": [)" + plane + "]}");
+    std::vector<std::string> arguments = {"render", in("cuts.json"), "-o", in("cuts.exr")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return readImage(in("cuts.exr")).rgba;
+  };
+  const std::string box = "[0, -100, -100, 12, 100, 100]", wide = "[-100, -100, -100, 100, 100, 100]";
+  const std::string plane = R"({"normal": [0, 0, -1], "offset": 9})", other = R"({"normal": [1, 0, 0], "offset": -5})";
+  EXPECT_EQ(of_job(box, plane, {"--clip", "1,0,0,-5"}), of_job(box, other, {}));
+  EXPECT_EQ(of_job(wide, plane, {"--world-region", "0,-100,-100,12,100,100"}), of_job(box, plane, {}));
+  EXPECT_NE(of_job(box, plane, {}), of_job(wide, plane, {}));
   const std::vector<std::vector<std::string>> wrong = {{"--shading", "flat"},
                                                        {"--ambient", "-1"},
                                                        {"--power", "1e9"},

@@ -16,7 +16,10 @@ struct CompareArguments {
 };
 
 void run(const CompareArguments& arguments) {
-  if (!arguments.output.empty()) requireImagePath(arguments.output);
+  if (!arguments.output.empty()) {
+    requireImagePath(arguments.output);
+    FileSystem::real().requirePlaceFor(arguments.output);
+  }
   const Image a = readImage(arguments.a);
   const Image b = readImage(arguments.b);
   if (a.width != b.width || a.height != b.height)

@@ -18,6 +18,7 @@ struct CompositeArguments {
 
 void run(const CompositeArguments& a, Context& context) {
   requireImagePath(a.output);
+  FileSystem::real().requirePlaceFor(a.output);
   for (const std::string& part : a.parts) {
     std::error_code ignored;
     if (fs::equivalent(part, a.output, ignored))

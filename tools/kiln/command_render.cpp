@@ -259,7 +259,7 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   const auto whole = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
-  std::vector<fs::path> taken;
+  std::vector<fs::path> taken = {whole(a.input)};
   for (const fs::path& path : namesOf(job.output)) taken.push_back(whole(path));
   for (const auto& [option, name] : {std::pair{"--stats", &a.stats}, std::pair{"--trace", &a.trace}}) {
     if (name->empty()) continue;
@@ -473,7 +473,9 @@ void addRankOptions(CLI::App& command, RenderArguments& a) {
 void addPixelOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--size", a.size, "pixels; 1024x1024 if not given, of a panorama 2048x1024")
       ->type_name("WIDTHxHEIGHT");
-  command.add_option("--crop", a.crop, "draw these pixels of the picture only, the same bit for bit")
+  command
+      .add_option("--crop", a.crop,
+                  "draw these pixels of the picture only, the same bit for bit but for --visibility quadtree")
       ->type_name("X,Y,W,H");
   command.add_option("--samples", a.samples,
                      "sub-pixels that a pixel is made of: 1, 2 (of --lattice ray), 4, 16, or auto (default), which "

@@ -18,6 +18,7 @@ struct SliceArguments {
 
 void run(const SliceArguments& a, Context& context) {
   requireImagePath(a.output);
+  FileSystem::real().requirePlaceFor(a.output);
   SliceRequest request;
   const std::string axes = "xyz";
   if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos)

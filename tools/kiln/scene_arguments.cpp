@@ -92,6 +92,19 @@ void applyWeight(const std::optional<double>& given, double most, const char* op
   weight = *given;
 }
 
+// A job's box of the world and its planes are replaced each by its own option.
+void applyPlanes(const SceneArguments& a, Clipping& clipping) {
+  std::vector<ClipPlane>& all = clipping.planes;
+  const auto faces_end = all.begin() + static_cast<std::ptrdiff_t>(clipping.box_faces);
+  std::vector<ClipPlane> faces(all.begin(), faces_end), others(faces_end, all.end());
+  if (a.world_region) faces = worldRegionFrom(*a.world_region);
+  if (!a.planes.empty()) others.clear();
+  for (const std::string& plane : a.planes) others.push_back(planeFrom(plane));
+  clipping.box_faces = faces.size();
+  all = std::move(faces);
+  all.insert(all.end(), others.begin(), others.end());
+}
+
 }  // namespace
 
 VoxelBox parseVoxelBox(const std::string& text, const char* option, const char* expected) {
@@ -125,9 +138,7 @@ void SceneArguments::apply(PictureOptions& picture) const {
   if (region)
     picture.clipping.region =
         parseVoxelBox(*region, "--region", "six whole numbers X0,Y0,Z0,X1,Y1,Z1, each X0 below its X1 (half-open)");
-  if (world_region || !planes.empty()) picture.clipping.planes.clear();
-  if (world_region) picture.clipping.planes = worldRegionFrom(*world_region);
-  for (const std::string& plane : planes) picture.clipping.planes.push_back(planeFrom(plane));
+  applyPlanes(*this, picture.clipping);
   if (background) picture.background = backgroundFrom(*background);
 }
 
