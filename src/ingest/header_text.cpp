@@ -171,10 +171,32 @@ std::vector<std::string> words(std::string_view text) {
 std::optional<double> doubleOf(std::string_view text) { return numberOf<double>(text); }
 std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<std::int64_t>(text); }
 
+namespace {
+
+// Of a character in UTF-8 at the front of the text that a terminal shows, its bytes; 0 where there is none.
+std::size_t shownBytes(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(0) >= 0x20 && byte(0) < 0x7f) return 1;
+  const std::size_t count = byte(0) >= 0xf0 && byte(0) < 0xf5 ? 4 : byte(0) >= 0xe0 ? 3 : byte(0) >= 0xc2 ? 2 : 0;
+  if (count == 0 || byte(0) >= 0xf5 || count > text.size()) return 0;
+  for (std::size_t i = 1; i < count; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  // Beyond Latin: those below are controls, too.
+  return byte(0) == 0xc2 && byte(1) < 0xa0 ? 0 : count;
+}
+
+}  // namespace
+
 std::string inQuotes(std::string_view text) {
+  constexpr std::size_t kMost = 60;
   std::string out = "'";
-  for (char c : text.substr(0, 60)) out += c >= 0x20 && c < 0x7f ? c : '?';
-  return out + (text.size() > 60 ? "...'" : "'");
+  std::string_view rest = text;
+  while (!rest.empty() && text.size() - rest.size() < kMost) {
+    const std::size_t count = shownBytes(rest);
+    out += count == 0 ? "?" : rest.substr(0, count);
+    rest.remove_prefix(std::max<std::size_t>(count, 1));
+  }
+  return out + (rest.empty() ? "'" : "...'");
 }
 
 glm::dmat4 axesAffine(const glm::dvec3& spacing, const glm::dvec3& origin) {

@@ -4,6 +4,8 @@
 // computed later can overflow.
 #include "ingest/linear_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -203,6 +205,10 @@ std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data
          std::to_string(data.offset_bytes) + (skip ? " + " + std::to_string(skip) : "") +
          "; the file is cut short or the header is wrong");
   }
+  if (const std::uint64_t rest = available - skip - bytes; rest > 0)
+    info.notes.push_back(
+        fmt::format("{} byte{} of {} are behind those that the header's dimensions need, and are not read", rest,
+                    rest == 1 ? "" : "s", data.file.filename().string()));
   return std::make_unique<RawSource>(std::move(info), data, std::move(file));
 }
 

@@ -144,6 +144,18 @@ TEST(IngestNrrd, StreamsOfTheWrongLengthAreNoticed) {
   refused(wrong, "damaged");
 }
 
+// A header of another, smaller volume: nothing is wrong with its bytes.
+TEST(IngestNrrd, BytesBehindTheVolumeAreToldOf) {
+  const ForeignFiles files;
+  const std::string header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n";
+  EXPECT_TRUE(openSource(files.write("a.nrrd", header + "\n12345678"))->info().notes.empty());
+  const auto notes = openSource(files.write("b.nrrd", header + "\n12345678123"))->info().notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("3 bytes of b.nrrd are behind those"), std::string::npos) << notes[0];
+  files.write("a.nhdr", header + "data file: \xc3\xa4\x1b[1m.raw\n");
+  expectRefused(files.directory() / "a.nhdr", ErrorCode::kNotFound, "\xc3\xa4");
+}
+
 TEST(IngestNrrd, EveryCutIsNoticedAndFlipsAreHarmless) {
   // Known: lengths and checksums leave no cut that holds all voxels; the data file's name is the header's last line.
   const ForeignFiles files;
