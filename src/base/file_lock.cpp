@@ -11,34 +11,25 @@
 #include <utility>
 
 namespace kiln {
-namespace {
-
 using namespace std::chrono_literals;
 
-}  // namespace
-
 FileLock::FileLock(std::filesystem::path path, const std::function<void()>& waiting) : path_(std::move(path)) {
-  for (;;) {
-    if (file_ < 0) file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file_ < 0) return;
-    if (::flock(file_, LOCK_EX | LOCK_NB) == 0) {
-      // Whoever held it before has removed it: then others lock another file of that name.
-      if (isStillThere()) return;
-    } else if (errno != EWOULDBLOCK && errno != EINTR) {
-      break;
-    } else {
-      try {
-        waiting();
-      } catch (...) {
-        ::close(file_);
-        throw;
-      }
-      std::this_thread::sleep_for(100ms);
-      continue;
-    }
-    ::close(std::exchange(file_, -1));
+  while (!taken()) {
+    waiting();
+    std::this_thread::sleep_for(100ms);
   }
+}
+
+bool FileLock::taken() {
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (file_ < 0) return true;
+  const int failed = ::flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+  // Whoever held it before may have removed it: then others lock another file of that name.
+  if (failed == 0 && isStillThere()) return true;
+  const bool knows_no_locks = failed != 0 && failed != EWOULDBLOCK && failed != EINTR;
+  if (knows_no_locks) ::unlink(path_.c_str());
   ::close(std::exchange(file_, -1));
+  return knows_no_locks;
 }
 
 FileLock::~FileLock() {

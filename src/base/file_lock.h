@@ -18,6 +18,8 @@ class FileLock {
   FileLock& operator=(const FileLock&) = delete;
 
  private:
+  // Whether there is nothing to wait for: it is held, or cannot be.
+  bool taken();
   bool isStillThere() const;
   const std::filesystem::path path_;
   int file_ = -1;
