@@ -22,6 +22,7 @@ FileLock::FileLock(std::filesystem::path path, const std::function<void()>& wait
 
 bool FileLock::taken() {
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (file_ < 0) file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);  // another user's
   if (file_ < 0) return true;
   const int failed = ::flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
   // Whoever held it before may have removed it: then others lock another file of that name.
@@ -34,7 +35,7 @@ bool FileLock::taken() {
 
 FileLock::~FileLock() {
   if (file_ < 0) return;
-  ::unlink(path_.c_str());
+  if (isStillThere()) ::unlink(path_.c_str());
   ::close(file_);
 }
 

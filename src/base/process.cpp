@@ -88,11 +88,13 @@ void FedProcess::finish(const Waiting& waiting) {
   using namespace std::chrono_literals;
   closeInput();
   int status = 0;
-  while (::waitpid(process_, &status, WNOHANG) == 0) {
+  pid_t ended = 0;
+  while ((ended = ::waitpid(process_, &status, WNOHANG)) == 0) {
     waiting();
     std::this_thread::sleep_for(20ms);
   }
   process_ = -1;
+  if (ended < 0) fail("cannot be waited for");
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
   fail(WIFEXITED(status) ? "failed with exit code " + std::to_string(WEXITSTATUS(status))
                          : "was ended by signal " + std::to_string(WTERMSIG(status)));

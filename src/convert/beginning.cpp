@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <system_error>
 
 #include "base/byte_record.h"
 #include "base/hash.h"

@@ -72,7 +72,7 @@ void finishEarlier(Destination& destination, const fs::path& out, const SourceIn
   const fs::path& store = destination.building();
   if (!isStoreOf(store, info))
     throw Error(ErrorCode::kExists, store, "",
-                "is a store of another volume, or older than its source; give --overwrite");
+                "is a store of another volume, or its source has changed since; give --overwrite");
   const StoreReader reader(store);
   if (reader.manifest().brick_size != options.brick_size)
     throw Error(ErrorCode::kExists, store, "",

@@ -1,6 +1,5 @@
 #include "convert/destination.h"
 
-#include <algorithm>
 #include <system_error>
 
 #include "base/error.h"
@@ -27,18 +26,25 @@ bool holdsOnlyAStore(const fs::path& directory) {
     const auto is_called = [&](const fs::path& of_store) {
       return name == of_store || name == of_store.string() + ".tmp";
     };
+    const bool is_scratch = name.string().starts_with("scratch_") && name.extension() == ".tmp";
     const bool known = is_called("manifest.json") || is_called("index.bin") || is_called("bricks") ||
-                       is_called("parts") || is_called(Journal::pathIn(directory).filename());
+                       is_called("parts") || is_called(Journal::pathIn(directory).filename()) || is_scratch;
     if (!known) return false;
   }
   return !error;
 }
 
-// What is whole files of it is in folders, which anybody may have given their names.
-bool holdsFolders(const fs::path& directory) {
+// Whether its folders, which anybody may have given their names, hold anything but files of bricks.
+bool holdsOthers(const fs::path& directory) {
   std::error_code error;
-  const fs::directory_iterator entries(directory, error);
-  return std::any_of(begin(entries), end(entries), [&](const fs::directory_entry& e) { return e.is_directory(error); });
+  fs::recursive_directory_iterator at(directory, error);
+  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    std::error_code ignored;
+    if (at.depth() == 0 || at->is_directory(ignored)) continue;
+    const std::string name = at->path().filename().string();
+    if (name.find_first_not_of("0123456789_") != name.find('.')) return true;
+  }
+  return static_cast<bool>(error);
 }
 
 bool isUnfinished(const fs::path& directory) {
@@ -71,7 +77,7 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
                 isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
                                    : "is there already; name another output or give --overwrite");
   }
-  if (!holdsOnlyAStore(out_) || (holdsFolders(out_) && !isStore(out_) && !isUnfinished(out_))) {
+  if (!holdsOnlyAStore(out_) || (!isStore(out_) && !isUnfinished(out_) && holdsOthers(out_))) {
     throw Error(ErrorCode::kExists, out_, "",
                 "is not a store, so it is neither replaced nor gone on with; name another output");
   }

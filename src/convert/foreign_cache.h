@@ -6,10 +6,10 @@
 
 namespace kiln {
 
-/// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing, older
-/// than the file or made with other source options; says so through `progress.note`. Of several processes one makes it
-/// while the others wait. throws: as openSource and convert;
-/// Error kExists where a store that it would replace was not made by a rendering (Provenance::command).
+/// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing, or made
+/// of the file as it was once or with other source options; says so through `progress.note`. Of several processes one
+/// makes it while the others wait. throws: as openSource and convert; Error kExists where a store that it would replace
+/// was not made by a rendering (Provenance::command).
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress);
 

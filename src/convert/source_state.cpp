@@ -14,8 +14,10 @@ std::string stateOf(const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) continue;
-    all += fmt::format("{} {}\n", fs::file_size(file, ignored),
-                       fs::last_write_time(file, ignored).time_since_epoch().count());
+    // The names of slices are their order; one file may be moved with its store.
+    all += fmt::format("{} {} {}\n", fs::file_size(file, ignored),
+                       fs::last_write_time(file, ignored).time_since_epoch().count(),
+                       files.size() > 1 ? file.filename().string() : "");
   }
   return all.empty() ? all : toHex(hashOf(all));
 }

@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// Another text once one of the files has another size or was written at another time; directories say nothing here,
-/// as their slices are files of their own. Empty of no files, as of phantoms.
+/// Another text once one of the files has another size or, of several, another name, or was written at another time;
+/// directories say nothing here, as their slices are files of their own. Empty of no files, as of phantoms.
 std::string stateOf(const std::vector<std::filesystem::path>& files);
 
 }  // namespace kiln

@@ -59,16 +59,27 @@ std::optional<FrameSize> jpegSize(const Codestream& s) {
 }
 
 std::optional<FrameSize> jpeg2000Size(const Codestream& s) {
-  if (!s.has(0, 43) || s.big(0, 4) != 0xff4fff51) return std::nullopt;
-  const std::uint64_t right = s.big(8, 4), lower = s.big(12, 4), left = s.big(16, 4), upper = s.big(20, 4);
+  constexpr std::uint64_t kBoxes = 0x6a502020;  // "jP  ", of files that are more than DICOM asks for
+  std::size_t at = 0;
+  if (s.has(0, 8) && s.big(4, 4) == kBoxes)
+    while (s.has(at, 4) && s.big(at, 4) != 0xff4fff51) ++at;
+  if (!s.has(at, 43) || s.big(at, 4) != 0xff4fff51) return std::nullopt;
+  const std::uint64_t right = s.big(at + 8, 4), lower = s.big(at + 12, 4), left = s.big(at + 16, 4),
+                      upper = s.big(at + 20, 4);
   if (right < left || lower < upper) return std::nullopt;
-  return FrameSize{right - left, lower - upper, (s.byte(42) & 0x7f) + 1, static_cast<int>(s.big(40, 2))};
+  return FrameSize{right - left, lower - upper, (s.byte(at + 42) & 0x7f) + 1, static_cast<int>(s.big(at + 40, 2))};
 }
 
-// How many bytes a run-length segment becomes. A byte that fills it up to an even length may follow.
-std::uint64_t unpackedBytes(const Codestream& s, std::size_t at, std::size_t end) {
+// How many bytes a run-length segment becomes. Behind `enough` of them zeros may fill it up.
+std::uint64_t unpackedBytes(const Codestream& s, std::size_t at, std::size_t end, std::uint64_t enough) {
   std::uint64_t out = 0;
+  const auto is_filling = [&] {
+    for (std::size_t i = at; i < end; ++i)
+      if (s.byte(i) != 0) return false;
+    return true;
+  };
   while (at < end) {
+    if (out == enough && is_filling()) break;
     const int n = s.byte(at++);
     if (n == 128) continue;
     const std::size_t takes = n < 128 ? static_cast<std::size_t>(n) + 1 : 1;
@@ -91,7 +102,7 @@ std::string runLengthFault(const DicomPixels& pixels, const Codestream& s) {
     const std::uint64_t begin = s.little4(4 + 4 * i), end = i + 1 < expected ? s.little4(8 + 4 * i) : s.size();
     if (begin < kHeader || begin > end || end > s.size())
       return fmt::format("places its run-length segment {} at bytes {} to {} of {}", i + 1, begin, end, s.size());
-    if (const std::uint64_t bytes = unpackedBytes(s, begin, end); bytes != count)
+    if (const std::uint64_t bytes = unpackedBytes(s, begin, end, count); bytes != count)
       return fmt::format("unpacks to {} pixels, but the header says {} x {}", bytes, pixels.columns, pixels.rows);
   }
   return "";

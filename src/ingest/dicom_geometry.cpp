@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
-#include <numeric>
 
 #include "base/error.h"
 #include "ingest/dicom_series.h"
@@ -70,21 +69,26 @@ class Arrangement {
     throw Error(code, input_, "", what);
   }
 
+  // Where all have one number it says nothing.
+  void requireDifferentNumbers() const {
+    std::vector<const DicomHeader*> numbered;
+    for (const DicomHeader& file : files_)
+      if (file.instance) numbered.push_back(&file);
+    std::stable_sort(numbered.begin(), numbered.end(),
+                     [](const DicomHeader* a, const DicomHeader* b) { return *a->instance < *b->instance; });
+    const auto same =
+        std::adjacent_find(numbered.begin(), numbered.end(),
+                           [](const DicomHeader* a, const DicomHeader* b) { return *a->instance == *b->instance; });
+    if (same == numbered.end() || *numbered.front()->instance == *numbered.back()->instance) return;
+    fail(fmt::format("{} and {} have the same number, and no position; the series holds more than one volume (times, "
+                     "echoes, phases?)",
+                     inQuotes(same[0]->path.filename().string()), inQuotes(same[1]->path.filename().string())),
+         ErrorCode::kUnsupported);
+  }
+
   void orderByInstance() {
     const auto number = [&](const DicomSlice& s) { return files_[s.file].instance.value_or(0); };
-    // Where all have one number, or none, it says nothing.
-    const auto told = [&](std::size_t i) { return files_[i].instance.value_or(0); };
-    std::vector<std::size_t> order(files_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return told(a) < told(b); });
-    for (std::size_t i = 1; i < order.size() && told(order.front()) != told(order.back()); ++i) {
-      if (told(order[i - 1]) != told(order[i])) continue;
-      fail(fmt::format("{} and {} have the same number, and no position; the series holds more than one volume (times, "
-                       "echoes, phases?)",
-                       inQuotes(files_[order[i - 1]].path.filename().string()),
-                       inQuotes(files_[order[i]].path.filename().string())),
-           ErrorCode::kUnsupported);
-    }
+    requireDifferentNumbers();
     // Equal numbers stay in the natural order of names, and frames in theirs.
     std::stable_sort(slices_.begin(), slices_.end(),
                      [&](const DicomSlice& a, const DicomSlice& b) { return number(a) < number(b); });

@@ -176,13 +176,16 @@ namespace {
 // Of a character in UTF-8 at the front of the text that a terminal shows, its bytes; 0 where there is none.
 std::size_t shownBytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  if (byte(0) >= 0x20 && byte(0) < 0x7f) return 1;
-  const std::size_t count = byte(0) >= 0xf0 && byte(0) < 0xf5 ? 4 : byte(0) >= 0xe0 ? 3 : byte(0) >= 0xc2 ? 2 : 0;
-  if (count == 0 || byte(0) >= 0xf5 || count > text.size()) return 0;
+  const unsigned char first = byte(0);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+  const std::size_t count = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+  if (first < 0xc2 || first > 0xf4 || count > text.size()) return 0;
   for (std::size_t i = 1; i < count; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Beyond Latin: those below are controls, too.
-  return byte(0) == 0xc2 && byte(1) < 0xa0 ? 0 : count;
+  // Below are controls (c2) and longer forms than need be (e0, f0), above what is half a character (ed) or none (f4).
+  const unsigned char least = first == 0xc2 || first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
+  const unsigned char most = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
+  return byte(1) >= least && byte(1) <= most ? count : 0;
 }
 
 }  // namespace

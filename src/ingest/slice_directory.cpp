@@ -28,7 +28,13 @@ std::string_view takeNumber(std::string_view& text) {
   return digits;
 }
 
+bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
 SliceFormat formatOf(const fs::path& path) {
+  if (!isThere(path)) return SliceFormat::kNone;
   std::string bytes(132, '\0');
   const File file(path);
   bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
@@ -40,21 +46,17 @@ std::string named(const std::vector<fs::path>& files) {
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
 }
 
-std::vector<fs::path> regularFilesIn(const fs::path& directory) {
+std::vector<fs::path> filesIn(const fs::path& directory) {
   std::error_code error;
   std::vector<fs::path> out;
   fs::directory_iterator entries(directory, error);
   if (error) throw systemError(error.value(), directory, "listing the directory");
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    if (entries->path().filename().string().starts_with('.')) continue;
-    // A slice that nobody can look at is missing, and those above it would move down.
+    // What cannot be looked at, such as a link to nothing, may be a slice that is missing.
     std::error_code unknown;
     const fs::file_status status = entries->status(unknown);
-    if (status.type() == fs::file_type::not_found)
-      throw Error(ErrorCode::kNotFound, entries->path(), "",
-                  "is a link to a file that is not there; mend or remove it");
-    if (unknown) throw systemError(unknown.value(), entries->path(), "looking at the file");
-    if (fs::is_regular_file(status)) out.push_back(entries->path());
+    const bool hidden = entries->path().filename().string().starts_with('.');
+    if (!hidden && (unknown || !fs::exists(status) || fs::is_regular_file(status))) out.push_back(entries->path());
   }
   if (error) throw systemError(error.value(), directory, "listing the directory");
   std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
@@ -91,7 +93,7 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 
 SliceFiles slicesIn(const fs::path& directory) {
   std::vector<fs::path> tiff, dicom, other;
-  for (const fs::path& path : regularFilesIn(directory)) {
+  for (const fs::path& path : filesIn(directory)) {
     const SliceFormat format = formatOf(path);
     (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
   }
@@ -108,9 +110,13 @@ SliceFiles slicesIn(const fs::path& directory) {
   out.input = directory;
   out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
   out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
+  // Without one of them those above it would move down.
   for (const fs::path& path : other) {
     const auto named_so = [&](const fs::path& slice) { return slice.extension() == path.extension(); };
     if (!path.has_extension() || std::none_of(out.files.begin(), out.files.end(), named_so)) continue;
+    if (!isThere(path))
+      throw Error(ErrorCode::kNotFound, path, "",
+                  "is named like the slices beside it, and is a link to nothing; mend or remove it");
     throw Error(
         ErrorCode::kFormat, path, "",
         fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",

@@ -77,6 +77,9 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
     stack.first = file.page();
     stack.notes = notes;
   }
+  if ((notes && notes->offset_signed) != (stack.notes && stack.notes->offset_signed))
+    throw Error(ErrorCode::kFormat, files[index], "",
+                "says another thing of its sign than the first file; slices of one volume are alike");
   const std::size_t before = stack.slices.size();
   do {
     const TiffPage& page = file.page();
@@ -192,7 +195,6 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
     info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
                                      stack.notes->writer, stack.notes->line));
   info.format = fmt::format("TIFF, {} {}", dims.z, dims.z == 1 ? "slice" : "slices");
-  // The directory's own time tells of files that came or went.
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
   info.files.insert(info.files.end(), input.files.begin(), input.files.end());
   return std::make_unique<TiffSource>(std::move(info), input.files, std::move(stack));

@@ -46,6 +46,11 @@ glm::dvec2 pixelByTags(const TiffPage& page) {
   return isPrinters(25.4 / pixel.x) ? glm::dvec2(0) : pixel;
 }
 
+// More than any file has are as good as many.
+std::int64_t stacksFrom(std::string_view text) {
+  return std::clamp<std::int64_t>(integerOf(text).value_or(1), 1, 1'000'000);
+}
+
 std::optional<StackNotes> imageJNotes(std::string_view description) {
   if (!description.starts_with("ImageJ=")) return std::nullopt;
   StackNotes out;
@@ -58,8 +63,8 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (equals == std::string_view::npos) continue;
     const std::string key = trimmed(line.substr(0, equals)), value = trimmed(line.substr(equals + 1));
     if (key == "images") out.images = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
-    if (key == "channels") out.channels = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
-    if (key == "frames") out.frames = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
+    if (key == "channels") out.channels = stacksFrom(value);
+    if (key == "frames") out.frames = stacksFrom(value);
     // Stacks whose order was turned around have a negative one.
     if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
     if (key == "unit") {
@@ -95,22 +100,20 @@ std::string attributeOf(std::string_view xml, std::string_view element, const st
 std::optional<StackNotes> omeNotes(std::string_view description) {
   if (description.find("<OME ") == std::string_view::npos) return std::nullopt;
   const auto of = [&](const std::string& name) { return attributeOf(description, "<Pixels ", name); };
-  const auto count = [&](const std::string& name) {
-    return std::max<std::int64_t>(integerOf(of(name)).value_or(1), 1);
-  };
   StackNotes out;
   out.writer = "OME";
-  out.channels = count("SizeC");
-  out.frames = count("SizeT");
-  // Those along other axes count where they have the same unit.
-  const std::string unit = of("PhysicalSizeXUnit");
+  out.channels = stacksFrom(of("SizeC"));
+  out.frames = stacksFrom(of("SizeT"));
+  // Micrometres if nothing is said; what is along other axes counts where it has the same unit.
+  const auto unit = [&](const std::string& name) {
+    return of(name + "Unit").empty() ? "um" : unitNamed(of(name + "Unit"));
+  };
+  out.unit = unit("PhysicalSizeX");
   const auto length = [&](const std::string& name) {
-    return of(name + "Unit") == unit ? doubleOf(of(name)).value_or(0) : 0;
+    return unit(name) == out.unit ? doubleOf(of(name)).value_or(0) : 0;
   };
   out.pixel = {length("PhysicalSizeX"), length("PhysicalSizeY")};
   out.spacing = length("PhysicalSizeZ");
-  // Micrometres if nothing is said.
-  out.unit = unit.empty() ? "um" : unitNamed(unit);
   return out;
 }
 
@@ -129,7 +132,8 @@ std::optional<StackNotes> tifffileNotes(std::string_view description) {
   }
   StackNotes out;
   out.writer = "tifffile";
-  for (std::size_t i = 0; i + 3 < dims.size(); ++i) out.channels *= std::max<std::int64_t>(dims[i], 1);
+  for (std::size_t i = 0; i + 3 < dims.size(); ++i)
+    out.channels = std::min<std::int64_t>(out.channels * std::clamp<std::int64_t>(dims[i], 1, 1000), 1'000'000);
   return out;
 }
 

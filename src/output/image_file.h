@@ -28,7 +28,8 @@ struct ImageMetadata {
   std::map<std::string, std::string> text;
   /// What the picture is made of: a job, which draws it again.
   static constexpr const char* kJob = "kiln:job";
-  /// How many bricks could not be read and were drawn as nothing; not there where there were none.
+  /// How many bricks could not be read and were drawn as nothing (of parts put together at most so many, as two may
+  /// have met one); not there where there were none.
   static constexpr const char* kDamagedBricks = "kiln:damagedBricks";
 };
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "base/beside_thread.h"
@@ -73,7 +74,9 @@ class Sequence {
   void draw(int frame, OpenedJob& opened) {
     requirePlaces(job_, frame);
     listener_.frameStarted(frame);
-    if (const auto tiles = checkpointOf(job_, frame); resume_ && !checkpoint_ && std::filesystem::exists(tiles))
+    std::error_code ignored;
+    if (const auto tiles = checkpointOf(job_, frame);
+        resume_ && !checkpoint_ && std::filesystem::exists(tiles, ignored))
       progress_.note(tiles.string() + " holds finished tiles of a picture; with --checkpoint they are gone on from");
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
     finishWriting();

@@ -56,7 +56,7 @@ void requireViews(const RenderJob& job) {
   const OutputOptions& output = job.output;
   if (!job.picture.stereo && job.animation.stereo.empty()) {
     for (const fs::path& name : namesOf(output)) {
-      if (hasEyePlace(name))
+      if (name.filename().string().find("%V") != std::string::npos)
         throw Error(ErrorCode::kUsage, name, "", "has a place for an eye's name, but no pair is drawn; add --stereo");
     }
   }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "base/error.h"
@@ -341,25 +340,6 @@ std::vector<int> framesOf(const RenderJob& job) {
   return out;
 }
 
-namespace {
-
-// What is legal by itself: where it is not beside the other keys, the one that asks for it is named.
-void requireTogether(const JobObject& root, const PictureOptions& picture) {
-  const auto check = [&](const char* key, const std::function<void()>& require) {
-    if (!root.has(key)) return;
-    try {
-      require();
-    } catch (const Error& error) {
-      root.complain(key, error.what());
-    }
-  };
-  check("image", [&] { drawnPixels(picture.size, picture.crop); });
-  check("interpolation", [&] { requireInterpolation(picture.lattice, picture.interpolation); });
-  check("samples", [&] { requireSamples(picture.lattice, picture.samples.value_or(1)); });
-}
-
-}  // namespace
-
 RenderJob parseJob(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown(job_keys::kRoot);
@@ -396,7 +376,6 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   job.share_reads = root.flag("shareReads").value_or(true);
   readOutput(root, job.output);
   if (const auto trace = root.text("trace", "a file name")) job.trace = besideJob(*trace, path);
-  requireTogether(root, job.picture);
   return job;
 }
 

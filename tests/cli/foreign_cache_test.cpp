@@ -81,6 +81,12 @@ TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
       EXPECT_EQ(readTextFile(in(file)), "mine") << how;
     }
   }
+  // What a kill leaves before the journal is begun is its own.
+  fs::create_directories(in("c/bricks/0"));
+  writeText(in("c/bricks/0/1_0_0.vdb.tmp"), "half");
+  writeText(in("c/scratch_aB3x9Z.tmp"), "");
+  done({"convert", in("v.raw"), in("c"), "--dims", "64,64,64", "--type", "u8", "--resume"});
+  done({"verify", in("c")});
 }
 
 // A directory's time changes with the store that is made in it.

@@ -242,6 +242,10 @@ TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   layout.description =
       R"(<?xml version="1.0"?><OME xmlns="x"><Image><Pixels SizeC="2" SizeT="3" SizeZ="1"/></Image></OME>)";
   expect(layout, "is 6 stacks (channels, times or positions), by OME's description");
+  layout.description = "ImageJ=1\nchannels=9000000000000000000\nframes=9000000000000000000\n";
+  expect(layout, "is 1000000000000 stacks");
+  layout.description = R"({"shape": [9000000000000000000, 9000000000000000000, 3, 19, 21]})";
+  expect(layout, "is 1000000 stacks");
   layout.description = R"({"shape": [2, 1, 3, 19, 21]})";
   expect(layout, "is 2 stacks (channels, times or positions), by tifffile's description");
 }
@@ -299,12 +303,14 @@ TEST(IngestTiff, ASliceThatCannotBeReadIsAnError) {
   const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 20);
   for (int z = 0; z < 3; ++z) writeTiff(files.directory() / ("s" + std::to_string(z) + ".tif"), volume, z, z + 1);
   files.write("notes.txt", "");
+  std::filesystem::create_symlink("gone", files.directory() / "latest");
   EXPECT_EQ(openSource(files.directory())->info().geometry.dims.z, 3);
   files.write("s1.tif", "");
   expectRefused(files.directory(), ErrorCode::kFormat, "s1.tif: is named like the slices beside it");
   std::filesystem::remove(files.directory() / "s1.tif");
   std::filesystem::create_symlink("gone.tif", files.directory() / "s1.tif");
-  expectRefused(files.directory(), ErrorCode::kNotFound, "s1.tif: is a link to a file that is not there");
+  expectRefused(files.directory(), ErrorCode::kNotFound,
+                "s1.tif: is named like the slices beside it, and is a link to nothing");
 }
 
 // LZW's number in the directory, which is a short at the front of the entry's value, is replaced.

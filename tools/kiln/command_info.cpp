@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
 
 #include "base/file.h"
 #include "base/memory.h"
@@ -134,6 +138,13 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) fmt::print("made at      {}\n", m.source.time);
 }
 
+// Another program's picture may say anything: nothing of it is an order to a terminal.
+std::string shown(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = '?';
+  return text;
+}
+
 // What Kiln writes into its pictures, the job last: it is long.
 void printPicture(const fs::path& path) {
   std::map<std::string, std::string> texts = readImageText(path);
@@ -142,9 +153,9 @@ void printPicture(const fs::path& path) {
   for (const auto& [name, text] : texts) {
     if (text.empty()) continue;
     const bool several_lines = text.find('\n') != std::string::npos;
-    fmt::print("{:<12} {}{}\n", name, several_lines ? "\n" : "", text);
+    fmt::print("{:<12} {}{}\n", name, several_lines ? "\n" : "", shown(text));
   }
-  if (!job.empty()) fmt::print("{:<12}\n{}\n", ImageMetadata::kJob, job);
+  if (!job.empty()) fmt::print("{:<12}\n{}\n", ImageMetadata::kJob, shown(job));
 }
 
 // As `kiln render` takes it, once it is in a file.
@@ -169,8 +180,12 @@ void addInfo(CLI::App& app, Context& context) {
                     "draws again");
   command->callback([path, json, &context] {
     context.action = [path, json] {
-      if (fs::is_regular_file(*path)) {
-        *json ? fmt::print("{}", jobOfPicture(*path)) : printPicture(*path);
+      std::error_code ignored;
+      if (fs::is_regular_file(*path, ignored)) {
+        if (*json)
+          fmt::print("{}", jobOfPicture(*path));
+        else
+          printPicture(*path);
         return;
       }
       const StoreReader store(*path);  // checks before anything is printed

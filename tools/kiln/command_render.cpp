@@ -150,7 +150,6 @@ void applySpeed(const RenderArguments& a, SpeedOptions& speed) {
   if (a.threads) speed.threads = *a.threads;
 }
 
-// What the options name stands still, whatever the job has keyframes of.
 void requireStillCamera(const RenderArguments& a, const RenderJob& job) {
   const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
   const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
@@ -167,6 +166,7 @@ void requireStillCamera(const RenderArguments& a, const RenderJob& job) {
   }
 }
 
+// What the options name stands still, whatever the job has keyframes of.
 void applyFrames(const RenderArguments& a, RenderJob& job) {
   requireStillCamera(a, job);
   if (a.frames) job.frames = parseFrames(*a.frames, "--frames");
