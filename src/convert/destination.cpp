@@ -17,24 +17,19 @@ bool isNothing(const fs::path& path) {
 
 namespace {
 
-// True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
-bool holdsOnlyAStore(const fs::path& directory) {
-  std::error_code error;
-  if (!fs::is_directory(directory, error)) return false;
-  for (const auto& entry : fs::directory_iterator(directory, error)) {
-    const fs::path name = entry.path().filename();
-    const auto is_called = [&](const fs::path& of_store) {
-      return name == of_store || name == of_store.string() + ".tmp";
-    };
-    const bool is_scratch = name.string().starts_with("scratch_") && name.extension() == ".tmp";
-    const bool known = is_called("manifest.json") || is_called("index.bin") || is_called("bricks") ||
-                       is_called("parts") || is_called(Journal::pathIn(directory).filename()) || is_scratch;
-    if (!known) return false;
-  }
-  return !error;
+bool isUnfinished(const fs::path& directory) {
+  std::error_code ignored;
+  return !isStore(directory) && fs::exists(Journal::pathIn(directory), ignored);
 }
 
-// Whether its folders, which anybody may have given their names, hold anything but files of bricks.
+bool isNameInStore(const fs::path& name) {
+  for (const fs::path& known : {fs::path("manifest.json"), fs::path("index.bin"), fs::path("bricks"), fs::path("parts"),
+                                Journal::pathIn({}).filename()})
+    if (name == known || name == known.string() + ".tmp") return true;
+  return name.string().starts_with("scratch_") && name.extension() == ".tmp";
+}
+
+// Whether the folders in it, which anybody may have given their names, hold anything but files of bricks.
 bool holdsOthers(const fs::path& directory) {
   std::error_code error;
   fs::recursive_directory_iterator at(directory, error);
@@ -47,9 +42,13 @@ bool holdsOthers(const fs::path& directory) {
   return static_cast<bool>(error);
 }
 
-bool isUnfinished(const fs::path& directory) {
-  std::error_code ignored;
-  return !isStore(directory) && fs::exists(Journal::pathIn(directory), ignored);
+// True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
+bool holdsOnlyAStore(const fs::path& directory) {
+  std::error_code error;
+  if (!fs::is_directory(directory, error)) return false;
+  for (const auto& entry : fs::directory_iterator(directory, error))
+    if (!isNameInStore(entry.path().filename())) return false;
+  return !error && (isStore(directory) || isUnfinished(directory) || !holdsOthers(directory));
 }
 
 // What an --overwrite that was interrupted left of the store that it replaced, whose manifest goes first. With a
@@ -77,7 +76,7 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
                 isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
                                    : "is there already; name another output or give --overwrite");
   }
-  if (!holdsOnlyAStore(out_) || (!isStore(out_) && !isUnfinished(out_) && holdsOthers(out_))) {
+  if (!holdsOnlyAStore(out_)) {
     throw Error(ErrorCode::kExists, out_, "",
                 "is not a store, so it is neither replaced nor gone on with; name another output");
   }

@@ -81,6 +81,12 @@ TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
       EXPECT_EQ(readTextFile(in(file)), "mine") << how;
     }
   }
+  // Nor is one that has the name a replaced store gets.
+  done({"convert", in("v.raw"), in("d"), "--dims", "64,64,64", "--type", "u8"});
+  fs::create_directories(in("d.old/bricks"));
+  writeText(in("d.old/bricks/mine.txt"), "mine");
+  refused({"convert", in("v.raw"), in("d"), "--dims", "64,64,64", "--type", "u8", "--overwrite"}, 1, "is in the way");
+  EXPECT_EQ(readTextFile(in("d.old/bricks/mine.txt")), "mine");
   // What a kill leaves before the journal is begun is its own.
   fs::create_directories(in("c/bricks/0"));
   writeText(in("c/bricks/0/1_0_0.vdb.tmp"), "half");
