@@ -53,8 +53,18 @@ std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores,
   return boxes;
 }
 
-// What each rank holds on its own disk.
-std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ranks) {
+// Of a store; nothing where it is not there to be looked at.
+std::optional<Hash128> indexOf(const std::filesystem::path& store) {
+  try {
+    return StoreReader(store).manifest().index_checksum;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// What each rank holds on its own disk, of `whole`: the picture names that.
+std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std::filesystem::path& whole,
+                                   Ranks& ranks) {
   const StoreReader store(part);
   std::vector<VoxelBox> boxes = gatherLists(ranks, std::vector<VoxelBox>{boxOfStorePart(part)});
   const std::vector<Hash128> indexes = gatherLists(ranks, std::vector<Hash128>{store.manifest().index_checksum});
@@ -63,22 +73,12 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, Ranks& ran
     if (other != indexes.end())
       throw Error(ErrorCode::kUsage, fmt::format("--store-local: rank {} holds a part of another store than rank 0",
                                                  other - indexes.begin()));
+    if (indexOf(whole).value_or(indexes[0]) != indexes[0])
+      throw Error(ErrorCode::kUsage, part, "", "--store-local: holds a part of another store than " + whole.string());
     requireWhole(boxes, store.manifest().geometry().dims);
   }
   broadcastList(ranks, boxes);
   return boxes;
-}
-
-// Where the job's own store can be looked at, the part is of it: the picture names that.
-void requireSameStore(const std::filesystem::path& part, const std::filesystem::path& whole) {
-  std::optional<Hash128> expected;
-  try {
-    expected = StoreReader(whole).manifest().index_checksum;
-  } catch (const Error&) {
-    return;
-  }
-  if (StoreReader(part).manifest().index_checksum == *expected) return;
-  throw Error(ErrorCode::kUsage, part, "", "--store-local: holds a part of another store than " + whole.string());
 }
 
 struct Plan {
@@ -90,8 +90,7 @@ Plan planFor(const RenderJob& job, const SequenceOptions& options) {
   requireParts(job);
   if (!options.store_local.empty()) {
     const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
-    requireSameStore(part, job.volume);
-    return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, *options.ranks)};
+    return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, job.volume, *options.ranks)};
   }
   Plan out{sharedStores(job, options), {}};
   out.boxes = boxesOfRanks(job, out.stores, *options.ranks);
@@ -102,7 +101,7 @@ class BrickSequence : public RankedSequence {
  public:
   BrickSequence(const RenderJob& job, const SequenceOptions& options, const Plan& plan, Progress& progress,
                 SequenceListener& listener)
-      : RankedSequence(job, options, plan.stores, progress, listener, partBytes(job),
+      : RankedSequence(job, options, plan.stores, progress, listener,
                        plan.boxes[static_cast<std::size_t>(options.ranks->rank())]),
         boxes_(plan.boxes) {}
 

@@ -19,8 +19,7 @@ DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
   const std::vector<const StoreReader*> stores = readersOf(opened);
   const SceneOfJob scenes(job, manifestsOf(opened));
   DryRun out;
-  out.memory = memoryOf(job, stores, scenes);
-  out.memory.image += beside_bytes;
+  out.memory = memoryOf(job, stores, scenes, beside_bytes);
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;

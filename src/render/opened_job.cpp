@@ -28,11 +28,6 @@ BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
   return [&progress](const Error& damage) { progress.note(std::string("warning: drawn without ") + damage.what()); };
 }
 
-FrameMemory withBeside(FrameMemory memory, std::uint64_t beside_bytes) {
-  memory.image += beside_bytes;
-  return memory;
-}
-
 FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& job) {
   if (writes_behind) memory.behind = writeBehindBytes(memory, job);
   return memory;
@@ -95,13 +90,16 @@ std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<Store
   return out;
 }
 
-FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes) {
+FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
+                     std::uint64_t beside_bytes) {
   job.picture.samples = scenes.mostSamples();
   std::uint64_t least = 0;
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
-  return frameMemory(stores, job, least);
+  FrameMemory out = frameMemory(stores, job, least);
+  out.image += beside_bytes;
+  return out;
 }
 
 OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes, SharedReads* shared,
@@ -110,9 +108,9 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t bes
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
       scenes_(drawn_job_, manifestsOf(stores_)),
-      memory_(withShared(withBehind(withBeside(memoryOf(drawn_job_, readersOf(stores_), scenes_), beside_bytes),
-                                    writes_behind, drawn_job_),
-                         shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
+      memory_(withShared(
+          withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside_bytes), writes_behind, drawn_job_),
+          shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
       for_ranks_(shared, readersOf(stores_), memory_.shared),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.files()) {}

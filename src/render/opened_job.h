@@ -76,8 +76,10 @@ std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
 std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 
-/// What drawing the job's first frame takes, with as many samples as any of them has. throws: as SceneOfJob::at.
-FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes);
+/// What drawing the job's first frame takes, with as many samples as any of them has; `beside_bytes` are charged with
+/// the image. throws: as SceneOfJob::at.
+FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
+                     std::uint64_t beside_bytes);
 
 /// Says how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);

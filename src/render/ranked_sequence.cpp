@@ -12,14 +12,14 @@ namespace kiln {
 namespace fs = std::filesystem;
 
 RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores,
-                               Progress& progress, SequenceListener& listener, std::uint64_t beside_bytes,
-                               std::optional<VoxelBox> part, bool share_reads)
+                               Progress& progress, SequenceListener& listener, std::optional<VoxelBox> part,
+                               bool share_reads)
     : job_(job),
       ranks_(*options.ranks),
       progress_(progress),
       shared_reads_(share_reads ? std::make_unique<SharedReads>(ranks_) : nullptr),
       // Of a time series, ranks have volumes of their own.
-      frames_(job, std::move(stores), progress, beside_bytes,
+      frames_(job, std::move(stores), progress, besideBytes(job, options),
               {part, shared_reads_.get(), ranks_.first() || isSeries(job)}),
       resume_(options.resume),
       listener_(listener) {}
@@ -30,7 +30,13 @@ SequenceResult RankedSequence::run() {
   if (ranks_.first()) listener_.started(job_, frames_.numbers());
   findKept();
   if (ranks_.first() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());
-  if (!to_draw_.empty()) shareAndRead();
+  try {
+    if (!to_draw_.empty()) shareAndRead();
+  } catch (const Error& error) {
+    // Each rank is told, and one says it, which need not know how many the others have made.
+    if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
+    throw;
+  }
   finish();
   return std::move(result_);
 }
@@ -40,11 +46,6 @@ void RankedSequence::shareAndRead() {
   try {
     share();
     if (shared_reads_) shared_reads_->finish();
-  } catch (const Error& error) {
-    if (shared_reads_) shared_reads_->abandon();
-    // Each rank is told, and one says it, which need not know how many the others have made.
-    if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
-    throw;
   } catch (...) {
     if (shared_reads_) shared_reads_->abandon();
     throw;

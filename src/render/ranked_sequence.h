@@ -16,8 +16,7 @@ namespace kiln {
 class RankedSequence {
  public:
   RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores, Progress& progress,
-                 SequenceListener& listener, std::uint64_t beside_bytes, std::optional<VoxelBox> part = std::nullopt,
-                 bool share_reads = false);
+                 SequenceListener& listener, std::optional<VoxelBox> part = std::nullopt, bool share_reads = false);
   virtual ~RankedSequence() = default;
   RankedSequence(const RankedSequence&) = delete;
   RankedSequence& operator=(const RankedSequence&) = delete;

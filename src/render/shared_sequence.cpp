@@ -36,7 +36,7 @@ struct Assembly {
 class SharedSequence : public RankedSequence {
  public:
   SharedSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
-      : RankedSequence(job, options, sharedStores(job, options), progress, listener, sharedTileBytes(job), std::nullopt,
+      : RankedSequence(job, options, sharedStores(job, options), progress, listener, std::nullopt,
                        job.share_reads && !isSeries(job)),
         crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
 
