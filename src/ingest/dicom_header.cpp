@@ -29,21 +29,24 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
 
+// Where a frame's attribute may be said, the nearest first: in its own group, in the shared one, at the top. Null where
+// there is no such group.
+std::array<const DicomSet*, 3> placesOf(const DicomSet& top, std::size_t frame, DicomTag group) {
+  const auto in = [&](const DicomSet* set) { return set == nullptr ? nullptr : set->item(group); };
+  return {in(top.item(kPerFrame, frame)), in(top.item(kShared)), &top};
+}
+
 std::vector<double> frameNumbers(const DicomSet& top, std::size_t frame, DicomTag group, DicomTag tag) {
-  for (const DicomSet* place : {top.item(kPerFrame, frame), top.item(kShared)}) {
-    const DicomSet* const item = place == nullptr ? nullptr : place->item(group);
-    if (item == nullptr) continue;
-    if (std::vector<double> out = item->numbers(tag); !out.empty()) return out;
+  for (const DicomSet* const place : placesOf(top, frame, group)) {
+    if (place == nullptr) continue;
+    if (std::vector<double> out = place->numbers(tag); !out.empty()) return out;
   }
-  return top.numbers(tag);
+  return {};
 }
 
 // A number that values are rescaled by; nothing where the file says none, as an empty value does.
 std::optional<double> rescaling(const DicomSet& top, std::size_t frame, DicomTag tag, const fs::path& path) {
-  const DicomSet* const own = top.item(kPerFrame, frame);
-  const DicomSet* const shared = top.item(kShared);
-  for (const DicomSet* place : {own == nullptr ? nullptr : own->item(kTransformation),
-                                shared == nullptr ? nullptr : shared->item(kTransformation), &top}) {
+  for (const DicomSet* const place : placesOf(top, frame, kTransformation)) {
     const std::string text = place == nullptr ? "" : trimmed(place->text(tag));
     if (text.empty()) continue;
     const std::vector<double> numbers = place->numbers(tag);

@@ -84,22 +84,21 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
   return out;
 }
 
-// Of the first element of an XML text that is named so; empty where there is none.
-std::string attributeOf(std::string_view xml, std::string_view element, const std::string& name) {
-  const std::size_t begin = xml.find(element);
-  if (begin == std::string_view::npos) return "";
-  const std::string_view tag = xml.substr(begin, xml.find('>', begin) - begin);
-  const std::size_t at = tag.find(" " + name + "=");
-  if (at == std::string_view::npos || at + name.size() + 2 >= tag.size()) return "";
+// Of an element of XML, <Name a="1" b="2"; empty where it has none of that name.
+std::string attributeOf(std::string_view element, const std::string& name) {
+  const std::size_t at = element.find(" " + name + "=");
+  if (at == std::string_view::npos || at + name.size() + 2 >= element.size()) return "";
   const std::size_t first = at + name.size() + 2;  // the quote
-  const std::size_t last = tag.find(tag[first], first + 1);
-  return last == std::string_view::npos ? "" : std::string(tag.substr(first + 1, last - first - 1));
+  const std::size_t last = element.find(element[first], first + 1);
+  return last == std::string_view::npos ? "" : std::string(element.substr(first + 1, last - first - 1));
 }
 
 // Source: the OME data model of 2016-06, Pixels.
 std::optional<StackNotes> omeNotes(std::string_view description) {
   if (description.find("<OME ") == std::string_view::npos) return std::nullopt;
-  const auto of = [&](const std::string& name) { return attributeOf(description, "<Pixels ", name); };
+  description.remove_prefix(std::min(description.find("<Pixels "), description.size()));
+  const std::string_view pixels = description.substr(0, description.find('>'));
+  const auto of = [&](const std::string& name) { return attributeOf(pixels, name); };
   StackNotes out;
   out.writer = "OME";
   out.channels = stacksFrom(of("SizeC"));

@@ -1,8 +1,8 @@
-// Pictures beside the reference renderer's of 9 rays a pixel (elsewhere 16) and steps of a quarter of a voxel, over a head that is
-// computed: from far (a pixel a voxel) and from near, opaque and through translucent skin. Known because the reference
-// is the picture's definition, sampled densely. What must be reached: so many decibels over the foreground, more than a
-// ray caster that goes voxel by voxel, and the reference's brightness. The pictures are
-// kept as one sheet in the test's output: ours, the reference's, and their difference, a row each.
+// Pictures beside the reference renderer's of 9 rays a pixel (elsewhere 16) and steps of a quarter of a voxel, over a
+// head that is computed: from far (a pixel a voxel) and from near, opaque and through translucent skin. Known because
+// the reference is the picture's definition, sampled densely. What must be reached: so many decibels over the
+// foreground, more than a ray caster that goes voxel by voxel, and the reference's brightness. The pictures are kept as
+// one sheet in the test's output: ours, the reference's, and their difference, a row each.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
