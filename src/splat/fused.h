@@ -8,16 +8,23 @@
 
 namespace kiln {
 
+/// Rounding a sum of doubles to a float as well errs only where the sum has been rounded to halfway between two floats:
+/// of those with all 24 bits, where of the 29 bits that go (kGone) the first is set and no other. Those with fewer
+/// bits, below 2⁻¹²⁶, have been rounded only where what is added to the product is less than kLeastAddend, and not 0:
+/// of a larger one no bit is below a float's last.
+struct RoundedTwice {
+  static constexpr std::uint64_t kGone = (std::uint64_t{1} << 29) - 1, kHalf = std::uint64_t{1} << 28;
+  static constexpr float kLeastAddend = 0x1p-96f;
+};
+
 /// a b + c, rounded once.
 inline float fusedInDoubles(float a, float b, float c) {
   // Exact: twice 24 bits are fewer than 53.
   const double product = static_cast<double>(a) * static_cast<double>(b), addend = static_cast<double>(c);
   const double sum = product + addend;
   auto bits = std::bit_cast<std::uint64_t>(sum);
-  // Rounding it to a float as well errs only where the sum has been rounded to halfway between two floats: of those
-  // with all 24 bits, where the first of the 29 bits that go is set and no other.
-  constexpr std::uint64_t kGone = (std::uint64_t{1} << 29) - 1, kHalf = std::uint64_t{1} << 28;
-  if ((bits & kGone) != kHalf && std::abs(sum) >= 0x1p-126) return static_cast<float>(sum);
+  if ((bits & RoundedTwice::kGone) != RoundedTwice::kHalf && (c == 0 || std::abs(c) >= RoundedTwice::kLeastAddend))
+    return static_cast<float>(sum);
   // What rounding has taken from the sum (Knuth's two-sum). Where that is anything, the last bit of the sum becomes
   // odd, so that it is not halfway. Of what is infinite or NaN the rest is NaN, and is let be.
   const double of_addend = sum - product;

@@ -1,6 +1,6 @@
 // Lanes of vectors as bits, and moved about where Highway's own words for it are slow: under AVX2 a gather is as slow
-// as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table of 1 KiB to the stack at each
-// call, which took a sixth of a frame of the pixel lattice and a quarter of one on rays. Compiled once for each
+// as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table to the stack at each call, which
+// with AVX2's of 1 KiB took a sixth of a frame of the pixel lattice and a quarter of one on rays. Compiled once for each
 // instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_LANES_INL_H
@@ -28,9 +28,9 @@ HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
   return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
 }
 
-#if HWY_TARGET == HWY_AVX2
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
 
-// Of each set of eight lanes, their numbers one after the other.
+// Of each set of eight lanes, or of four, their numbers one after the other.
 struct LaneOrders {
   alignas(64) std::uint8_t of[256][8];
 };

@@ -39,12 +39,37 @@ HWY_INLINE float fused(float a, float b, float c) {
   return fusedInDoubles(a, b, c);
 #endif
 }
+#if !HWY_NATIVE_FMA && HWY_TARGET != HWY_SCALAR
+// Of half a vector's floats, a b + c in doubles, and whether one of these is halfway between two floats.
+template <class DD>
+struct SumsInDoubles {
+  hn::Vec<DD> sum;
+  hn::Mask<DD> halfway;
+};
+template <class DD, class Half>
+HWY_INLINE SumsInDoubles<DD> sumsInDoubles(DD d, Half a, Half b, Half c) {
+  const hn::RebindToUnsigned<DD> du;
+  const auto sum = hn::Add(hn::Mul(hn::PromoteTo(d, a), hn::PromoteTo(d, b)), hn::PromoteTo(d, c));
+  const auto gone = hn::And(hn::BitCast(du, sum), hn::Set(du, RoundedTwice::kGone));
+  return {sum, hn::RebindMask(d, hn::Eq(gone, hn::Set(du, RoundedTwice::kHalf)))};
+}
+#endif
 template <class Floats>
 HWY_INLINE Floats fused(Floats a, Floats b, Floats c) {
 #if HWY_NATIVE_FMA
   return hn::MulAdd(a, b, c);
 #else
   const hn::DFromV<Floats> d;
+#if HWY_TARGET != HWY_SCALAR
+  // fusedInDoubles, but for those that it rounds in another way.
+  const hn::Half<decltype(d)> half;
+  const hn::Rebind<double, decltype(half)> dd;
+  const auto lower = sumsInDoubles(dd, hn::LowerHalf(half, a), hn::LowerHalf(half, b), hn::LowerHalf(half, c));
+  const auto upper = sumsInDoubles(dd, hn::UpperHalf(half, a), hn::UpperHalf(half, b), hn::UpperHalf(half, c));
+  const auto small = hn::And(hn::Lt(hn::Abs(c), hn::Set(d, RoundedTwice::kLeastAddend)), hn::Ne(c, hn::Zero(d)));
+  if (HWY_LIKELY(hn::AllFalse(dd, hn::Or(lower.halfway, upper.halfway)) && hn::AllFalse(d, small)))
+    return hn::Combine(d, hn::DemoteTo(half, upper.sum), hn::DemoteTo(half, lower.sum));
+#endif
   alignas(64) float of_a[hn::MaxLanes(d)], of_b[hn::MaxLanes(d)], of_c[hn::MaxLanes(d)];
   hn::Store(a, d, of_a), hn::Store(b, d, of_b), hn::Store(c, d, of_c);
   for (std::size_t i = 0; i < hn::Lanes(d); ++i) of_c[i] = fusedInDoubles(of_a[i], of_b[i], of_c[i]);

@@ -29,6 +29,8 @@ HWY_INLINE VI nearest(V v) {
   return VI{_mm512_cvtps_epi32(v.raw)};
 #elif HWY_ARCH_X86 && HWY_TARGET == HWY_AVX2
   return VI{_mm256_cvtps_epi32(v.raw)};
+#elif HWY_ARCH_X86 && HWY_TARGET == HWY_SSE4
+  return VI{_mm_cvtps_epi32(v.raw)};
 #else
   return hn::NearestInt(v);
 #endif

@@ -40,6 +40,8 @@ TEST(Fused, InDoublesIsRoundedOnce) {
                      std::fma(a, b, c)
                  ? 1
                  : 0;
+    // The same of fewer than 24 bits.
+    expectFused(0x1.000002p-75f, 0x1.fffffcp-76f, static_cast<float>(2 * (bits(5) & 0x3ffff) + 1) * 0x1p-149f);
     expectFused(near(7), near(9), near(11));
     expectFused(near(7), near(9), -near(7) * near(9));
     expectFused(any(0), 0x1p-100f, 0x1p-149f);
