@@ -57,7 +57,8 @@ std::string optionsOf(const CLI::App& command) {
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n0 where all is done, 1 for data, disk and memory, 2 for the command line or a job.\n";
+    ".SH EXIT STATUS\n0 where all is done, 1 for data, disk and memory, 2 for what was asked: the command line, or a "
+    "job's key or value.\n";
 
 std::string wordsOfOption(const char* option, std::span<const std::string_view> words) {
   return fmt::format("    {}) words=\"{}\" ;;\n", option, fmt::join(words, " "));
