@@ -27,6 +27,7 @@ done
 
 scripts/install_packages.sh build mpi test
 scripts/check_includes.sh
+scripts/check_definitions.sh
 
 configure=(-DKILN_TESTS=ON "-DKILN_NIGHTLY=$nightly")
 if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi

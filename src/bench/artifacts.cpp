@@ -15,12 +15,12 @@ class Study {
     for (const int epsilon_px : suite_.epsilons_px) out.steps.emplace_back().epsilon_px = epsilon_px;
     double worst = -1;
     for (std::size_t v = 0; v < views.size(); ++v) {
-      const DrawnFrame baseline = draw(views[v].view, VisibilityMethod::kNone, 0);
-      const DrawnFrame exact = draw(views[v].view, VisibilityMethod::kRangeTree, 0);
+      const MeasuredFrame baseline = draw(views[v].view, VisibilityMethod::kNone, 0);
+      const MeasuredFrame exact = draw(views[v].view, VisibilityMethod::kRangeTree, 0);
       add(baseline, out.baseline_s, out.baseline_visited);
       add(exact, out.exact_s, out.exact_visited);
       for (EpsilonStep& step : out.steps) {
-        const DrawnFrame approximate = draw(views[v].view, VisibilityMethod::kQuadtree, step.epsilon_px);
+        const MeasuredFrame approximate = draw(views[v].view, VisibilityMethod::kQuadtree, step.epsilon_px);
         const DistanceHistogram distance = distanceHistogram(exact.image, approximate.image);
         step.distance.add(distance);
         add(approximate, step.render_s, step.visited);
@@ -35,11 +35,11 @@ class Study {
   }
 
  private:
-  DrawnFrame draw(const View& view, VisibilityMethod method, int epsilon_px) {
+  MeasuredFrame draw(const View& view, VisibilityMethod method, int epsilon_px) {
     return drawing_.draw(view, drawing_.optionsFor(method, epsilon_px), repeat_);
   }
 
-  void add(const DrawnFrame& frame, double& mean_s, double& mean_visited) const {
+  void add(const MeasuredFrame& frame, double& mean_s, double& mean_visited) const {
     mean_s += frame.medianSeconds() / suite_.views;
     mean_visited += static_cast<double>(frame.statistics.voxels_visited) / suite_.views;
   }

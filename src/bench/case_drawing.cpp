@@ -15,14 +15,14 @@ TransferFunction functionOf(const SuiteCase& c, const StoreReader& store) {
 
 }  // namespace
 
-double DrawnFrame::medianSeconds() const {
+double MeasuredFrame::medianSeconds() const {
   std::vector<double> sorted = render_s;
   std::sort(sorted.begin(), sorted.end());
   const std::size_t middle = sorted.size() / 2;
   return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
-double DrawnFrame::leastSeconds() const { return *std::min_element(render_s.begin(), render_s.end()); }
+double MeasuredFrame::leastSeconds() const { return *std::min_element(render_s.begin(), render_s.end()); }
 
 CaseDrawing::CaseDrawing(const Suite& suite, const SuiteCase& c, const std::filesystem::path& store, Progress& progress)
     : suite_(suite),
@@ -45,7 +45,7 @@ VisibilityOptions CaseDrawing::optionsFor(VisibilityMethod method, int epsilon_p
   return out;
 }
 
-DrawnFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visibility, int repeat, NodeLog* log) {
+MeasuredFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visibility, int repeat, NodeLog* log) {
   FrameRequest request;
   request.view = view;
   request.transfer_function = transfer_function_;
@@ -56,7 +56,7 @@ DrawnFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visibili
   request.visibility = visibility;
   request.tile_px = suite_.tile_px;
   request.node_log = log;
-  DrawnFrame out;
+  MeasuredFrame out;
   for (int i = 0; i < repeat; ++i) {
     out.image = renderFrame(store_, cache_, request, progress_, out.statistics);
     out.render_s.push_back(out.statistics.wall_s - out.statistics.load_s);

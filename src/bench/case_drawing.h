@@ -10,7 +10,7 @@
 
 namespace kiln {
 
-struct DrawnFrame {
+struct MeasuredFrame {
   Image image;
   FrameStatistics statistics;    // of the last draw
   std::vector<double> render_s;  // one a draw: wall time without loading
@@ -29,7 +29,7 @@ class CaseDrawing {
   /// The options by which the suite draws with `method`.
   VisibilityOptions optionsFor(VisibilityMethod method, int epsilon_px = 0) const;
   /// Draws the view `repeat` times. throws: what renderFrame throws.
-  DrawnFrame draw(const View& view, const VisibilityOptions& visibility, int repeat, NodeLog* log = nullptr);
+  MeasuredFrame draw(const View& view, const VisibilityOptions& visibility, int repeat, NodeLog* log = nullptr);
   /// Reads every brick that the transfer function shows something of, as far as the budget goes.
   void warmUp();
 

@@ -65,7 +65,7 @@ class SuiteRun {
   void measure(MeasuredRun& run, CaseDrawing& drawing) {
     const std::vector<SuiteView> views = drawing.views(run.size, run.projection);
     for (std::size_t v = 0; v < views.size(); ++v) {
-      std::vector<DrawnFrame> frames(suite_.methods.size());
+      std::vector<MeasuredFrame> frames(suite_.methods.size());
       // Another method begins in each view: none always has the caches as the same other leaves them.
       for (std::size_t i = 0; i < frames.size(); ++i) {
         const std::size_t m = (i + v) % frames.size();
