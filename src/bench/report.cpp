@@ -34,8 +34,8 @@ class PictureFiles {
       : m_(m), directory_(directory), disk_(disk) {}
 
   void write() {
-    disk_.removeAll(directory_);
     disk_.makeDirectories(directory_);
+    removeEarlier();
     for (const Picture& p : m_.pictures) png("picture", p.case_index, p.projection, "", p.png);
     for (const ArtifactStudy& a : m_.artifacts) {
       png("artifacts", a.case_index, a.projection, "-exact", a.exact_png);
@@ -52,6 +52,16 @@ class PictureFiles {
   }
 
  private:
+  // Those of another suite. What else is there is somebody's.
+  void removeEarlier() {
+    std::vector<fs::path> earlier;
+    for (const auto& entry : fs::directory_iterator(directory_)) {
+      const std::string name = entry.path().filename().string();
+      const bool ours = name.starts_with("picture-") || name.starts_with("artifacts-") || name.starts_with("nodes-");
+      if (ours && (name.ends_with(".png") || name.ends_with(".svg"))) earlier.push_back(entry.path());
+    }
+    for (const fs::path& path : earlier) disk_.removeAll(path);
+  }
   std::string stem(std::string_view what, std::size_t case_index, Projection projection) const {
     return fmt::format("{}-{:02}-{}-{}", what, case_index, fileWord(m_.suite.cases[case_index].name),
                        nameIn(kProjectionNames, projection));

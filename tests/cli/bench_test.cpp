@@ -42,9 +42,14 @@ TEST_F(Bench, WritesAReportAndUsesItsStoresAgain) {
   EXPECT_EQ(json["runs"][0]["frames"].size(), 10u);
   EXPECT_GT(json["volumes"][0]["convert_s"], 0.0);
   EXPECT_TRUE(fs::exists(in("report/report.html")));
+  // Earlier pictures go, and what somebody has put beside them stays.
+  writeText(in("report/pictures/holiday.png"), "mine");
+  writeText(in("report/pictures/picture-07-OTHER-orthographic.png"), "of an earlier suite");
   const ToolResult again = runTool({"bench", in("suite.json"), "-o", in("report"), "--quick"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(Json::parse(readTextFile(in("report/report.json")))["volumes"][0]["convert_s"], 0.0);
+  EXPECT_EQ(readTextFile(in("report/pictures/holiday.png")), "mine");
+  EXPECT_FALSE(fs::exists(in("report/pictures/picture-07-OTHER-orthographic.png")));
 }
 
 // Known because none of these can be measured, and what is not ours is not touched.
