@@ -33,7 +33,8 @@ class TileFile {
  public:
   TileFile(fs::path path, std::string identity) : path_(std::move(path)), identity_(std::move(identity)) {}
 
-  // Puts the tiles that are there into the image; returns which.
+  // Puts the tiles that are there into the image; returns which. throws: Error kExists where the file is of another
+  // picture, or of no picture at all.
   std::set<Place> read(const std::vector<PixelRect>& tiles, const PixelRect& whole, Image& image) {
     std::set<Place> known, found;
     for (const PixelRect& tile : tiles) known.insert(placeOf(tile));
@@ -50,6 +51,11 @@ class TileFile {
       return true;
     });
     begun_ = bytes && is_ours;
+    if (!begun_ && fs::exists(path_))
+      throw Error(ErrorCode::kExists, path_, "",
+                  fmt::format("{}; name another picture, or remove the file",
+                              bytes && !is_first ? "has tiles of another picture, or of another volume"
+                                                 : "is where tiles would be kept, and has none"));
     // What was torn is cut off, so that the next one is read again.
     std::error_code failed;
     if (begun_) fs::resize_file(path_, *bytes, failed);

@@ -73,11 +73,21 @@ TEST_F(Checkpoint, GoesOnFromTheTilesThatAreWhole) {
   expectWhole(second);
 }
 
-TEST_F(Checkpoint, TakesNoTilesOfAnotherFrame) {
+TEST_F(Checkpoint, NeitherTakesNorReplacesTilesOfAnotherFrame) {
   ASSERT_TRUE(stopped({"--azimuth", "40"}).interrupted);
-  const ToolResult other = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
-  EXPECT_EQ(other.err.find("finished already"), std::string::npos) << other.err;
-  expectWhole(other);
+  const auto kept = readFile(tiles());
+  for (const std::vector<std::string>& how :
+       std::vector<std::vector<std::string>>{{"--checkpoint", "--resume"}, {"--checkpoint"}}) {
+    const ToolResult other = runTool(frameTo(picture(), how));
+    EXPECT_EQ(other.exit_code, 1);
+    EXPECT_NE(other.err.find(tiles().string() + ": has tiles of another picture"), std::string::npos) << other.err;
+    EXPECT_EQ(readFile(tiles()), kept);
+  }
+  FileSystem::real().writeAtomic(tiles(), "the user's own");
+  EXPECT_EQ(runTool(frameTo(picture(), {"--checkpoint"})).exit_code, 1);
+  EXPECT_EQ(readTextFile(tiles()), "the user's own");
+  fs::remove(tiles());
+  expectWhole(runTool(frameTo(picture(), {"--checkpoint", "--resume"})));
 }
 
 TEST_F(Checkpoint, IsNeitherTakenNorLostUnasked) {
