@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "base/file.h"
 #include "scene/clip_region.h"
@@ -14,8 +15,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kPartFile = "part.txt";
 
 // How many voxels of level 0 a voxel of the level spans.
 Extent3 spanOf(const Manifest& volume, int level) {
@@ -31,26 +30,6 @@ void bring(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   fs::create_hard_link(from, to, failed);
   if (failed) FileSystem::real().writeOwn(to, readFile(from), WriteMode::kUnsynced);
-}
-
-// Calls use(key) for the stored bricks that drawing the box may ask for.
-template <class Use>
-void eachBrickOf(const StoreReader& store, const VoxelBox& box, const Use& use) {
-  for (int level = 0; level < store.index().levels(); ++level) {
-    Clipping clipping;
-    clipping.part = box;
-    const ClipRegion region(clipping, store.manifest().geometry(), spanOf(store.manifest(), level));
-    const Extent3& lattice = store.index().lattice(level);
-    for (std::int32_t z = 0; z < lattice.z; ++z) {
-      for (std::int32_t y = 0; y < lattice.y; ++y) {
-        for (std::int32_t x = 0; x < lattice.x; ++x) {
-          const BrickKey key{level, {x, y, z}};
-          if (store.index().at(key).constant) continue;
-          if (region.part().touches(dilated(store.frame(key).core(), store.manifest().apron))) use(key);
-        }
-      }
-    }
-  }
 }
 
 // A directory that has another name until all is in it, and is removed where that never comes.
@@ -76,6 +55,18 @@ class NewDirectory {
 
 }  // namespace
 
+std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box) {
+  Clipping clipping;
+  clipping.part = box;
+  std::vector<ClipRegion::Part> parts;  // a level each
+  for (int level = 0; level < store.index().levels(); ++level)
+    parts.push_back(ClipRegion(clipping, store.manifest().geometry(), spanOf(store.manifest(), level)).part());
+  return [&store, parts = std::move(parts)](const BrickKey& key) {
+    return !store.index().at(key).constant &&
+           parts[static_cast<std::size_t>(key.level)].touches(dilated(store.frame(key).core(), store.manifest().apron));
+  };
+}
+
 std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& directory,
                              Progress& progress) {
   FileSystem& disk = FileSystem::real();
@@ -83,7 +74,13 @@ std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, cons
   if (fs::exists(directory, unreadable) || unreadable)
     throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
   std::vector<BrickKey> bricks;
-  eachBrickOf(store, box, [&](const BrickKey& key) { bricks.push_back(key); });
+  const auto holds = bricksOfStorePart(store, box);
+  for (int level = 0; level < store.index().levels(); ++level) {
+    const Extent3& lattice = store.index().lattice(level);
+    for (std::int64_t i = 0; i < lattice.count(); ++i) {
+      if (const BrickKey key{level, brickAt(lattice, i)}; holds(key)) bricks.push_back(key);
+    }
+  }
   NewDirectory part(directory);
   const fs::path& building = part.building();
   std::uint64_t bytes = 0, done = 0;

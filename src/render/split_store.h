@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "base/progress.h"
@@ -18,6 +19,9 @@ std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, cons
 
 /// The box that `writeStorePart` made a directory for. throws: Error kNotFound, kFormat where it is no such part.
 VoxelBox boxOfStorePart(const std::filesystem::path& directory);
+
+/// Whether a part for `box` has a stored brick: whatever drawing it may ask for. requires: the store outlives it.
+std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box);
 
 /// Of boxes that ranks hold: throws Error kUsage where they do not fill the volume, each voxel once.
 void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims);

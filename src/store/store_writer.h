@@ -60,6 +60,9 @@ class StoreWriter {
   BrickIndex index_;
 };
 
+/// Where a directory holds some bricks only, which box of the volume they are for (kiln split).
+inline constexpr const char* kPartFile = "part.txt";
+
 /// bricks/L/X_Y_Z.vdb
 std::filesystem::path brickPath(const BrickKey& key);
 

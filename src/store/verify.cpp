@@ -31,20 +31,21 @@ bool covers(int level, const ValueRange& said, const ValueRange& voxels) {
 
 class Verification {
  public:
-  Verification(const StoreReader& store, const std::function<void(const Error&)>& damaged, Progress& progress)
-      : store_(store), damaged_(damaged), progress_(progress) {}
+  Verification(const StoreReader& store, const std::function<void(const Error&)>& damaged, Progress& progress,
+               const std::function<bool(const BrickKey&)>& holds)
+      : store_(store), damaged_(damaged), progress_(progress), holds_(holds) {}
 
   VerifyReport run(std::size_t lanes) {
     checkWithoutBricks("index.bin", [&] { checkConstants(); });
     checkWithoutBricks("manifest.json", [&] { checkManifest(); });
-    forEachEntry([&](const BrickKey&, const BrickEntry& entry) { total_ += entry.constant ? 0 : 1; });
+    forEachEntry([&](const BrickKey& key, const BrickEntry&) { total_ += has(key) ? 1 : 0; });
     for (int level = 0; level < store_.index().levels(); ++level) {
       const Extent3& lattice = store_.index().lattice(level);
       std::atomic<std::int64_t> next = 0;
       parallelFor(lanes, [&](std::size_t) {
         for (std::int64_t i = next++; i < lattice.count(); i = next++) {
           const BrickKey key{level, brickAt(lattice, i)};
-          if (!store_.index().at(key).constant) brick(key);
+          if (has(key)) brick(key);
         }
       });
     }
@@ -53,6 +54,8 @@ class Verification {
   }
 
  private:
+  bool has(const BrickKey& key) const { return !store_.index().at(key).constant && (!holds_ || holds_(key)); }
+
   template <class Check>
   void checkWithoutBricks(const char* file, Check&& check) {
     ++report_.files;
@@ -161,7 +164,7 @@ class Verification {
   }
 
   bool isOurs(const fs::path& file) const {
-    if (file == "manifest.json" || file == "index.bin") return true;
+    if (file == "manifest.json" || file == "index.bin" || (holds_ && file == kPartFile)) return true;
     BrickKey key;
     const bool named =
         std::sscanf(file.c_str(), "bricks/%d/%d_%d_%d.vdb", &key.level, &key.brick.x, &key.brick.y, &key.brick.z) == 4;
@@ -186,6 +189,7 @@ class Verification {
   const StoreReader& store_;
   const std::function<void(const Error&)>& damaged_;
   Progress& progress_;
+  const std::function<bool(const BrickKey&)>& holds_;
   std::mutex mutex_;  // guards all below
   VerifyReport report_;
   std::uint64_t done_ = 0, total_ = 0;
@@ -194,14 +198,15 @@ class Verification {
 }  // namespace
 
 VerifyReport verify(const StoreReader& store, std::uint64_t memory_bytes,
-                    const std::function<void(const Error&)>& damaged, Progress& progress) {
+                    const std::function<void(const Error&)>& damaged, Progress& progress,
+                    const std::function<bool(const BrickKey&)>& holds) {
   const std::uint64_t brick_bytes = store.largestReadBytes();
   if (brick_bytes > memory_bytes)
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
                 fmt::format("{} is too little: checking one brick takes {}; give at least that",
                             formatBytes(memory_bytes), formatBytes(brick_bytes)));
   const std::uint64_t lanes = std::min<std::uint64_t>(memory_bytes / brick_bytes, ThreadLimit::active());
-  return Verification(store, damaged, progress).run(static_cast<std::size_t>(lanes));
+  return Verification(store, damaged, progress, holds).run(static_cast<std::size_t>(lanes));
 }
 
 }  // namespace kiln

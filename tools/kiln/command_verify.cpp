@@ -1,9 +1,14 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <functional>
+
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "commands.h"
+#include "render/split_store.h"
 #include "source_arguments.h"
+#include "store/store_writer.h"
 #include "store/verify.h"
 
 namespace kiln::tool {
@@ -17,14 +22,17 @@ struct VerifyArguments {
 void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   const StoreReader store(a.store);
+  const bool part = std::filesystem::exists(store.path() / kPartFile);
+  std::function<bool(const BrickKey&)> holds;
+  if (part) holds = bricksOfStorePart(store, boxOfStorePart(store.path()));
   const VerifyReport report = verify(
       store, parseBytes(a.memory, "--memory"), [&](const Error& damage) { context.progress.note(damage.what()); },
-      context.progress);
+      context.progress, holds);
   context.progress.clear();
   if (report.damaged > 0)
     throw Error(ErrorCode::kDamaged, store.path(), "",
                 fmt::format("{} of {} files damaged", report.damaged, report.files));
-  fmt::print("{}: whole, {} files checked\n", a.store, report.files);
+  fmt::print("{}: {}, {} files checked\n", a.store, part ? "has all of its part" : "whole", report.files);
 }
 
 }  // namespace
