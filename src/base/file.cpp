@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -72,16 +73,46 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
   return done;
 }
 
+// Of a name such as /dev/stdout, which of this process' open files it is.
+std::optional<int> descriptorNamed(const fs::path& path) {
+  std::error_code unknown;
+  const fs::path own = fs::canonical("/proc/self/fd", unknown);
+  if (unknown) return std::nullopt;
+  // By the last link but one: the last is to what is open, which may be anywhere, or nowhere any more.
+  fs::path at = path;
+  for (int i = 0; i < 8; ++i) {
+    if (fs::canonical(at.has_parent_path() ? at.parent_path() : ".", unknown) == own && !unknown) {
+      const std::string name = at.filename().string();
+      int out = -1;
+      const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
+      if (error == std::errc() && end == name.data() + name.size()) return out;
+    }
+    if (!fs::is_symlink(fs::symlink_status(at, unknown))) return std::nullopt;
+    at = at.parent_path() / fs::read_symlink(at, unknown);
+    if (unknown) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// Opened anew, an open file would be written from its start, over what it has been written to.
+int openFor(const fs::path& path, int flags) {
+  if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
+  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
+}
+
 }  // namespace
 
-File::File(const fs::path& path) : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+// Opening a pipe would wait for somebody who writes into it.
+File::File(const fs::path& path) : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (descriptor_ < 0) throw systemError(errno, path, "opening for reading");
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode)) {
-    const int error_number = S_ISDIR(status.st_mode) ? EISDIR : errno;
-    ::close(descriptor_);
-    throw systemError(error_number, path, "opening for reading");
-  }
+  const int failed = ::fstat(descriptor_, &status) != 0 ? errno : S_ISDIR(status.st_mode) ? EISDIR : 0;
+  const bool stream = S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode) || S_ISSOCK(status.st_mode);
+  if (failed != 0 || stream) ::close(descriptor_);
+  if (failed != 0) throw systemError(failed, path, "opening for reading");
+  if (stream)
+    throw Error(ErrorCode::kUnsupported, path, "",
+                "is a pipe or a device, which cannot be read from any place on; save it as a file first");
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -129,6 +160,30 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
   return std::string(reinterpret_cast<const char*>(data.data()), data.size());
 }
 
+std::string extensionOf(const fs::path& path) {
+  std::string out = path.extension().string();
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+fs::path behindLinks(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the system follows
+  std::error_code unknown;
+  fs::path out = path;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(out, unknown)); ++i) {
+    const fs::path target = fs::read_symlink(out, unknown);
+    if (unknown) break;
+    out = out.parent_path() / target;
+  }
+  return out;
+}
+
+bool isWrittenInPlace(const fs::path& path) {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status) || descriptorNamed(path);
+}
+
 fs::path temporaryFor(const fs::path& path) {
   return fmt::format("{}.{:08x}.tmp", path.string(), std::random_device()());
 }
@@ -139,11 +194,9 @@ FileSystem& FileSystem::real() {
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data) {
-  std::error_code unknown;
-  const fs::file_status status = fs::status(path, unknown);
-  if (fs::is_character_file(status) || fs::is_fifo(status)) return writeFile(path, data, WriteMode::kUnsynced);
-  const fs::path temporary = temporaryFor(path);
-  replaceBy(temporary, path, [&] { writeFile(temporary, data, WriteMode::kSynced); });
+  if (isWrittenInPlace(path)) return writeFile(path, data, WriteMode::kUnsynced);
+  const fs::path place = behindLinks(path), temporary = temporaryFor(place);
+  replaceBy(temporary, place, [&] { writeFile(temporary, data, WriteMode::kSynced); });
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::string_view text) { writeAtomic(path, bytesOf(text)); }
@@ -170,14 +223,26 @@ void FileSystem::replaceBy(const fs::path& temporary, const fs::path& path, cons
 }
 
 void FileSystem::requirePlaceFor(const fs::path& path) {
+  if (isWrittenInPlace(path)) return;
   std::error_code unknown;
-  const fs::file_status status = fs::status(path, unknown);
-  if (fs::is_character_file(status) || fs::is_fifo(status)) return;
-  if (fs::is_directory(status)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
-  const fs::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  if (fs::is_directory(path, unknown)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
+  const fs::path place = behindLinks(path);
+  const fs::path directory = place.has_parent_path() ? place.parent_path() : ".";
   if (!fs::is_directory(directory, unknown))
     throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
   makeScratch(directory);
+  const long most = ::pathconf(directory.c_str(), _PC_NAME_MAX);
+  const auto bytes = static_cast<long>(temporaryFor(place).filename().native().size());
+  if (most > 0 && bytes > most) {
+    throw Error(
+        ErrorCode::kIo, path, "",
+        fmt::format("its name is {} {} too long: {} are kept for what it is called until it is whole", bytes - most,
+                    bytes - most == 1 ? "byte" : "bytes", bytes - static_cast<long>(place.filename().native().size())));
+  }
+  struct stat of_file, of_directory;
+  if (::geteuid() == 0 || ::stat(place.c_str(), &of_file) != 0 || ::stat(directory.c_str(), &of_directory) != 0) return;
+  if ((of_directory.st_mode & S_ISVTX) != 0 && of_file.st_uid != ::geteuid() && of_directory.st_uid != ::geteuid())
+    throw Error(ErrorCode::kIo, path, "", "is another user's, who alone may replace it there; name another file");
 }
 
 void FileSystem::makeDirectories(const fs::path& path) {
@@ -187,7 +252,7 @@ void FileSystem::makeDirectories(const fs::path& path) {
 }
 
 void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  Descriptor file(openFor(path, O_TRUNC));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
   const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
   // A pipe has no offsets.
@@ -197,7 +262,7 @@ void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data
 }
 
 void FileSystem::appendFile(const fs::path& path, std::span<const std::byte> data) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  Descriptor file(openFor(path, O_APPEND));
   if (file.get() < 0) throw systemError(errno, path, "opening the file");
   writeAll(file.get(), path, data);
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");

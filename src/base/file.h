@@ -49,6 +49,16 @@ inline std::span<const std::byte> bytesOf(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
+/// A name's ending in small letters, with its dot: kinds of files are told by it.
+std::string extensionOf(const std::filesystem::path& path);
+
+/// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
+/// So that a picture is put where a link says, and the link stays.
+std::filesystem::path behindLinks(const std::filesystem::path& path);
+/// Whether what has this name is written to as it is, never replaced: a device, a pipe, a socket, or a file that is
+/// named by who has it open, as /dev/stdout is.
+bool isWrittenInPlace(const std::filesystem::path& path);
+
 /// A name for what is to be renamed to `path` when it is whole: in the same directory, of eight digits that no other
 /// call has, on whatever machine, and `.tmp`. So nobody's file is in its way, and two who make the same file do not
 /// write into one another's.
@@ -69,8 +79,8 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// Writes `data` beside `path` and renames it over `path`: a reader sees the old file or the new one, never a part. A
-  /// device or a pipe (/dev/null) is written to as it is, never replaced. The name beside is `temporaryFor(path)`.
+  /// Writes `data` beside `path` and renames it over `path`: a reader sees the old file or the new one, never a part;
+  /// where `path` is a link, that of its target. What isWrittenInPlace is so. The name beside is `temporaryFor(path)`.
   /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
@@ -87,8 +97,8 @@ class FileSystem {
                  const std::function<void()>& make);
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
-  /// there is no such directory, kIo where a directory has the name or nothing can be made beside it, kNoSpace. A
-  /// device or a pipe is not asked.
+  /// there is no such directory, kIo where a directory has the name, where nothing can be made beside it, where it is
+  /// too long for that, or another user's who alone may replace it; kNoSpace. What isWrittenInPlace is not asked.
   void requirePlaceFor(const std::filesystem::path& path);
 
   virtual void makeDirectories(const std::filesystem::path& path);

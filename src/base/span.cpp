@@ -66,6 +66,19 @@ Span::~Span() {
 
 void Span::note(std::string_view key, std::uint64_t value) { notes_ += fmt::format(R"(,"{}":{})", key, value); }
 
-void Span::note(std::string_view key, std::string_view value) { notes_ += fmt::format(R"(,"{}":"{}")", key, value); }
+void Span::note(std::string_view key, std::string_view value) {
+  notes_ += fmt::format(R"(,"{}":")", key);
+  for (const char c : value) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      notes_ += {'\\', c};
+    } else if (byte < 0x20 || byte >= 0x7f) {
+      notes_ += fmt::format("\\u{:04x}", byte);  // of what a name may hold, only ASCII is sure to be text
+    } else {
+      notes_ += c;
+    }
+  }
+  notes_ += '"';
+}
 
 }  // namespace kiln

@@ -24,16 +24,14 @@ struct ThreadTrack {
 };
 thread_local ThreadTrack own_track;
 
-fs::path writtenFor(const fs::path& path) {
-  std::error_code unknown;
-  const fs::file_status status = fs::status(path, unknown);
-  return fs::is_character_file(status) || fs::is_fifo(status) ? path : temporaryFor(path);
-}
-
 }  // namespace
 
 Trace::Trace(const fs::path& path)
-    : path_(path), written_(writtenFor(path)), begin_(std::chrono::steady_clock::now()), number_(++traces) {
+    : path_(isWrittenInPlace(path) ? path : behindLinks(path)),
+      written_(isWrittenInPlace(path) ? path_ : temporaryFor(path_)),
+      begin_(std::chrono::steady_clock::now()),
+      number_(++traces) {
+  FileSystem::real().requirePlaceFor(path_);
   waiting_.reserve(kMemoryBytes);
   FileSystem::real().writeFile(written_, bytesOf("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
                                WriteMode::kUnsynced);

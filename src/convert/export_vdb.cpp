@@ -159,8 +159,8 @@ class CheckedArchive : public openvdb::io::Archive {
 };
 
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
-  const fs::path temporary = temporaryFor(out);
-  disk.replaceBy(temporary, out, [&] {
+  const fs::path place = behindLinks(out), temporary = temporaryFor(place);
+  disk.replaceBy(temporary, place, [&] {
     try {
       errno = 0;
       CheckedArchive().write(grid, temporary);

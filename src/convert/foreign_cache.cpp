@@ -77,20 +77,51 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info) {
   }
 }
 
-fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
-                  Progress& progress) {
+namespace {
+
+// Whether it is for StoreReader to open, or to say why not.
+bool isForReader(const fs::path& input) {
+  std::error_code ignored;
+  return isStore(input) || !fs::exists(input, ignored) ||
+         (fs::is_directory(input, ignored) && input.extension() == ".kiln");
+}
+
+void requireNoPhantom(const fs::path& input) {
   if (namesPhantom(input)) {
     throw Error(ErrorCode::kUsage, "'" + input.string() +
                                        "' is computed and not a file, so no store can stand beside "
                                        "it; convert it first: kiln convert " +
                                        input.string() + " NAME.kiln");
   }
-  std::error_code ignored;
-  if (isStore(input) || !fs::exists(input, ignored) ||
-      (fs::is_directory(input, ignored) && input.extension() == ".kiln"))
+}
+
+fs::path besideOf(const fs::path& input) { return baseOf(input).string() + ".kiln"; }
+
+}  // namespace
+
+fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options) {
+  requireNoPhantom(input);
+  if (isForReader(input)) {
+    requireNoOptions(input, source_options);
     return input;
+  }
+  fs::path store = besideOf(input);
+  if (isStoreOf(store, openSource(input, source_options)->info())) return store;
+  throw Error(
+      ErrorCode::kUsage, input, "",
+      "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
+          input.string() + " NAME.kiln");
+}
+
+fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
+                  Progress& progress) {
+  requireNoPhantom(input);
+  if (isForReader(input)) {
+    requireNoOptions(input, source_options);
+    return input;
+  }
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
-  const fs::path store = baseOf(input).string() + ".kiln";
+  const fs::path store = besideOf(input);
   if (isStoreOf(store, source->info())) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;

@@ -13,6 +13,9 @@ namespace kiln {
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress);
 
+/// The same where nothing is to be made. throws: Error kUsage where a foreign file has no such store yet.
+std::filesystem::path madeStoreFor(const std::filesystem::path& input, const SourceOptions& source_options);
+
 /// Whether each file of the source is as it was when `store` was made of them (of older stores, was last written before
 /// it was finished), and it holds the volume that the source describes now: other --dims or another --endian make
 /// another volume.

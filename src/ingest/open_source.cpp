@@ -155,6 +155,8 @@ std::string headerBeside(const fs::path& path) {
   return "";
 }
 
+constexpr const char* kStore = "a store";
+
 void requireOptionsApply(const fs::path& path, const std::string& format, const SourceOptions& options) {
   const auto refuse = [&](bool given, const std::string& option, const std::string& where) {
     if (given) {
@@ -170,7 +172,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !dicom, "--allow-irregular", "DICOM files");
-  refuse(options.spacing && vdb, "--spacing", "files without axes of their own");
+  refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = (*options.spacing)[axis];
@@ -186,6 +188,10 @@ std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceO
 }
 
 }  // namespace
+
+void requireNoOptions(const fs::path& store, const SourceOptions& options) {
+  requireOptionsApply(store, kStore, options);
+}
 
 std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
   if (namesPhantom(input)) {

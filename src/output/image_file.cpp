@@ -1,25 +1,14 @@
 #include "output/image_file.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cctype>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "output/exr_deep.h"
 #include "output/exr_file.h"
 #include "output/png_file.h"
 
 namespace kiln {
-namespace {
-
-std::string extensionOf(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-}  // namespace
 
 bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
 

@@ -89,8 +89,8 @@ void encodePixel(const float* rgba, int bits, png_byte* out) noexcept {
 }
 
 // How rows are foretold and what is left is deflated: three times as fast as the libraries' own choices, and files as
-// large within some per cent (ARCHITECTURE.md has the figures). Of 16 bits the lower ones are as good as noise, in which
-// only runs are worth a search.
+// large within some per cent (ARCHITECTURE.md has the figures). Of 16 bits the lower ones are as good as noise, in
+// which only runs are worth a search.
 void setCompression(png_structp png, int bits) noexcept {
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits == 16 ? PNG_FILTER_PAETH : PNG_FILTER_UP);
   png_set_compression_strategy(png, bits == 16 ? Z_RLE : Z_FILTERED);
@@ -130,7 +130,7 @@ struct Layout {
 
 bool readLayout(png_structp png, png_infop info, Layout* layout) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_set_user_limits(png, kLargestSide_px, kLargestSide_px);
+  png_set_user_limits(png, 2 * kLargestSide_px, kLargestSide_px);  // both eyes of a pair, one beside the other
   png_read_info(png, info);
   layout->width = png_get_image_width(png, info);
   layout->height = png_get_image_height(png, info);

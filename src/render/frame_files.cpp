@@ -184,8 +184,14 @@ void requireOutputs(const RenderJob& job, std::size_t frames) {
                   fmt::format("has no place for the numbers of {} frames; write {}", frames,
                               (file.path.parent_path() / numbered).string()));
     }
-    if (!seen.insert(file.path.lexically_normal()).second)
-      throw Error(ErrorCode::kUsage, file.path, "", "is named twice; each output needs a name of its own");
+  }
+  std::vector<int> numbers = framesOf(job);
+  numbers.resize(std::min(numbers.size(), frames));
+  for (const int frame : numbers) {
+    for (const OutputFile& file : filesOf(job, frame)) {
+      if (!seen.insert(fs::absolute(file.path).lexically_normal()).second)
+        throw Error(ErrorCode::kUsage, file.path, "", "is named twice; each output needs a name of its own");
+    }
   }
 }
 

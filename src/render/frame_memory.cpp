@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/trace.h"
@@ -33,7 +34,7 @@ std::uint64_t pixelBytes(const RenderJob& job) {
 std::uint64_t picturesHeld(const RenderJob& job) {
   if (!drawsBothEyes(job.picture.stereo)) return 1;
   const auto beside = [](const std::filesystem::path& path) {
-    return path.extension() != ".exr" && !hasEyePlace(path);
+    return extensionOf(path) != ".exr" && !hasEyePlace(path);
   };
   const std::vector<std::filesystem::path> names = namesOf(job.output);
   return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;

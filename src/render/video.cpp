@@ -34,7 +34,7 @@ std::vector<std::byte> overBlack(const Image& image) {
 }  // namespace
 
 std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const fs::path& file) {
-  const bool webm = options.path.extension() == ".webm";
+  const bool webm = extensionOf(options.path) == ".webm";
   std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
   add({"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", options.rate), "-i", "-", "-an"});
@@ -46,15 +46,18 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
   else
     add({"-c:v", "libx264", "-crf", "16"});
   // Without the encoder's name and the time, so that equal frames are equal files.
-  add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", file.string()});
+  add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
+  // A name with a colon would be taken for that of a protocol.
+  add({"file:" + file.string()});
   return out;
 }
 
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
   // The encoder knows the kind of file by the ending.
-  const fs::path temporary = temporaryFor(options.path).concat(options.path.extension().string());
+  const fs::path place = behindLinks(options.path);
+  const fs::path temporary = temporaryFor(place).concat(place.extension().string());
   FileSystem& disk = FileSystem::real();
-  disk.replaceBy(temporary, options.path, [&] {
+  disk.replaceBy(temporary, place, [&] {
     Image image = readImage(pictures.front());
     const int width = image.width, height = image.height;
     FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "scene/render_job.h"
 
 namespace kiln {
@@ -17,7 +18,7 @@ namespace {
 void requireDeep(const RenderJob& job, const fs::path& path) {
   const PictureOptions& picture = job.picture;
   const std::string& compression = job.output.exr_compression;
-  if (path.extension() != ".exr") refuse(path, "the name", "ends in .exr");
+  if (extensionOf(path) != ".exr") refuse(path, "the name", "ends in .exr");
   if (picture.mode != Mode::kComposite) refuse(path, "--mode", "is composite: nothing else has a depth");
   if (picture.lattice != Lattice::kPixel) refuse(path, "--lattice", "is pixel, whose slabs are its samples");
   if (oversamples(picture)) refuse(path, "--samples", "is 1: draw it larger, and make it smaller when it is flat");

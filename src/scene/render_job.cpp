@@ -180,7 +180,7 @@ std::vector<fs::path> namesOf(const OutputOptions& output) {
 }
 
 bool isVideo(const fs::path& path) {
-  const fs::path ending = path.extension();
+  const std::string ending = extensionOf(path);
   return ending == ".mp4" || ending == ".mov" || ending == ".mkv" || ending == ".webm";
 }
 
@@ -260,7 +260,7 @@ void requirePart(const RenderJob& job) {
   if (picture.lattice != Lattice::kPixel) refuse("--lattice", "is pixel");
   if (oversamples(picture)) refuse("--samples", "is 1: draw the parts of a larger picture, and make that smaller");
   if (picture.aovs.any()) refuse("--aov", "is none: parts of channels beside the colours make no whole");
-  if (!job.output.video.path.empty() || (!job.output.path.empty() && job.output.path.extension() != ".exr"))
+  if (!job.output.video.path.empty() || (!job.output.path.empty() && extensionOf(job.output.path) != ".exr"))
     refuse("-o", "ends in .exr: its header says where in the picture it belongs");
   if (!job.output.files.empty()) refuse("outputs", "are none beside -o");
 }

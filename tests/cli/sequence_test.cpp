@@ -46,7 +46,7 @@ class SequenceCli : public ToolTest {
   std::string pathWithFfmpeg() const {
     fs::create_directories(in("bin"));
     writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
-                                    "\nfor last; do :; done\ncat > \"$last\"\nif [ -e " + in("fail") +
+                                    "\nfor last; do :; done\ncat > \"${last#file:}\"\nif [ -e " + in("fail") +
                                     " ]; then echo 'no such codec' >&2; exit 3; fi\n");
     fs::permissions(in("bin/ffmpeg"), fs::perms::owner_all);
     return in("bin") + ":" + std::getenv("PATH");

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
@@ -14,7 +15,7 @@ struct ExportArguments {
 };
 
 void run(const ExportArguments& a, Context& context) {
-  if (std::filesystem::path(a.output).extension() != ".vdb")
+  if (extensionOf(a.output) != ".vdb")
     throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
   const StoreReader store(a.store);
   store.requireLevel(a.level);

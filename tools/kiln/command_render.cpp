@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <utility>
 
 #include "base/file.h"
@@ -10,8 +11,11 @@
 #include "convert/foreign_cache.h"
 #include "find_program.h"
 #include "render/dry_run.h"
+#include "render/frame_checkpoint.h"
+#include "render/frame_files.h"
 #include "render/render_job_run.h"
 #include "render/sequence.h"
+#include "render/sequence_frames.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
@@ -109,8 +113,7 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
     picture.size = {width, height};
   }
   if (a.crop) picture.crop = parseCrop(*a.crop, "--crop");
-  if (a.projection == kProjectionNames[2] && !a.size && fs::path(a.input).extension() != ".json")
-    picture.size = kPanoramaSize;
+  if (a.projection == kProjectionNames[2] && !a.size && extensionOf(a.input) != ".json") picture.size = kPanoramaSize;
   drawnPixels(picture.size, picture.crop);
   if (a.samples) picture.samples = numberOrAuto(*a.samples, "--samples", ", 1, 2, 4 or 16", samplesKnown);
   if (!a.aovs.empty()) picture.aovs = {};
@@ -184,7 +187,7 @@ void applyFrames(const RenderArguments& a, RenderJob& job) {
 void applyVideo(const RenderArguments& a, VideoOptions& video) {
   if (a.rate && video.path.empty())
     throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
-  if (a.rate) video.rate = between(*a.rate, 0, 1000, "--rate");
+  if (a.rate) video.rate = between(*a.rate, 0.1, 1000, "--rate");
   if (video.path.empty() || a.dry_run) return;
   video.encoder = findProgram("ffmpeg");
   if (video.encoder.empty())
@@ -259,19 +262,22 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   const auto whole = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
-  std::vector<fs::path> taken = {whole(a.input)};
-  for (const fs::path& path : namesOf(job.output)) taken.push_back(whole(path));
-  for (const auto& [option, name] : {std::pair{"--stats", &a.stats}, std::pair{"--trace", &a.trace}}) {
-    if (name->empty()) continue;
-    if (std::find(taken.begin(), taken.end(), whole(*name)) != taken.end())
-      throw Error(ErrorCode::kUsage, fmt::format("{}: {} is the name of another file of this command", option, *name));
-    taken.push_back(whole(*name));
+  std::set<fs::path> taken = {whole(a.input)};
+  for (const fs::path& path : namesOf(job.output)) taken.insert(whole(path));
+  for (const int frame : framesOf(job)) {
+    for (const OutputFile& file : filesOf(job, frame)) taken.insert(whole(file.path));
+  }
+  for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
+    if (name.empty()) continue;
+    if (!taken.insert(whole(name)).second)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: {} is the name of another file of this command", option, name.string()));
   }
 }
 
 RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
-  if (fs::path(a.input).extension() == ".json") {
+  if (extensionOf(a.input) == ".json") {
     job = readJob(a.input);
   } else {
     job.volume = a.input;
@@ -294,8 +300,22 @@ RenderJob jobOf(const RenderArguments& a) {
   return job;
 }
 
+void requireStatisticsPlace(const RenderArguments& a) {
+  if (!a.stats.empty()) FileSystem::real().requirePlaceFor(a.stats);
+}
+
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const RenderArguments& a, const RenderJob& job, std::uint64_t beside_bytes) {
+void sayCost(const RenderArguments& a, RenderJob job, std::uint64_t beside_bytes) {
+  if (a.progress == "json")
+    throw Error(ErrorCode::kUsage,
+                "--progress json: tells of frames, and --dry-run draws none; --stats has its numbers");
+  requireStatisticsPlace(a);
+  const int first = framesOf(job).front();
+  const bool series = isSeries(job);
+  forEachVolume(job, [&, source = a.source.resolve()](const fs::path& volume) {
+    const fs::path of_first = series ? pathOfFrame(volume, first) : volume, store = madeStoreFor(of_first, source);
+    return store == of_first ? volume : store;
+  });
   const DryRun cost = dryRun(job, beside_bytes);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
@@ -331,7 +351,7 @@ std::string countedFrames(const std::vector<int>& frames) {
 void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
   SequenceReport report(context.progress, a.progress == "json");
   try {
-    if (!a.stats.empty() && context.ranks->first()) FileSystem::real().requirePlaceFor(a.stats);
+    if (context.ranks->first()) requireStatisticsPlace(a);
     const SequenceResult result = runSequence(job, options, context.progress, report);
     if (!context.ranks->first()) return;
     if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
@@ -351,6 +371,9 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
 void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions& options, Context& context) {
   if (const std::size_t frames = framesOf(job).size(); frames > 1 || a.resume || !job.output.video.path.empty())
     throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
+  if (a.progress == "json")
+    throw Error(ErrorCode::kUsage, "--progress json: tells of frames, not of --repeat; --stats has its numbers");
+  requireStatisticsPlace(a);
   const int frame = framesOf(job).front();
   job = jobAtFrame(job, frame);
   forEachVolume(job, options.store_for);
@@ -384,13 +407,19 @@ void run(const RenderArguments& a, Context& context) {
   if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
     throw Error(ErrorCode::kUsage,
                 "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
+  if (a.checkpoint) requireCheckpoint(job);
   if (a.dry_run) return sayCost(a, job, besideBytes(job, options));
+  // What is said of a foreign file is said of INPUT, not of volumes beside it.
+  const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
+  std::set<fs::path> of_input = {input};
+  for (const int frame : framesOf(job)) of_input.insert(pathOfFrame(input, frame));
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
     conversion.command = context.command_line;
     conversion.time = timeNow();
-    return storeFor(volume, a.source.resolve(), conversion, context.progress);
+    return storeFor(volume, of_input.contains(volume) ? a.source.resolve() : SourceOptions(), conversion,
+                    context.progress);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);

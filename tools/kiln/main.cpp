@@ -1,9 +1,13 @@
 // The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
 // 0 done, 1 data or I/O, 2 command line. Started by mpirun it is one of several ranks: one of them speaks, and one that
 // fails ends all.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <thread>
 
@@ -114,9 +118,20 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   }
 }
 
+// Who starts it with these closed must not get their words into the next file that is opened, which has their number.
+void occupyStandardFiles() {
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(file, F_GETFD) >= 0) continue;
+    // What is printed still cannot be, and that is told of.
+    const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+    if (opened >= 0 && opened != file) ::close(opened);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupyStandardFiles();
   // Beyond a limit of file sizes a write fails, and is told of, as on a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   try {

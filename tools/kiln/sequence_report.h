@@ -43,7 +43,7 @@ class SequenceReport : public SequenceListener {
 
   TerminalProgress& progress_;
   const bool events_;
-  Clock::time_point begin_;
+  Clock::time_point begin_ = Clock::now();
   std::size_t frames_ = 0, drawn_ = 0, kept_ = 0;
   std::optional<int> drawing_;
   std::string only_line_;

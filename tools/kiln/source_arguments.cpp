@@ -103,7 +103,8 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")
       ->check(wholeNumberFrom(0))
       ->type_name("BYTES");
-  command.add_option("--spacing", a.spacing, "spacing where the file does not say, in world units")->type_name("X,Y,Z");
+  command.add_option("--spacing", a.spacing, "spacing in world units, in place of what a file without axes says")
+      ->type_name("X,Y,Z");
   command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
   command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");
   command.add_flag("--allow-irregular", a.allow_irregular,

@@ -1,0 +1,158 @@
+// Names that lead elsewhere, that are taken already, or that mean something to others. Known because each file is where
+// it was asked for, and nothing that was there is gone.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "support/procedural.h"
+#include "support/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class Names : public ToolTest {
+ protected:
+  Names() : ToolTest("names_") {}
+  void SetUp() override { done({"convert", "phantom:head:48x48x48", in("h.kiln"), "--brick-size", "16"}); }
+  std::vector<std::string> drawn(const std::string& picture, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> out = {"render", in("h.kiln"), "-o", in(picture), "--size", "24x24", "--samples", "1"};
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+  }
+};
+
+TEST_F(Names, ALinkStaysAndItsTargetIsWritten) {
+  fs::create_directory(in("elsewhere"));
+  fs::create_symlink("elsewhere/p.png", in("p.png"));
+  fs::create_symlink("elsewhere/s.json", in("s.json"));
+  fs::create_symlink("elsewhere/v.vdb", in("v.vdb"));
+  done(drawn("p.png", {"--stats", in("s.json")}));
+  done({"export", in("h.kiln"), in("v.vdb"), "--level", "1"});
+  for (const char* name : {"p.png", "s.json", "v.vdb"}) {
+    EXPECT_TRUE(fs::is_symlink(in(name))) << name;
+    EXPECT_TRUE(fs::is_regular_file(fs::path(in("elsewhere")) / name)) << name;
+  }
+}
+
+// The store behind a link is replaced as one without is, and what it held is not left half.
+TEST_F(Names, AStoreBehindALinkIsReplaced) {
+  fs::create_directory_symlink("h.kiln", in("link.kiln"));
+  done({"convert", "phantom:head:32x32x32", in("link.kiln"), "--brick-size", "16", "--overwrite"});
+  EXPECT_TRUE(fs::is_symlink(in("link.kiln")));
+  EXPECT_EQ(done({"info", in("h.kiln"), "--json"}).out, done({"info", in("link.kiln"), "--json"}).out);
+  done({"verify", in("h.kiln")});
+}
+
+// As `kiln ... --stats /dev/stdout > log` has it: behind what is there, before what comes.
+TEST_F(Names, StandardOutputIsWrittenWhereItStands) {
+  const std::string log = in("log"), kiln = "'" + std::string(KILN_TOOL) + "'";
+  const std::string command = "{ echo begun; " + kiln + " render '" + in("h.kiln") + "' -o '" + in("p.png") +
+                              "' --size 24x24 --samples 1 --stats /dev/stdout --progress none; } > '" + log + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const std::string text = readTextFile(log);
+  ASSERT_TRUE(text.starts_with("begun\n{")) << text;
+  const std::size_t end = text.find("\n}\n");
+  ASSERT_NE(end, std::string::npos) << text;
+  EXPECT_EQ(Json::parse(text.substr(6, end + 3 - 6))["frames"].size(), 1u);
+  EXPECT_EQ(text.find(in("p.png") + ": 24 x 24 pixels", end), end + 3) << text;
+}
+
+TEST_F(Names, NoTwoFilesHaveOne) {
+  writeText(in("trace.json"), R"({"kiln": 1, "volume": "h.kiln", "output": "x.png", "trace": "x.png"})");
+  refused({"render", in("trace.json")}, 2, "x.png is the name of another file");
+  refused(drawn("f_##.png", {"--turntable", "2", "--stats", in("f_01.png")}), 2, "f_01.png is the name");
+  const std::string first = R"({"path": "n_#.png"})", second = R"({"path": ")" + in("n_##.png") + R"("})";
+  writeText(in("two.json"),
+            R"({"kiln": 1, "volume": "h.kiln", "frames": "9-10", "outputs": [)" + first + ", " + second + R"(]})");
+  refused({"render", in("two.json")}, 2, "n_10.png: is named twice");
+}
+
+TEST_F(Names, ThatCannotBeMadeAreRefusedBeforeTheWork) {
+  refused(drawn(std::string(245, 'a') + ".png"), 1, "its name is 7 bytes too long");
+  fs::create_directory(in("folder"));
+  refused(drawn("p.png", {"--trace", in("folder")}), 1, "is a directory; name a file");
+  refused(drawn("p.png", {"--stats", in("none/s.json"), "--repeat", "2"}), 1, "there is no directory");
+  refused(drawn("p.png", {"--stats", in("none/s.json"), "--dry-run"}), 1, "there is no directory");
+  EXPECT_FALSE(fs::exists(in("p.png")));
+}
+
+TEST_F(Names, InATraceAreText) {
+  done(drawn("a\"b\\c\xff.png", {"--trace", in("t.json")}));
+  const Json trace = Json::parse(readTextFile(in("t.json")));
+  int found = 0;
+  for (const Json& event : trace["traceEvents"]) {
+    if (event.contains("args") && event["args"].contains("file"))
+      found += event["args"]["file"] == "a\"b\\c\u00ff.png" ? 1 : 0;
+  }
+  EXPECT_EQ(found, 1);
+}
+
+TEST_F(Names, EndingsMayBeInCapitals) {
+  writeText(in("J.JSON"),
+            R"({"kiln": 1, "volume": "h.kiln", "output": "X.EXR", "image": {"width": 16, "height": 16}})");
+  done({"render", in("J.JSON")});
+  EXPECT_TRUE(fs::exists(in("X.EXR")));
+  done(drawn("D.EXR", {"--deep"}));
+  refused(drawn("V.MP4", {"--frames", "1-2", "--stereo", "both"}), 2, "--stereo");
+}
+
+// Nobody writes into it.
+TEST_F(Names, APipeIsNoInput) {
+  ASSERT_EQ(std::system(("mkfifo '" + in("v.nrrd") + "'").c_str()), 0);
+  refused({"convert", in("v.nrrd"), in("v.kiln")}, 1, "is a pipe or a device");
+}
+
+TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
+  refused(drawn("p.png", {"--spacing", "1,1,5"}), 2, "--spacing applies to files without axes of their own only");
+  refused(drawn("p.png", {"--dims", "3,3,3", "--type", "u8"}), 2, "--dims applies to headerless raw data only");
+  // Of INPUT, not of what is drawn beside it.
+  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 1, 1);
+  writeText(in("v.raw"), {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+  writeText(in("v.nhdr"),
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 16\nspacings: 1 1 2\nencoding: raw\n"
+            "data file: v.raw\n");
+  done({"render", in("v.raw"), "-o", in("q.png"), "--dims", "16,16,16", "--type", "u8", "--spacing", "1,1,3", "--add",
+        in("v.nhdr"), "--size", "24x24", "--samples", "1"});
+  const auto depthOf = [&](const char* store) -> double {
+    return Json::parse(done({"info", in(store), "--json"}).out)["affine"][10];
+  };
+  EXPECT_EQ(depthOf("v.raw.kiln"), 3);
+  EXPECT_EQ(depthOf("v.nhdr.kiln"), 2);
+}
+
+TEST_F(Names, ADryRunOfAForeignFileMakesNoStore) {
+  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 1, 1);
+  writeText(in("v.raw"), {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+  std::vector<std::string> arguments = {"render",   in("v.raw"), "-o", in("q.png"), "--dims",
+                                        "16,16,16", "--type",    "u8", "--size",    "24x24"};
+  std::vector<std::string> dry = arguments;
+  dry.push_back("--dry-run");
+  refused(dry, 2, "is no store, and none of it is there");
+  EXPECT_FALSE(fs::exists(in("v.raw.kiln")));
+  done(arguments);
+  EXPECT_NE(done(dry).out.find("bricks"), std::string::npos);
+}
+
+// Each part has the bricks of its box; one less, and it is damaged.
+TEST_F(Names, PartsOfAStoreAreVerifiedAsSuch) {
+  done({"split", in("h.kiln"), "-o", in("part_#.kiln"), "--parts", "4"});
+  for (const char* name : {"part_1.kiln", "part_4.kiln"}) {
+    const ToolResult verified = done({"verify", in(name)});
+    EXPECT_NE(verified.out.find("has all of its part"), std::string::npos) << verified.out;
+    EXPECT_EQ(verified.err.find("is no part of the store"), std::string::npos) << verified.err;
+  }
+  for (const auto& file : fs::directory_iterator(in("part_1.kiln/bricks/0"))) {
+    fs::remove(file.path());
+    break;
+  }
+  EXPECT_EQ(runTool({"verify", in("part_1.kiln")}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace kiln::test
