@@ -3,6 +3,7 @@
 // Invariant: the grid's background is the value of every voxel that is not set, so a brick of it costs nothing.
 #include "convert/export_vdb.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/tools/Prune.h>
 
@@ -44,6 +45,13 @@ Placement placementOf(const StoreReader& store, int level, const fs::path& out) 
       place.origin = vdb->index_origin;
       place.world_from_grid = vdb->world_from_grid;
     }
+  }
+  if (!hasTransform(place.world_from_grid)) {
+    const glm::dvec3 edge = geometry.spacing(), origin = geometry.worldOf({0, 0, 0});
+    throw Error(ErrorCode::kUnsupported, out, "geometry",
+                fmt::format("OpenVDB has no transform for voxels of {:g} x {:g} x {:g} world units from ({:g}, {:g}, "
+                            "{:g}) on; convert the source again with its lengths in a smaller unit",
+                            edge.x, edge.y, edge.z, origin.x, origin.y, origin.z));
   }
   for (int axis = 0; axis < 3; ++axis) {
     constexpr std::int64_t kLo = std::numeric_limits<std::int32_t>::min(),

@@ -24,9 +24,9 @@ struct ExportReport {
 /// set where |value| < background; an inactive one keeps its value. Grid type: float for u8, i8, u16, i16 and f32
 /// (saved as half where every value survives), int32 for i32, int64 for u32, double for f64. requires: a level that the
 /// store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported (a volume beyond
-/// OpenVDB's coordinates), kNoSpace, kIo, kCancelled, and what StoreReader::read throws; nothing is then left at `out`,
-/// and what was there before is untouched. The file is on the disk before it gets its name. cost: the whole grid is
-/// held in memory in its sparse form, bricks equal to the background free.
+/// OpenVDB's coordinates, voxels too small for its transforms), kNoSpace, kIo, kCancelled, and what StoreReader::read
+/// throws; nothing is then left at `out`, and what was there before is untouched. The file is on the disk before it
+/// gets its name. cost: the whole grid is held in memory in its sparse form, bricks equal to the background free.
 ExportReport exportVdb(const StoreReader& store, int level, const std::filesystem::path& out, Progress& progress,
                        FileSystem& disk = FileSystem::real(), bool overwrite = false);
 

@@ -19,8 +19,8 @@ namespace kiln {
 inline void initializeOpenVdb() {
   static const bool done = [] {
     openvdb::initialize();
-    // Blosc has LZ4 compress the bytes of each place by themselves, 512 of a leaf, and LZ4 clears 16 KB before each. All
-    // at once they take an eighth less time, and a twentieth less space: upper bytes that are alike are one match.
+    // Blosc has LZ4 compress the bytes of each place by themselves, 512 of a leaf, and LZ4 clears 16 KB before each.
+    // All at once they take an eighth less time, and a twentieth less space: upper bytes that are alike are one match.
     blosc_set_splitmode(BLOSC_NEVER_SPLIT);
     return true;
   }();
@@ -76,6 +76,17 @@ inline openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_gr
     for (int row = 0; row < 4; ++row) matrix(column, row) = world_from_grid[column][row];
   }
   return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+/// Whether OpenVDB takes it. It refuses voxels of less than 3e-15 cubic units, and edges that are lost beside an origin
+/// far away.
+inline bool hasTransform(const glm::dmat4& world_from_grid) {
+  try {
+    transformOf(world_from_grid);
+    return true;
+  } catch (const openvdb::ArithmeticError&) {
+    return false;
+  }
 }
 
 /// requires: a linear transform.

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <memory>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "store/brick_archive.h"
 #include "store/brick_file.h"
@@ -19,6 +21,25 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
+// The world in units of 2^exponent.
+glm::dmat4 inUnits(int exponent, const glm::dmat4& world_from_grid) {
+  glm::dmat4 units_from_world(std::ldexp(1.0, -exponent));
+  units_from_world[3][3] = 1;
+  return units_from_world * world_from_grid;
+}
+
+// 0, but where OpenVDB refuses the level's affine one in which an edge is about 1 (FORMAT.md).
+int unitExponentOf(const VolumeGeometry& geometry) {
+  if (hasTransform(geometry.world_from_index)) return 0;
+  const int exponent = std::ilogb(geometry.meanSpacing());
+  if (hasTransform(inUnits(exponent, geometry.world_from_index))) return exponent;
+  const glm::dvec3 edge = geometry.spacing(), origin = geometry.worldOf({0, 0, 0});
+  throw Error(ErrorCode::kUnsupported,
+              fmt::format("geometry: voxels of {:g} x {:g} x {:g} world units are not told apart as far from 0 as "
+                          "({:g}, {:g}, {:g}); give the source an origin nearer to 0",
+                          edge.x, edge.y, edge.z, origin.x, origin.y, origin.z));
+}
+
 template <class T>
 class Encoder {
  public:
@@ -28,7 +49,8 @@ class Encoder {
         box_(frame.stored()),
         size_(box_.extent()),
         voxels_(reinterpret_cast<const T*>(voxels.data())),
-        half_(fitsHalf()) {}
+        half_(fitsHalf()),
+        unit_exponent_(unitExponentOf(frame.geometry)) {}
 
   // The core, or the apron.
   PackedGrid voxelGrid(const char* name, bool core) const {
@@ -73,7 +95,7 @@ class Encoder {
     forEachLeafOfGrid(core_, box_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
       leaves.push_back({origin, part});
     });
-    PackedGrid out{makeGrid<Grid>(name, transformOf(frame_.geometry.world_from_index), half),
+    PackedGrid out{makeGrid<Grid>(name, frame_.geometry.world_from_index, half),
                    {leaves.size(), sizeof(typename Grid::ValueType)}};
     const std::unique_ptr<const T[]> values = inOrderOf(leaves, box);
     const T* next = values.get();
@@ -88,11 +110,11 @@ class Encoder {
   }
 
   // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
-  openvdb::math::Transform::Ptr transformOfCells() const {
+  glm::dmat4 worldFromCell() const {
     const double s = static_cast<double>(kCellSize);
     glm::dmat4 index_from_cell(s);
     index_from_cell[3] = glm::dvec4(glm::dvec3((s - 1) / 2), 1.0);
-    return transformOf(frame_.geometry.world_from_index * index_from_cell);
+    return frame_.geometry.world_from_index * index_from_cell;
   }
 
   template <class Grid, class F>
@@ -103,7 +125,7 @@ class Encoder {
     const VoxelCoord lo = {core_.lo.x / kCellSize, core_.lo.y / kCellSize, core_.lo.z / kCellSize};
     const VoxelBox box = {lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
     const std::int64_t across = edge / kLeaf + 1;
-    PackedGrid out{makeGrid<Grid>(name, transformOfCells(), half),
+    PackedGrid out{makeGrid<Grid>(name, worldFromCell(), half),
                    {static_cast<std::size_t>(across * across * across), sizeof(Value)}};
     forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
       PackedLeaves::Leaf leaf{coordOf(origin), {}};
@@ -158,10 +180,15 @@ class Encoder {
   }
 
   template <class Grid>
-  typename Grid::Ptr makeGrid(const char* name, openvdb::math::Transform::Ptr transform, bool half) const {
+  typename Grid::Ptr makeGrid(const char* name, const glm::dmat4& world_from_grid, bool half) const {
     typename Grid::Ptr grid = newGrid<Grid>(0);
     grid->setName(name);
-    grid->setTransform(std::move(transform));
+    if (unit_exponent_ == 0) {
+      grid->setTransform(transformOf(world_from_grid));
+    } else {
+      grid->setTransform(transformOf(inUnits(unit_exponent_, world_from_grid)));
+      grid->insertMeta(kUnitExponent, openvdb::Int32Metadata(unit_exponent_));
+    }
     grid->setSaveFloatAsHalf(half);
     return grid;
   }
@@ -171,6 +198,7 @@ class Encoder {
   Extent3 size_;
   const T* voxels_;
   bool half_;
+  int unit_exponent_;
 };
 
 // OpenVDB's random UUID becomes the content's own.

@@ -11,6 +11,8 @@ inline constexpr const char* kCoreGrid = "density";
 inline constexpr const char* kApronGrid = "apron";
 inline constexpr const char* kCellMinGrid = "cell_min";
 inline constexpr const char* kCellMaxGrid = "cell_max";
+/// A grid's metadata, where its transform is not in the world's unit.
+inline constexpr const char* kUnitExponent = "kiln_unit_exponent";
 
 /// The grid that a voxel type has in a brick. Of 8 and 16 bits as Int32 the upper bytes are almost constant, and cost
 /// next to nothing once Blosc has put the bytes of one place together; half and float spread the same bits wider.

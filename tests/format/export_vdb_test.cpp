@@ -214,6 +214,26 @@ TEST_F(ExportVdb, GridsComeBackAtTheirOwnCoordinates) {
   }
 }
 
+// Known because OpenVDB refuses voxels of less than 3e-15 cubic units: they are told of before a brick is read.
+TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
+  struct Silent : Progress {
+    void advance(const char*, const char*, std::uint64_t, std::uint64_t) override { ADD_FAILURE(); }
+  } silent;
+  SourceInfo info = denseInfo(VoxelType::u8, {20, 9, 9});
+  for (int axis = 0; axis < 3; ++axis) info.geometry.world_from_index[axis] *= 1e-5;
+  makeStore<std::uint8_t>(directory_ / "s.kiln", info, denseValue<std::uint8_t>);
+  try {
+    exportVdb(StoreReader(directory_ / "s.kiln"), 0, out(), silent);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_NE(std::string(error.what()).find("geometry: OpenVDB has no transform for voxels of 7.07107e-06 x "),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
   makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {9, 9, 9}), denseValue<std::uint8_t>);
   test::writeBytes(out(), {1, 2, 3});

@@ -209,8 +209,11 @@ void expectWrittenAsByOpenVdb(const fs::path& file) {
 }
 
 // A brick file in OpenVDB's hands: exactly the core in `density` and the apron in `apron`, at global coordinates.
-void expectOpens(const DenseVolume& volume, const StoreReader& store, const BrickKey& key) {
+// With transforms in units of 2^unit_exponent world units.
+void expectOpens(const DenseVolume& volume, const StoreReader& store, const BrickKey& key, int unit_exponent = 0) {
   SCOPED_TRACE(brickPath(key));
+  glm::dmat4 unit_from_index = volume.geometry.world_from_index * std::ldexp(1.0, -unit_exponent);
+  unit_from_index[3][3] = 1;
   const VoxelBox core = coreBox(key.brick, store.manifest().brick_size, volume.geometry.dims);
   const VoxelBox stored = storedBox(core, 6, volume.geometry.dims);
   const fs::path file = store.path() / brickPath(key);
@@ -222,6 +225,7 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
     const auto active = grid.activeValues();
     const bool is_core = std::string_view(name) == "density";
     EXPECT_EQ(grid.background(), 0);
+    EXPECT_EQ(grid.unitExponent(), unit_exponent);
     const std::int64_t expected = is_core ? core.count() : stored.count() - core.count();
     EXPECT_EQ(static_cast<std::int64_t>(active.size()), expected);
     std::int64_t wrong = 0;
@@ -231,7 +235,7 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
     EXPECT_EQ(wrong, 0);
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row)
-        EXPECT_NEAR(grid.worldFromGrid()[column][row], volume.geometry.world_from_index[column][row], 1e-12);
+        EXPECT_NEAR(grid.worldFromGrid()[column][row], unit_from_index[column][row], 1e-12);
     }
   }
   for (const char* name : {"cell_min", "cell_max"}) {
@@ -243,9 +247,10 @@ void expectOpens(const DenseVolume& volume, const StoreReader& store, const Bric
       const ValueRange range = rangeIn(volume, cell);
       EXPECT_EQ(value, least ? range.lo : range.hi);
     }
+    EXPECT_EQ(grid.unitExponent(), unit_exponent);
     // Cell c has its centre between voxels 8c + 3 and 8c + 4.
     const glm::dvec4 origin = grid.worldFromGrid() * glm::dvec4(0, 0, 0, 1);
-    const glm::dvec3 centre = volume.geometry.worldOf(glm::dvec3(3.5));
+    const glm::dvec4 centre = unit_from_index * glm::dvec4(glm::dvec3(3.5), 1);
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(origin[axis], centre[axis], 1e-12);
   }
 }
@@ -345,6 +350,37 @@ TEST(StoreFormatEdges, OneVoxelIsAStore) {
   EXPECT_EQ(filesOf(store.path()).size(), 2u);
   const BrickBlock block = store.read({0, {0, 0, 0}});
   for (std::int64_t i = 0; i < block.extent.count(); ++i) EXPECT_TRUE(same(block.data<double>()[i], -0.0));
+}
+
+// Known because OpenVDB refuses voxels of less than 3e-15 cubic units, and the manifest has doubles, as the source has.
+TEST(StoreFormatEdges, VoxelsTooSmallForOpenVdbAreAStore) {
+  for (const glm::dmat4& shape : {glm::dmat4(1), anisotropicAffine(), obliqueAffine()}) {
+    for (const double scale : {1e-5, 1e-6, 1e-90}) {
+      SCOPED_TRACE(scale);
+      DenseVolume volume = cheese({{37, 18, 21}, VoxelType::f32, scale * shape}, 5, usualRange(VoxelType::f32));
+      volume.geometry.world_from_index[3][3] = 1;
+      const StoreReader store(makeStore(volume, "format_small_voxels", 16));
+      EXPECT_EQ(store.manifest().geometry().world_from_index, volume.geometry.world_from_index);
+      const int exponent = std::ilogb(volume.geometry.meanSpacing());
+      for (const BrickKey& key : keysOf(store)) {
+        expectBrick(volume, store, key);
+        if (!store.index().at(key).constant) expectOpens(volume, store, key, exponent);
+      }
+    }
+  }
+}
+
+// Known because doubles near 1e17 are 16 apart.
+TEST(StoreFormatEdges, VoxelsThatAreNotToldApartAreRefused) {
+  const DenseVolume volume =
+      noise({{9, 9, 9}, VoxelType::u8, spacingAffine(glm::dvec3(1), glm::dvec3(1e17))}, 1, usualRange(VoxelType::u8));
+  try {
+    makeStore(volume, "format_far_origin");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_NE(std::string(error.what()).find("origin nearer to 0"), std::string::npos) << error.what();
+  }
 }
 
 // Known because NaN is never equal to itself: bricks of nothing else are stored, and the range of all of them is empty.

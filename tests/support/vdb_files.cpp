@@ -155,6 +155,11 @@ double DirectGrid::background() const {
   return grid_->with([](const auto& grid) { return static_cast<double>(grid.background()); });
 }
 
+int DirectGrid::unitExponent() const {
+  const auto found = grid_->base->getMetadata<openvdb::Int32Metadata>("kiln_unit_exponent");
+  return found ? found->value() : 0;
+}
+
 glm::dmat4 DirectGrid::worldFromGrid() const {
   // By what the transform does to points, not by its matrix.
   const auto at = [&](double x, double y, double z) {

@@ -58,6 +58,8 @@ class DirectGrid {
   bool savedAsHalf() const;
   double background() const;
   glm::dmat4 worldFromGrid() const;
+  /// The metadata kiln_unit_exponent; 0 without.
+  int unitExponent() const;
   /// Of active voxels and tiles.
   VoxelBox activeBox() const;
   std::uint64_t activeVoxels() const;
