@@ -152,9 +152,10 @@ TransferFunction colored(std::string_view name, const ValueRange& range, double 
   return {0, sampled(colors, {{{range.lo, 0}, {range.hi, opacity}}})};
 }
 
-// Opaque from a little above `surface`, brightening to `high`.
-TransferFunction surfaceRamp(double surface, double high) {
-  high = std::max(high, surface + std::max(1e-6 * std::abs(surface), 1e-12));
+// Opaque from a little above `surface`, brightening to `high`; of values in `range`.
+TransferFunction surfaceRamp(double surface, double high, const ValueRange& range) {
+  // Values of every size have a rise that is not 0; the range's width itself may be more than a double holds.
+  high = std::max(high, surface + std::max(1e-6 * std::abs(surface), 1e-12 * range.hi - 1e-12 * range.lo));
   const double rise = high - surface;
   return {0,
           {{surface, kSkin, 0},
@@ -170,8 +171,8 @@ TransferFunction surfaceOf(const Manifest& manifest) {
   // One value everywhere, or no histogram: a solid block from the middle of the range on says more than nothing.
   if (!surface)
     return surfaceRamp(manifest.range.lo < manifest.range.hi ? std::midpoint(range.lo, range.hi) : range.lo - 1,
-                       range.hi);
-  return surfaceRamp(*surface, highValue(bins, 0.995, range.hi));
+                       range.hi, range);
+  return surfaceRamp(*surface, highValue(bins, 0.995, range.hi), range);
 }
 
 // T1 and T2 heads: skin is darker than Otsu's middle between air and brain, so the surface is drawn lower, three
@@ -186,7 +187,8 @@ TransferFunction mrHead(const Manifest& manifest) {
     sum += bins.edge(bin) * static_cast<double>(bins.histogram.counts[bin]);
   }
   const double air = count > 0 ? sum / count : bins.histogram.lo;
-  return surfaceRamp(air + 0.75 * (*surface - air), highValue(bins, 0.995, usableRange(manifest).hi));
+  const ValueRange range = usableRange(manifest);
+  return surfaceRamp(air + 0.75 * (*surface - air), highValue(bins, 0.995, range.hi), range);
 }
 
 // Hounsfield units as the volume's values: as they are where the range goes far below water; shifted by 1024 where it

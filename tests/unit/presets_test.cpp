@@ -142,6 +142,22 @@ TEST(Presets, FogHasAnOpticalDepthOfSixAcrossTheBox) {
   EXPECT_NEAR(extinctionOf(f.at(4).opacity, 1) * 100 * std::sqrt(3.0), 6, 1e-9);
 }
 
+// Known because values have no unit of their own: those of a billionth of a billionth give the same function of them.
+TEST(Presets, SmallValuesHaveTheirOwnSurface) {
+  const auto scaled = [](double s) {
+    return volumeOf(VoxelType::f32, 0, 4 * s, {{0.1 * s, 700}, {3 * s, 250}, {3.99 * s, 50}});
+  };
+  for (const char* name : {"auto", "mr-head"}) {
+    const TransferFunction usual = presetFor(name, scaled(1));
+    for (const double scale : {1e-18, 1e-300, 1e18}) {
+      const TransferFunction f = presetFor(name, scaled(scale));
+      ASSERT_EQ(f.points.size(), usual.points.size());
+      for (std::size_t i = 0; i < f.points.size(); ++i)
+        EXPECT_NEAR(f.points[i].value / scale, usual.points[i].value, 1e-12) << name << ' ' << scale;
+    }
+  }
+}
+
 TEST(Presets, LevelSetIsItsZeroSurface) {
   Manifest ball = volumeOf(VoxelType::f32, -0.3, 0.3, {{-0.3, 10}, {0.3, 10}});
   ball.volume_class = VolumeClass::kLevelSet;
