@@ -111,6 +111,7 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
 ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
   const SourceInfo& info = source.info();
   ConversionCost out;
+  requireRoomForIndex(info, options);
   out.plan = planConversion(source, options);
   out.order = source.order();
   const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);

@@ -213,6 +213,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     if (!ranks.alone() && source.order() == ReadOrder::kForward)
       progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
   }
+  requireRoomForIndex(info, options);
   const ConversionPlan plan = planConversion(source, options);
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;

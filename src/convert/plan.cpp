@@ -10,6 +10,7 @@
 #include "convert/coarse_part.h"
 #include "convert/forward_window.h"
 #include "grid/pyramid.h"
+#include "store/brick_index.h"
 
 namespace kiln {
 namespace {
@@ -121,6 +122,21 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   plan.parts_bytes = std::min(options.memory_bytes - plan.total(), waiting);
   plan.scratch_bytes += waiting - plan.parts_bytes;
   return plan;
+}
+
+void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options) {
+  const Extent3& dims = info.geometry.dims;
+  const Extent3 lattice = brickLattice(dims, options.brick_size);
+  const double bytes = static_cast<double>(lattice.x) * static_cast<double>(lattice.y) *
+                       static_cast<double>(lattice.z) * sizeof(BrickEntry);
+  const double most = static_cast<double>(machineMemoryBytes()) / 2;
+  if (bytes <= most) return;
+  throw Error(
+      ErrorCode::kBudget, info.files.empty() ? std::filesystem::path() : info.files.front(), "--brick-size",
+      fmt::format("{} x {} x {} voxels are {} x {} x {} bricks of {}, whose index alone takes {:.0f} GiB of this "
+                  "machine's {}; convert only the part that holds something",
+                  dims.x, dims.y, dims.z, lattice.x, lattice.y, lattice.z, options.brick_size, bytes / (1u << 30),
+                  formatBytes(machineMemoryBytes())));
 }
 
 }  // namespace kiln

@@ -37,4 +37,8 @@ struct ConversionPlan {
 /// size of a slice.
 ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& options);
 
+/// throws: Error kBudget where the index of all bricks, which is in memory, takes more than half of the machine's: a
+/// few voxels that are far from each other, as a sparse grid may have them, are a volume of so many bricks.
+void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options);
+
 }  // namespace kiln

@@ -52,6 +52,20 @@ TEST(ConversionPlan, TheSmallestMemoryOfAStreamDoesNotDependOnItsSlices) {
   EXPECT_LT(smallestFor({1 << 20, 1 << 20, 1 << 20}), 64 * kMiB);  // but a row, here 2 MiB, is read at once
 }
 
+// A scan of 10,000³ has half a million bricks; voxels 200,000 apart along each axis would be four thousand million.
+TEST(ConversionPlan, AnIndexBeyondTheMachineIsRefused) {
+  const auto refused = [](const Extent3& dims) {
+    try {
+      requireRoomForIndex(PlannedSource(dims, ReadOrder::kAnyBox).info(), {});
+    } catch (const Error& error) {
+      return error.code() == ErrorCode::kBudget;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused({10000, 10000, 10000}));
+  EXPECT_TRUE(refused({1 << 22, 1 << 22, 1 << 22}));
+}
+
 TEST(ConversionPlan, SlicesAreInMemoryWhereTheyFitBesideTheLanes) {
   const ThreadLimit threads(2);
   const Extent3 dims = {1024, 1024, 1000};  // slices of 2 MiB; a layer of bricks covers 140
