@@ -79,18 +79,20 @@ class BlockLayer {
     const V full = hn::ConvertTo(d, fill);
     const V part = partOf(hn::Div(full, hn::Set(d, Sheet::kOne)), hn::Div(hn::ConvertTo(d, light[3]), full));
     const V share = hn::Div(seen(part, a, changed, covered), full);
-    const auto sum = [&](V before, VI of) {
-      return hn::IfThenElse(changed, hn::Add(before, hn::Mul(share, hn::ConvertTo(d, of))), before);
+    const auto sum = [&](V before, VI of, V by) {
+      return hn::IfThenElse(changed, hn::Add(before, hn::Mul(by, hn::ConvertTo(d, of))), before);
     };
-    const V alpha = sum(a, light[3]);
-    hn::StoreInterleaved4(sum(r, light[0]), sum(g, light[1]), sum(b, light[2]), alpha, d, pixels);
+    const V unit = hn::Set(d, b_.color_unit), colored = hn::Mul(share, unit);
+    const V alpha = sum(a, light[3], share);
+    hn::StoreInterleaved4(sum(r, light[0], colored), sum(g, light[1], colored), sum(b, light[2], colored), alpha, d,
+                          pixels);
     const auto opaque = hn::And(changed, hn::Ge(alpha, hn::Set(d, b_.opaque_at)));
     out_.changed[row] |= static_cast<std::uint8_t>(bitsOf(D(), changed) << x);
     out_.opaque[row] |= static_cast<std::uint8_t>(bitsOf(D(), opaque) << x);
     if (pixels_ != nullptr) {
       const std::size_t place = row * kBlockEdge + static_cast<std::size_t>(x);
       hn::StoreInterleaved4(a, share, hn::ConvertTo(d, light[3]), full, d, &pixels_->pixels[place].before);
-      const auto whole = [&](VI of) { return hn::Div(hn::ConvertTo(d, of), full); };
+      const auto whole = [&](VI of) { return hn::Mul(hn::Div(hn::ConvertTo(d, of), full), unit); };
       hn::StoreInterleaved4(whole(light[0]), whole(light[1]), whole(light[2]), part, d, pixels_->slabs[place].rgb);
     }
   }

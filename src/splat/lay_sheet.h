@@ -21,6 +21,7 @@ struct SheetBlock {
   std::ptrdiff_t stride = 0, columns = 0;
   CoveredPixel* covered = nullptr;  // of the image. shape: rows stride / 4 apart
   float erosion = 0;                // of pixels at edges, at most
+  float color_unit = 1;             // of the sheet
   int width = 0, height = 0;        // at most kBlockEdge
   BlockBits takes{};                // the pixels that take light from the slab
   float opaque_at = 1;

@@ -1,6 +1,35 @@
 #include "splat/plain_light.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace kiln {
+
+GradientScale::GradientScale(float noise) {
+  // As it is where squares are far from a float's ends.
+  if (noise > 0 && (noise < 1e-8f || noise > 1e8f))
+    factor = std::ldexp(1.0f, -std::clamp(std::ilogb(noise), -120, 120));
+  const float scaled = noise * factor;
+  least_squared = scaled * scaled;
+}
+
+glm::mat3 withoutLength(const glm::mat3& m) {
+  float most = 0;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) most = std::max(most, std::abs(m[column][row]));
+  }
+  return most > 0 ? m * std::ldexp(1.0f, -std::clamp(std::ilogb(most), -120, 120)) : m;
+}
+
+float colorUnitOf(const Shading& shading) {
+  if (!shading.phong) return 1;
+  double brightest = shading.ambient;
+  for (const Light& light : shading.lights) {
+    const double most = std::max({light.color.r, light.color.g, light.color.b});
+    brightest += light.intensity * most * (shading.diffuse + shading.specular);
+  }
+  return static_cast<float>(std::exp2(std::ceil(std::max(std::log2(brightest / 31), 0.0))));
+}
 
 bool isPlain(const Shading& shading) {
   if (!shading.phong) return true;
@@ -16,8 +45,8 @@ PlainLight plainLight(const Shading& shading, float gradient_noise, const Projec
   out.diffuse = static_cast<float>(intensity * shading.diffuse);
   out.specular = static_cast<float>(intensity * shading.specular);
   out.power = static_cast<float>(shading.power);
-  out.least_gradient_squared = gradient_noise * gradient_noise;
-  out.view_from_index_gradient = level.viewFromIndexGradient();
+  out.gradient = GradientScale(gradient_noise);
+  out.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
   return out;
 }
 

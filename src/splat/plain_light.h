@@ -9,12 +9,27 @@
 
 namespace kiln {
 
+/// Gradients are multiplied by a power of two before they are squared, whose squares floats hold of values from 1e-30
+/// to 1e30 a voxel; and the square, so multiplied, below which one has no direction.
+struct GradientScale {
+  float factor = 1, least_squared = 0;
+  GradientScale() = default;
+  /// `noise`: the length below which a gradient has no direction. unit: value per voxel.
+  explicit GradientScale(float noise);
+};
+
+/// Of equal directions, so that squares of its coordinates are what floats hold, too.
+glm::mat3 withoutLength(const glm::mat3& m);
+
 struct PlainLight {
   bool phong = false;
   float ambient = 0, diffuse = 0, specular = 0, power = 0;
-  float least_gradient_squared = 0;  // below it a gradient has no direction
-  glm::mat3 view_from_index_gradient{1};
+  GradientScale gradient;
+  glm::mat3 view_from_index_gradient{1};  // its length says nothing
 };
+
+/// The brightest that a sample may be is less than 32 times this power of two, which is 1 for lights as most are.
+float colorUnitOf(const Shading& shading);
 
 /// Whether nothing of `shading` is more than a PlainLight.
 bool isPlain(const Shading& shading);

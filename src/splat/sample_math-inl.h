@@ -166,10 +166,11 @@ struct Sight {
 // `matte` and `gloss` stay.
 HWY_INLINE void lightOn(D d, const PlainLight& light, bool perspective, const Vector& slope, const Sight& sight,
                         V& matte, V& gloss) {
-  const V gx = slope.x, gy = slope.y, gz = slope.z;
+  const V factor = hn::Set(d, light.gradient.factor);
+  const V gx = hn::Mul(slope.x, factor), gy = hn::Mul(slope.y, factor), gz = hn::Mul(slope.z, factor);
   const auto squared = [](V a, V c, V e) { return fused(a, a, fused(c, c, hn::Mul(e, e))); };
   // False where it is NaN, too.
-  const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, light.least_gradient_squared)),
+  const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, light.gradient.least_squared)),
                         hn::Lt(squared(gx, gy, gz), hn::Set(d, 1e38f)));
   const glm::mat3& m = light.view_from_index_gradient;
   const auto line = [&](int c) {

@@ -9,8 +9,8 @@ Shader::Shader(const Shading& shading, const View& view, float gradient_noise, c
       diffuse_(static_cast<float>(shading.diffuse)),
       specular_(static_cast<float>(shading.specular)),
       power_(static_cast<float>(shading.power)),
-      least_gradient_squared_(gradient_noise * gradient_noise),
-      view_from_index_gradient_(level.viewFromIndexGradient()) {
+      gradient_(gradient_noise),
+      view_from_index_gradient_(withoutLength(level.viewFromIndexGradient())) {
   for (const Light& light : shading.lights) {
     const glm::vec3 color(light.intensity * light.color);
     if (light.kind == LightKind::kHeadlight) {

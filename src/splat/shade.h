@@ -13,6 +13,7 @@
 #include "scene/camera.h"
 #include "scene/shading.h"
 #include "splat/classifier.h"
+#include "splat/plain_light.h"
 #include "splat/projector.h"
 #include "splat/telling_range.h"
 #include "store/manifest.h"
@@ -43,9 +44,9 @@ class Shader {
   /// The light that a sample of `material` sends to the eye. `index_gradient` is along the axes of the level,
   /// `view_point` where the sample is. unit: value per voxel; world, in view space.
   Color operator()(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
-    if (!phong_ || !(glm::dot(index_gradient, index_gradient) > least_gradient_squared_))
-      return {material.r, material.g, material.b};
-    return lit(material, index_gradient, view_point);
+    const glm::vec3 scaled = gradient_.factor * index_gradient;
+    if (!phong_ || !(glm::dot(scaled, scaled) > gradient_.least_squared)) return {material.r, material.g, material.b};
+    return lit(material, scaled, view_point);
   }
 
   /// The same where `index_normal` is no measured gradient but has a direction for certain: a clip plane's. requires: a
@@ -58,8 +59,9 @@ class Shader {
   /// The normal that such a sample is lit by, turned towards the eye, of unit length, in view space; 0 where it is not
   /// shaded for want of a direction.
   glm::vec3 normal(const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
-    if (!(glm::dot(index_gradient, index_gradient) > least_gradient_squared_)) return glm::vec3(0);
-    return normalOnCut(index_gradient, view_point);
+    const glm::vec3 scaled = gradient_.factor * index_gradient;
+    if (!(glm::dot(scaled, scaled) > gradient_.least_squared)) return glm::vec3(0);
+    return normalOnCut(scaled, view_point);
   }
   glm::vec3 normalOnCut(const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     const glm::vec3 out = glm::normalize(view_from_index_gradient_ * index_normal);
@@ -101,7 +103,7 @@ class Shader {
 
   bool phong_ = false, perspective_ = false, has_headlight_ = false;
   float ambient_ = 0, diffuse_ = 0, specular_ = 0, power_ = 0;
-  float least_gradient_squared_ = 0;
+  GradientScale gradient_;
   glm::mat3 view_from_index_gradient_{1};
   glm::vec3 headlight_{0};  // the sum of all at the eye
   std::vector<ViewLight> lights_;

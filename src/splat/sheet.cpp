@@ -40,14 +40,30 @@ HWY_INLINE VI nearest(V v) {
 template <int kTaps>
 struct Footprint {
   const float *wide, *row, *down, *wide_down;
-  int taps, padded;
-  Footprint(const FootprintTable& table, const FootprintPlace& place)
-      : wide(table.wide(place.phaseX())),
-        row(table.row(place.phaseX())),
-        down(table.row(place.phaseY())),
-        wide_down(table.wide(place.phaseY())),
+  int taps, padded;      // rows, and columns with the rest of vectors
+  FootprintPlace place;  // its first pixel
+  Footprint(const FootprintTable& table, const FootprintPlace& at, const PixelRect& tile)
+      : wide(table.wide(at.phaseX())),
+        row(table.row(at.phaseX())),
+        down(table.row(at.phaseY())),
+        wide_down(table.wide(at.phaseY())),
         taps(kTaps > 0 ? kTaps : table.taps()),
-        padded(kTaps > 0 ? kTaps : table.padded()) {}
+        padded(kTaps > 0 ? kTaps : table.padded()),
+        place(at) {
+    if constexpr (kTaps == 0) {
+      if (table.clipped()) clip(table.taps(), tile);
+    }
+  }
+
+  // Leaves what of it is in the tile. The window of the tile's first pixel begins all but one of its pixels before it.
+  void clip(int all, const PixelRect& tile) {
+    const int x = place.x() - (all - 1), y = place.y() - (all - 1);
+    const int left = std::max(-x, 0), above = std::max(-y, 0);
+    wide += 4 * left, row += left, down += above;
+    padded = std::min(all - left, tile.width() - (x + left));
+    taps = std::min(all - above, tile.height() - (y + above));
+    place.window = (x + left) + ((y + above) << 16);
+  }
 
   // Four numbers a pixel: those of `four(i)`, from the i-th of four that repeat. Four pixels are one row of 16 numbers.
   template <class Four>
@@ -103,17 +119,18 @@ void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTab
   using Taps = Footprint<kTaps>;
   const D d;
   alignas(16) static constexpr float kIsColor[4] = {1, 1, 1, 0};
+  const float per_unit = 1 / here.colorUnit();
   for (const SlabSample* const s : samples) {
-    const Taps footprint(table, s->place);
+    const Taps footprint(table, s->place, here.rect());
     const auto add = [&](float amount, Sheet& sheet) {
       const float fill = amount * Sheet::kOne;
-      const V scale = hn::Set(d, fill * s->opacity);
+      const V scale = hn::Set(d, fill * s->opacity), of_color = hn::Set(d, fill * s->opacity * per_unit);
       const auto light = [&](std::size_t i) {
         const auto is_color = hn::Gt(Taps::fourOf(kIsColor, i), hn::Zero(d));
-        return hn::IfThenElse(is_color, hn::Mul(scale, Taps::fourOf(&s->r, i)), scale);
+        return hn::IfThenElse(is_color, hn::Mul(of_color, Taps::fourOf(&s->r, i)), scale);
       };
-      footprint.add(light, sheet.at(s->place), sheet.stride());
-      footprint.addFilled(fill, sheet.filledAt(s->place), sheet.stride() / 4);
+      footprint.add(light, sheet.at(footprint.place), sheet.stride());
+      footprint.addFilled(fill, sheet.filledAt(footprint.place), sheet.stride() / 4);
     };
     if (s->front > 0) add(s->front, here);
     if (s->back > 0) add(s->back, next);
@@ -124,11 +141,11 @@ template <int kTaps>
 void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& table, Sheet& here, Sheet& next) {
   using Taps = Footprint<kTaps>;
   for (const AovSample* const s : samples) {
-    const Taps footprint(table, s->place);
+    const Taps footprint(table, s->place, here.rect());
     const auto add = [&](float amount, float depth, Sheet& sheet) {
       const float scale = amount * Sheet::kOne;
       alignas(16) const float sums[4] = {scale * s->normal.x, scale * s->normal.y, scale * s->normal.z, scale * depth};
-      footprint.add([&](std::size_t i) { return Taps::fourOf(sums, i); }, sheet.at(s->place), sheet.stride());
+      footprint.add([&](std::size_t i) { return Taps::fourOf(sums, i); }, sheet.at(footprint.place), sheet.stride());
     };
     if (s->front > 0) add(s->front, s->depth_front, here);
     if (s->back > 0) add(s->back, s->depth_back, next);
@@ -179,17 +196,19 @@ FootprintTable::FootprintTable(double sigma_px, double soft_sigma_px, int least_
   const auto reachOf = [](double sigma) { return 3 * sigma + 0.5; };
   const double reach = reachOf(std::max(sigma_px, soft_sigma_px));
   // Pixels beyond half of the taps are out of reach. A tail of a thousandth is not worth another.
-  taps_ = std::max(3, static_cast<int>(std::ceil(2 * reach - kTail)));
+  taps_ = std::max(3, static_cast<int>(std::ceil(std::min<double>(2 * reach - kTail, kMostTaps))));
   radius_ = std::min(reach, 0.5 * taps_);
   const double most = radius_;
   taps_ = std::max(taps_, least_taps);
+  coarser_ = taps_ <= 256 ? 0 : taps_ <= 1024 ? 2 : 4;
   for (const double sigma : {sigma_px, soft_sigma_px}) addRows(sigma, std::min(reachOf(sigma), most));
 }
 
 void FootprintTable::addRows(double sigma_px, double radius) {
-  for (int phase = 0; phase < kPhases; ++phase) {
+  const int phases = kPhases >> coarser_;
+  for (int phase = 0; phase < phases; ++phase) {
     // The sample is this far from the centre of the first pixel.
-    const double from_first = (taps_ - 1) / 2 - 0.5 * (taps_ % 2) + (phase + 0.5) / kPhases;
+    const double from_first = (taps_ - 1) / 2 - 0.5 * (taps_ % 2) + (phase + 0.5) / phases;
     std::vector<double> w(static_cast<std::size_t>(taps_));
     double sum = 0, below = normalBelow((-from_first - 0.5) / sigma_px);
     for (int i = 0; i < taps_; ++i) {
@@ -208,10 +227,12 @@ void FootprintTable::addRows(double sigma_px, double radius) {
   }
 }
 
-void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint) {
+void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint, float color_unit) {
   clear();
-  const int before = footprint.taps() - 1;
-  const int columns = before + (rect.width() + kBlockEdge - 1) / kBlockEdge * kBlockEdge + footprint.padded();
+  color_unit_ = color_unit;
+  const int before = footprint.clipped() ? 0 : footprint.taps() - 1;
+  const int behind = footprint.clipped() ? kBlockEdge : footprint.padded();
+  const int columns = before + (rect.width() + kBlockEdge - 1) / kBlockEdge * kBlockEdge + behind;
   // What is cleared is zero but for what nobody reads.
   const bool as_it_was =
       rect.width() == rect_.width() && rect.height() == rect_.height() && before == before_ && columns == width_;
@@ -219,8 +240,7 @@ void Sheet::reset(const PixelRect& rect, const FootprintTable& footprint) {
   before_ = before;
   width_ = columns;
   if (as_it_was) return;
-  sums_.assign(
-      4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(before + rect.height() + footprint.padded()), 0);
+  sums_.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(before + rect.height() + behind), 0);
   filled_.assign(sums_.size() / 4, 0);
 }
 

@@ -16,10 +16,12 @@
 namespace kiln {
 
 /// The footprint of a sample: along each axis, what a Gaussian puts into each pixel, which is as wide as itself. Over
-/// pixels it sums to one, whatever its place, and over a lattice of samples nearly so. Read at 64 phases.
+/// pixels it sums to one, whatever its place, and over a lattice of samples nearly so. Read at 64 phases, of more than
+/// 256 pixels at fewer. Of more than kMostTaps it is cut off.
 class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
+  static constexpr int kMostTaps = 4096;
   /// Where rows of the second table begin.
   static constexpr int kSoftRows = kPhases;
 
@@ -31,11 +33,12 @@ class FootprintTable {
   /// between the middle ones is the nearest to it.
   int taps() const { return taps_; }
   /// A weight a pixel, and zeros after. shape: padded().
-  const float* row(int phase) const { return &rows_[static_cast<std::size_t>(phase * padded())]; }
+  const float* row(int phase) const { return &rows_[static_cast<std::size_t>((phase >> coarser_) * padded())]; }
   /// The same, each four times. shape: 4 padded().
-  const float* wide(int phase) const { return &wide_[static_cast<std::size_t>(phase * 4 * padded())]; }
-  /// taps() rounded up to whole vectors of four pixels.
-  int padded() const { return (taps_ + 3) / 4 * 4; }
+  const float* wide(int phase) const { return &wide_[static_cast<std::size_t>((phase >> coarser_) * 4 * padded())]; }
+  /// taps() rounded up to whole vectors of four pixels, of clipped ones from whichever pixel on.
+  int padded() const { return (taps_ + 3) / 4 * 4 + (clipped() ? 4 : 0); }
+  bool clipped() const { return taps_ > kMostWholeTaps; }
   /// Beyond this distance from a sample along an axis, no pixel centre takes light from it. unit: pixels.
   double radius() const { return radius_; }
 
@@ -43,6 +46,7 @@ class FootprintTable {
   void addRows(double sigma_px, double radius);
 
   int taps_ = 3;
+  int coarser_ = 0;  // phases are read 2 to this power at a time
   double radius_ = 1.5;
   std::vector<float> rows_, wide_;
 };
@@ -53,8 +57,10 @@ class Sheet {
   static constexpr float kOne = 1 << 24;
 
   /// Empties it for the pixels of `rect`, and for what footprints on its border put beside it, which nobody reads; rows
-  /// have room for whole blocks.
-  void reset(const PixelRect& rect, const FootprintTable& footprint);
+  /// have room for whole blocks. Clipped footprints put nothing there but the rest of a vector. Sums of colours are of
+  /// this unit, a power of two, so that the brightest do not leave what an int holds.
+  void reset(const PixelRect& rect, const FootprintTable& footprint, float color_unit = 1);
+  float colorUnit() const { return color_unit_; }
   /// unit: bytes.
   std::size_t bytes() const { return (sums_.capacity() + filled_.capacity()) * sizeof sums_[0]; }
   bool empty() const { return dirty_ == 0; }
@@ -71,7 +77,7 @@ class Sheet {
   std::int32_t* at(int x, int y) { return const_cast<std::int32_t*>(std::as_const(*this).at(x, y)); }
   /// What of the pixel samples fill. shape: one a pixel, from (x, y) on to the right; as `at`.
   std::int32_t* filledAt(int x, int y) { return &filled_[indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)]; }
-  /// The same, from the first pixel of a footprint on.
+  /// The same, from the first pixel of a footprint on; of a clipped one, from this pixel of the rectangle.
   std::int32_t* at(const FootprintPlace& place) { return &sums_[4 * indexOf(place.x(), place.y())]; }
   std::int32_t* filledAt(const FootprintPlace& place) { return &filled_[indexOf(place.x(), place.y())]; }
   /// Samples are added to pixels of `blocks`.
@@ -81,6 +87,7 @@ class Sheet {
   /// The caller has set them to zero.
   void setClear() { dirty_ = 0; }
   std::ptrdiff_t stride() const { return std::ptrdiff_t{4} * width_; }
+  const PixelRect& rect() const { return rect_; }
 
  private:
   std::size_t indexOf(int column, int row) const {
@@ -88,6 +95,7 @@ class Sheet {
   }
 
   PixelRect rect_;
+  float color_unit_ = 1;
   int before_ = 0, width_ = 0;  // columns and rows before the rectangle's, columns in all
   std::uint64_t dirty_ = 0;
   std::vector<std::int32_t> sums_, filled_;

@@ -65,6 +65,8 @@ class SlabFrame {
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }
   const FootprintTable& footprint() const { return footprint_; }
+  /// See colorUnitOf: that of all volumes.
+  float colorUnit() const { return color_unit_; }
   const UnitLattice& lattice() const { return lattice_; }
   /// Null where all voxels have the same. Both have the same units.
   const UnitLattice* softLattice() const { return soft_lattice_ ? &*soft_lattice_ : nullptr; }
@@ -91,6 +93,7 @@ class SlabFrame {
   SampleLook look_;
   bool detailed_;
   FootprintTable footprint_;
+  float color_unit_;
   UnitLattice lattice_;
   std::optional<UnitLattice> soft_lattice_;
   double voxel_length_;    // the mean of its edges. unit: world

@@ -137,7 +137,7 @@ class Sweep {
     volume.window.reset();
     if (frames_[v] != nullptr) volume.window.emplace(frames_[v]->lattice(), frames_[v]->sampleReach(), tile_.rect);
     volume.waiting.reset(slabs);
-    for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint());
+    for (Sheet& sheet : volume.sheets) sheet.reset(tile_.rect, any_.footprint(), any_.colorUnit());
     if (!aovs_) return;
     volume.waiting_aovs.reset(slabs);
     for (Sheet& sheet : volume.aov_sheets) sheet.reset(tile_.rect, any_.footprint());
@@ -473,6 +473,7 @@ class Sweep {
     in.columns = sheet.stride() / 4;
     in.covered = tile_.covered + tile_.placeOf(area.x0, area.y0);
     in.erosion = frames_[v]->zone().erosion;
+    in.color_unit = sheet.colorUnit();
     in.width = area.width(), in.height = area.height();
     in.takes = takes;
     in.opaque_at = opaque_at_;

@@ -51,15 +51,21 @@ void TileWindows::reset(const TilePixels& tile, int taps) {
     for (int x = 0; x < width_; ++x) open |= std::uint64_t{alpha[4 * x] != 1.0f} << x;
     pixels_[static_cast<std::size_t>(y)] = open;
   }
-  stride_ = (columns() + 31) / 32;
-  open_.resize(static_cast<std::size_t>(rows() * stride_ + 2 * kWordsBeside));
+  const int words = (columns() + 31) / 32;
+  stride_ = taps > kMostWholeTaps ? 0 : words;
+  open_.resize(static_cast<std::size_t>(std::max(rows() * stride_, words) + 2 * kWordsBeside));
   first_closed_ = 0, last_closed_ = height_ - 1;
   update();
 }
 
 void TileWindows::update() {
   if (first_closed_ > last_closed_) return;
-  for (int window = first_closed_; window < last_closed_ + taps_; ++window) updateRow(window);
+  if (stride_ == 0) {
+    const bool open = std::any_of(pixels_.begin(), pixels_.end(), [](std::uint64_t row) { return row != 0; });
+    std::fill(open_.begin(), open_.end(), open ? -1 : 0);
+  } else {
+    for (int window = first_closed_; window < last_closed_ + taps_; ++window) updateRow(window);
+  }
   first_closed_ = kSweepEdge, last_closed_ = -1;
 }
 

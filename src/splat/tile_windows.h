@@ -18,6 +18,11 @@ inline constexpr int kSweepEdge = 64;
 /// The edge of a block of the tile; there are at most 8×8. unit: pixels.
 inline constexpr int kBlockEdge = 8;
 
+/// Footprints of more pixels along an axis, as samples of very large voxels have, are clipped to the tile before they
+/// are added to it, and the tile's windows are all open as long as one pixel is: what is kept for them does not grow
+/// with them. unit: pixels.
+inline constexpr int kMostWholeTaps = 32;
+
 /// Where a sample's footprint lies, packed: a sample waits with it. unit: pixels; phases of a pixel.
 struct FootprintPlace {
   static constexpr int kPhases = 64;
@@ -45,7 +50,7 @@ class TileWindows {
   std::uint64_t blocks(const FootprintPlace& at) const {
     return columns_[static_cast<std::size_t>(at.x())] & rows_[static_cast<std::size_t>(at.y())];
   }
-  /// Whether a pixel in it was open when `update` was last called.
+  /// Whether a pixel in it was open when `update` was last called; of clipped footprints, whether any of the tile was.
   bool open(const FootprintPlace& at) const {
     return (openWords()[at.y() * stride_ + (at.x() >> 5)] >> (at.x() & 31) & 1) != 0;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/unit_load.cpp"
@@ -133,6 +134,12 @@ void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t
   }
 }
 
+// Between infinities, and what a float rounds to them, no value is interpolated.
+double withinFloats(double value) {
+  constexpr double kMost = 1e37;
+  return value > kMost ? kMost : value < -kMost ? -kMost : value;
+}
+
 // Voxel by voxel: any type, and at the brick's ends.
 template <class T>
 UnitRanges loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
@@ -142,8 +149,10 @@ UnitRanges loadVoxels(const UnitRows& rows, const T* data, double offset, float*
   for (int k = 0; k < rows.depth; ++k) {
     for (int j = 0; j < rows.height; ++j, values += kUnitSamples) {
       const T* const from = data + rows.z[static_cast<std::size_t>(k)] + rows.y[static_cast<std::size_t>(j)];
-      for (int i = 0; i < rows.width; ++i)
-        values[i] = static_cast<float>(static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset);
+      for (int i = 0; i < rows.width; ++i) {
+        const double value = static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset;
+        values[i] = static_cast<float>(std::is_floating_point_v<T> ? withinFloats(value) : value);
+      }
       if (!rows.inner(j, k)) continue;
       for (int i = 0; i < rows.width; ++i) {
         const auto column = static_cast<std::size_t>(i);

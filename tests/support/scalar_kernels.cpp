@@ -43,6 +43,7 @@ UnitRanges loadUnitScalar(const BrickBlock& block, const UnitLattice& lattice, d
           for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], block.extent.lo[a], block.extent.hi[a] - 1);
           const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
           values[x + kUnitMargin] = static_cast<float>(value - offset);
+          if (std::abs(value - offset) > 1e37) values[x + kUnitMargin] = std::copysign(1e37f, values[x + kUnitMargin]);
           if (!inner(y, 0, n[1]) || !inner(z, 0, n[2])) continue;
           if (inner(x, 0, n[0])) include(out.whole, value);
           for (int half = 0; half < lattice.blocks && lattice.blocks > 1; ++half) {
@@ -61,14 +62,17 @@ void addSamplesScalar(std::span<const SlabSample* const> samples, const Footprin
   const auto rounded = [](float v) { return static_cast<std::int32_t>(std::lrint(v)); };
   const auto add = [&](const SlabSample& s, float amount, Sheet& sheet) {
     const float fill = amount * Sheet::kOne, scale = fill * s.opacity;
-    const float light[4] = {scale * s.r, scale * s.g, scale * s.b, scale};
+    const float of_color = fill * s.opacity * (1 / sheet.colorUnit());
+    const float light[4] = {of_color * s.r, of_color * s.g, of_color * s.b, scale};
     const float* const across = footprint.row(s.place.phaseX());
     const float* const down = footprint.row(s.place.phaseY());
-    for (int j = 0; j < footprint.taps(); ++j) {
-      for (int i = 0; i < footprint.taps(); ++i) {
-        std::int32_t* const sums = sheet.at(s.place) + j * sheet.stride() + 4 * i;
-        for (int c = 0; c < 4; ++c) sums[c] += rounded(across[i] * light[c] * down[j]);
-        sheet.filledAt(s.place)[j * sheet.stride() / 4 + i] += rounded(across[i] * fill * down[j]);
+    // The window of the tile's first pixel begins all but one of its pixels before it.
+    const PixelRect& tile = sheet.rect();
+    const int x0 = tile.x0 + s.place.x() - (footprint.taps() - 1), y0 = tile.y0 + s.place.y() - (footprint.taps() - 1);
+    for (int y = std::max(y0, tile.y0); y < std::min(y0 + footprint.taps(), tile.y1); ++y) {
+      for (int x = std::max(x0, tile.x0); x < std::min(x0 + footprint.taps(), tile.x1); ++x) {
+        for (int c = 0; c < 4; ++c) sheet.at(x, y)[c] += rounded(across[x - x0] * light[c] * down[y - y0]);
+        *sheet.filledAt(x, y) += rounded(across[x - x0] * fill * down[y - y0]);
       }
     }
   };
@@ -78,7 +82,8 @@ void addSamplesScalar(std::span<const SlabSample* const> samples, const Footprin
   }
 }
 
-bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, CoveredPixel& covered) {
+bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, float color_unit,
+                    CoveredPixel& covered) {
   if (sum[3] == 0) return false;
   const auto full = static_cast<float>(filled);
   const float opacity = static_cast<float>(sum[3]) / full, less = erosionOf(opacity, erosion);
@@ -89,7 +94,7 @@ bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, 
   const float density = std::min(pixel[3] / std::max(in_front, 1.0f / 255), 1.0f);
   const float share = (part - std::min(part, in_front) * density) / full;
   covered = std::max(covered, static_cast<CoveredPixel>(std::ceil(part * 255)));
-  for (int c = 0; c < 4; ++c) pixel[c] += share * static_cast<float>(sum[c]);
+  for (int c = 0; c < 4; ++c) pixel[c] += (c < 3 ? share * color_unit : share) * static_cast<float>(sum[c]);
   return true;
 }
 
@@ -102,7 +107,8 @@ LaidBlock laySheetScalar(const SheetBlock& block) {
       float* const pixel = block.pixels + y * block.stride + 4 * x;
       std::int32_t* const sum = block.sums + 4 * (y * block.columns + x);
       std::int32_t& filled = block.filled[y * block.columns + x];
-      if (takes && layPixelScalar(pixel, sum, filled, block.erosion, block.covered[y * (block.stride / 4) + x])) {
+      if (takes && layPixelScalar(pixel, sum, filled, block.erosion, block.color_unit,
+                                  block.covered[y * (block.stride / 4) + x])) {
         out.changed[row] = static_cast<std::uint8_t>(out.changed[row] | 1u << x);
         if (pixel[3] >= block.opaque_at) out.opaque[row] = static_cast<std::uint8_t>(out.opaque[row] | 1u << x);
       }

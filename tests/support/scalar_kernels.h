@@ -23,7 +23,8 @@ void addSamplesScalar(std::span<const SlabSample* const> samples, const Footprin
                       Sheet& next);
 
 /// A pixel of laySheet; whether it changes.
-bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, CoveredPixel& covered);
+bool layPixelScalar(float* pixel, const std::int32_t* sum, std::int32_t filled, float erosion, float color_unit,
+                    CoveredPixel& covered);
 /// All of a block, as laySheet does without `pixels`.
 LaidBlock laySheetScalar(const SheetBlock& block);
 

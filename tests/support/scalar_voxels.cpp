@@ -48,12 +48,13 @@ float log2Of(float x) {
 float squared(float a, float b, float c) { return std::fma(a, a, std::fma(b, b, c * c)); }
 
 // The colour that a voxel sends to the eye.
-glm::vec3 colorOf(const VoxelView& view, const float* material, const glm::vec3& slope, float u, float v,
+glm::vec3 colorOf(const VoxelView& view, const float* material, const glm::vec3& measured, float u, float v,
                   float oblique) {
   const glm::vec3 color(material[0], material[1], material[2]);
   const PlainLight& light = view.light;
+  const glm::vec3 slope = light.gradient.factor * measured;
   const float length_squared = squared(slope.x, slope.y, slope.z);
-  if (!light.phong || !(length_squared > light.least_gradient_squared && length_squared < 1e38f)) return color;
+  if (!light.phong || !(length_squared > light.gradient.least_squared && length_squared < 1e38f)) return color;
   const glm::mat3& m = light.view_from_index_gradient;
   const auto line = [&](int c) { return std::fma(m[0][c], slope.x, std::fma(m[1][c], slope.y, m[2][c] * slope.z)); };
   const glm::vec3 n(line(0), line(1), line(2));

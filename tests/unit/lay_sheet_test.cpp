@@ -16,7 +16,7 @@ namespace kiln::test {
 namespace {
 
 constexpr int kColumns = 20;  // of the sheet and of the image
-constexpr float kOpaqueAt = 0.9f, kErosion = 0.2f;
+constexpr float kOpaqueAt = 0.9f, kErosion = 0.2f, kColorUnit = 4;
 
 struct Planes {
   std::vector<float> pixels = std::vector<float>(4 * kColumns * kBlockEdge);
@@ -54,6 +54,7 @@ TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
       block.takes = planes.takes;
       block.covered = planes.covered.data();
       block.erosion = kErosion;
+      block.color_unit = kColorUnit;
       block.opaque_at = kOpaqueAt;
       LaidPixels pixels;
       const LaidBlock laid = laySheet(block, &pixels);
@@ -64,8 +65,8 @@ TEST(LaySheet, AddsWhatASlabShowsToThePixelsThatTakeIt) {
           float* const pixel = &truth.pixels[4 * i];
           const float before = pixel[3];
           const bool takes = inside && (truth.takes[row] >> x & 1) != 0;
-          const bool changed =
-              takes && layPixelScalar(pixel, &truth.sums[4 * i], truth.filled[i], kErosion, truth.covered[i]);
+          const bool changed = takes && layPixelScalar(pixel, &truth.sums[4 * i], truth.filled[i], kErosion, kColorUnit,
+                                                       truth.covered[i]);
           EXPECT_TRUE(std::equal(pixel, pixel + 4, &planes.pixels[4 * i])) << x << ", " << y;
           EXPECT_EQ(planes.covered[i], truth.covered[i]) << x << ", " << y;
           if (inside) {

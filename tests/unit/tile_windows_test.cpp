@@ -64,7 +64,7 @@ class Definition {
 
 TEST(TileWindows, KnowBlocksAndWhatIsOpen) {
   for (const PixelRect& rect : {PixelRect{64, 0, 128, 64}, PixelRect{3, 5, 40, 22}, PixelRect{7, 7, 8, 8}}) {
-    for (const int taps : {3, 4, 6, 36, 70}) {
+    for (const int taps : {3, 4, 6, 17, kMostWholeTaps}) {
       if (taps > 6 && rect.width() > 40) continue;  // a long sum
       SCOPED_TRACE(testing::Message() << rect.width() << " x " << rect.height() << ", " << taps << " taps");
       Definition truth(rect);
@@ -90,6 +90,27 @@ TEST(TileWindows, KnowBlocksAndWhatIsOpen) {
         EXPECT_EQ(truth.wrongPixels(windows), 0);
       }
     }
+  }
+}
+
+// Of footprints that are clipped none is called closed that is not, and all are where nothing is left.
+TEST(TileWindows, OfClippedFootprintsAreOpenTillTheLastPixelCloses) {
+  Definition truth({0, 0, 40, 30});
+  TileWindows windows;
+  for (const int taps : {kMostWholeTaps + 1, 500, 4096}) {
+    windows.reset(truth.tile(), taps);
+    EXPECT_LT(windows.bytes(), 200000u) << taps;
+    const auto openAt = [&](int x, int y) { return windows.open({x + (y << 16), 0}); };
+    for (int y = 0; y < 30; ++y) {
+      for (int x = 0; x < 40; ++x) {
+        if (x < 39 || y < 29) windows.close(x, y);
+      }
+    }
+    windows.update();
+    for (const int at : {0, 17, taps - 1, taps + 28}) EXPECT_TRUE(openAt(at, at)) << taps << ", " << at;
+    windows.close(39, 29);
+    windows.update();
+    for (const int at : {0, 17, taps - 1, taps + 28}) EXPECT_FALSE(openAt(at, at)) << taps << ", " << at;
   }
 }
 
