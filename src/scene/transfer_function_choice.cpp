@@ -44,6 +44,9 @@ const JobObject& chosen(const std::vector<JobObject>& maps, const FileAndName& f
     names.resize(kLongest);
     names += "…";
   }
+  if (maps.empty())
+    throw Error(ErrorCode::kUsage, from.file, "",
+                "holds one function and no maps with names; leave '#" + from.name + "' out");
   const std::string sentence = from.name.empty() ? "holds several maps; write FILE#NAME with one of: "
                                                  : "holds no map named '" + from.name + "'; there are ";
   throw Error(ErrorCode::kUsage, from.file, "", sentence + names);

@@ -99,12 +99,19 @@ std::string textForPrograms(const StoreReader& store) {
   return out.dump(1) + "\n";
 }
 
+// Another program's picture, or a store from elsewhere, may say anything: nothing of it is an order to a terminal.
+std::string shown(std::string text) {
+  for (char& c : text)
+    if ((static_cast<unsigned char>(c) < 0x20 || c == 0x7f) && c != '\n' && c != '\t') c = '?';
+  return text;
+}
+
 void printForPeople(const StoreReader& store) {
   const Manifest& m = store.manifest();
   const Storage storage = storageOf(store);
   const VolumeGeometry& g = m.geometry();
   const glm::dvec3 spacing = g.spacing();
-  const std::string unit = g.unit.empty() ? "world units" : g.unit;
+  const std::string unit = g.unit.empty() ? "world units" : shown(g.unit);
   fmt::print("store        {} (format {})\n", store.path().string(), m.format);
   fmt::print("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
              formatBytes(storage.raw_bytes));
@@ -128,21 +135,14 @@ void printForPeople(const StoreReader& store) {
              !histogram.empty())
     fmt::print("histogram    length of a bar: logarithm of the count\n{}", histogram);
   printLevels(m, storage);
-  fmt::print("codec        {}, blosc\n", m.container_version);
+  fmt::print("codec        {}, blosc\n", shown(m.container_version));
   // A directory of slices comes first, then its slices.
   const std::vector<std::string>& files = m.source.files;
   const std::size_t named = files.size() > 3 ? 1 : files.size();
-  for (std::size_t i = 0; i < named; ++i) fmt::print("source       {} ({})\n", files[i], m.source.format);
+  for (std::size_t i = 0; i < named; ++i) fmt::print("source       {} ({})\n", shown(files[i]), shown(m.source.format));
   if (named < files.size()) fmt::print("             and {} files in it\n", files.size() - named);
-  if (!m.source.command.empty()) fmt::print("made by      {}\n", m.source.command);
-  if (!m.source.time.empty()) fmt::print("made at      {}\n", m.source.time);
-}
-
-// Another program's picture may say anything: nothing of it is an order to a terminal.
-std::string shown(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') c = '?';
-  return text;
+  if (!m.source.command.empty()) fmt::print("made by      {}\n", shown(m.source.command));
+  if (!m.source.time.empty()) fmt::print("made at      {}\n", shown(m.source.time));
 }
 
 // What Kiln writes into its pictures, the job last: it is long.

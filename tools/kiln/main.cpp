@@ -1,6 +1,6 @@
 // The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
-// 0 done, 1 data or I/O, 2 command line. Started by mpirun it is one of several ranks: one of them speaks, and one that
-// fails ends all.
+// 0 done, 1 data or I/O, 2 what was asked. Started by mpirun it is one of several ranks: one of them speaks, and one
+// that fails ends all.
 #include <fcntl.h>
 #include <unistd.h>
 
