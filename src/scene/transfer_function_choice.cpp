@@ -39,14 +39,14 @@ const JobObject& chosen(const std::vector<JobObject>& maps, const FileAndName& f
     if (!from.name.empty() && nameOf(map) == from.name) return map;
     names += (names.empty() ? "" : ", ") + nameOf(map);
   }
+  if (names.empty())
+    throw Error(ErrorCode::kUsage, from.file, "",
+                "holds no map named '" + from.name + "', and none that has a name; leave it out");
   constexpr std::size_t kLongest = 300;
   if (names.size() > kLongest) {
     names.resize(kLongest);
     names += "…";
   }
-  if (maps.empty())
-    throw Error(ErrorCode::kUsage, from.file, "",
-                "holds one function and no maps with names; leave '#" + from.name + "' out");
   const std::string sentence = from.name.empty() ? "holds several maps; write FILE#NAME with one of: "
                                                  : "holds no map named '" + from.name + "'; there are ";
   throw Error(ErrorCode::kUsage, from.file, "", sentence + names);
