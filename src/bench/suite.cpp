@@ -110,7 +110,8 @@ void readMethods(const JobObject& root, Suite& suite) {
 }
 
 void readDrawing(const JobObject& root, Suite& suite) {
-  suite.fov_deg = root.number("fov", kLegalFov, isLegalFov).value_or(60);
+  suite.fov_deg =
+      root.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; }).value_or(60);
   suite.threshold = root.number("threshold", "a number above 0 and up to 1", [](double v) { return v > 0 && v <= 1; })
                         .value_or(suite.threshold);
   suite.views = static_cast<int>(root.integer("views", 1, 1000).value_or(suite.views));

@@ -37,7 +37,9 @@ double focalOf(const Camera& camera, const ImageSize& size) {
                               size.width, size.height));
     focal_px = size.height / glm::pi<double>();
   } else if (camera.projection == Projection::kPerspective) {
-    requireLegalFov(camera.fov_deg);
+    if (!(camera.fov_deg > 0 && camera.fov_deg < 180)) {
+      throw refused("the field of view must be between 0 and 180 degrees, but is " + std::to_string(camera.fov_deg));
+    }
     focal_px = 0.5 * size.height / std::tan(0.5 * glm::radians(camera.fov_deg));
   } else {
     if (!(camera.height > 0)) {
@@ -52,11 +54,6 @@ double focalOf(const Camera& camera, const ImageSize& size) {
 }
 
 }  // namespace
-
-void requireLegalFov(double fov_deg) {
-  if (isLegalFov(fov_deg)) return;
-  throw refused(fmt::format("the field of view, with its zoom, must be {}, but is {:g}", kLegalFov, fov_deg));
-}
 
 PixelRect drawnPixels(const ImageSize& size, const std::optional<PixelRect>& crop) {
   const PixelRect all{0, 0, size.width, size.height};

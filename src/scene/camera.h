@@ -33,15 +33,6 @@ struct Camera {
   double height = 1;    // world units the image spans vertically; orthographic only
 };
 
-/// Of a perspective camera. unit: degrees. Narrower, the eye that frames a volume is so far away that depth is rounding
-/// noise in floats.
-inline constexpr double kLeastFov_deg = 0.01;
-inline bool isLegalFov(double fov_deg) { return fov_deg >= kLeastFov_deg && fov_deg < 180; }
-/// What a legal one is, as part of a sentence.
-inline constexpr const char* kLegalFov = "a number of degrees from 0.01 (less is projection orthographic) to below 180";
-/// throws: Error kUsage where it is not legal.
-void requireLegalFov(double fov_deg);
-
 /// A camera resolved for an image. View space has x to the right, y down, z into the scene (depth); the pixel (column,
 /// row) covers [column, column+1) × [row, row+1), and row 0 is the top.
 struct View {

@@ -93,7 +93,9 @@ void requireLegal(const Framing& framing) {
   if (!(framing.zoom > 0) || !std::isfinite(framing.zoom)) refuse("camera: zoom must be a number above 0");
   if (!std::isfinite(framing.azimuth_deg)) refuse("camera: azimuth must be a finite number of degrees");
   if (!(std::abs(framing.elevation_deg) <= 90)) refuse("camera: elevation must be from -90 to 90 degrees");
-  requireLegalFov(framing.fov_deg);
+  if (!(framing.fov_deg > 0 && framing.fov_deg < 180)) {
+    refuse("camera: the field of view must be between 0 and 180 degrees");
+  }
 }
 
 }  // namespace

@@ -86,7 +86,8 @@ constexpr JobKey kImageKeys[] = {
 
 constexpr JobKey kCameraKeys[] = {
     {"projection", R"({"enum": "projection"})"},
-    {"fov", R"({"type": "number", "minimum": 0.01, "exclusiveMaximum": 180, "description": "degrees, vertical"})"},
+    {"fov",
+     R"({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 180, "description": "degrees, vertical"})"},
     {"height", R"({"$ref": "positiveLength", "description": "world units the image spans, orthographic"})"},
     {"eye", R"({"$ref": "vector"})"},
     {"target", R"({"$ref": "vector"})"},

@@ -113,14 +113,11 @@ TEST(Camera, RefusesWhatHasNoPicture) {
   expectRefused(camera, size, "up runs along");
   camera.up = {0, 0, 0};
   expectRefused(camera, size, "zero");
-  for (const double fov : {0.0, -1.0, 180.0, nan, 1e-320, 0.0099}) {
+  for (const double fov : {0.0, -1.0, 180.0, nan, 1e-320}) {
     camera = frontCamera();
     camera.fov_deg = fov;
     expectRefused(camera, size, "field of view");
-    expectRefused(camera, size, "projection orthographic");
   }
-  camera.fov_deg = kLeastFov_deg;
-  EXPECT_NO_THROW(resolve(camera, size));
   camera = frontCamera();
   camera.projection = Projection::kOrthographic;
   for (const double height : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()}) {

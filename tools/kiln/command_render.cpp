@@ -432,7 +432,7 @@ void addCameraOptions(CLI::App& command, RenderArguments& a) {
                      "perspective, orthographic, or equirectangular: a panorama of all directions round the eye, the "
                      "middle ahead, the top "
                      "up; its depths are distances from the eye");
-  command.add_option("--fov", a.fov, "vertical field of view, perspective; from 0.01 on")->type_name("DEG");
+  command.add_option("--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
   command.add_option("--height", a.height, "world units the image spans vertically, orthographic");
   command.add_option("--eye", a.eye, "where the eye is, in the world")->type_name("X,Y,Z");
   command.add_option("--target", a.target, "what it looks at; the volume's centre if not given")->type_name("X,Y,Z");
