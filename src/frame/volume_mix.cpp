@@ -38,8 +38,11 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.sampling.level))
     zones_.push_back({std::move(slabs), {}, {}});
+  float color_unit = 1;
+  for (const std::unique_ptr<Volume>& volume : volumes_)
+    color_unit = std::max(color_unit, colorUnitOf(volume->mixed.shading));
   for (Zone& zone : zones_) {
-    SlabSharing sharing{false, 0};
+    SlabSharing sharing{false, 0, color_unit};
     for (const SlabZone& slabs : zone.slabs) {
       if (slabs.slabs == 0) continue;
       const FootprintTable own(slabs.sigma_px, slabs.soft_sigma_px);

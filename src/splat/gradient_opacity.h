@@ -26,7 +26,8 @@ class GradientOpacity {
   /// The extinction of a sample whose value has extinction `tau`: its opacity per unit times the factor. never above
   /// tau. unit: 1 / world; the gradient value per voxel of the level.
   float operator()(float tau, const glm::vec3& index_gradient) const {
-    const double factor = function_->gradientFactor(glm::length(view_from_index_gradient_ * index_gradient));
+    const double factor =
+        function_->gradientFactor(glm::length(view_from_index_gradient_ * glm::dvec3(index_gradient)));
     const double opacity = -std::expm1(-static_cast<double>(tau) * unit_);
     return factor < 1 ? static_cast<float>(extinctionOf(factor * opacity, unit_)) : tau;
   }
@@ -34,7 +35,7 @@ class GradientOpacity {
  private:
   const TransferFunction* function_ = nullptr;
   double unit_ = 1;
-  glm::mat3 view_from_index_gradient_{1};
+  glm::dmat3 view_from_index_gradient_{1};
 };
 
 }  // namespace kiln

@@ -200,7 +200,7 @@ FootprintTable::FootprintTable(double sigma_px, double soft_sigma_px, int least_
   radius_ = std::min(reach, 0.5 * taps_);
   const double most = radius_;
   taps_ = std::max(taps_, least_taps);
-  coarser_ = taps_ <= 256 ? 0 : taps_ <= 1024 ? 2 : 4;
+  coarser_ = taps_ <= 256 ? 0 : taps_ <= 1024 ? 2 : taps_ <= 4096 ? 4 : 6;
   for (const double sigma : {sigma_px, soft_sigma_px}) addRows(sigma, std::min(reachOf(sigma), most));
 }
 

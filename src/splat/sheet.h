@@ -21,7 +21,7 @@ namespace kiln {
 class FootprintTable {
  public:
   static constexpr int kPhases = FootprintPlace::kPhases;
-  static constexpr int kMostTaps = 4096;
+  static constexpr int kMostTaps = 32000;
   /// Where rows of the second table begin.
   static constexpr int kSoftRows = kPhases;
 

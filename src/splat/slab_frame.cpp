@@ -155,7 +155,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
       look_(look),
       detailed_(!isPlain(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
       footprint_(zone.sigma_px, zone.soft_sigma_px, sharing.least_taps),
-      color_unit_(colorUnitOf(look.shading)),
+      color_unit_(std::max(colorUnitOf(look.shading), sharing.color_unit)),
       lattice_(unitLattice(zone, zone.refinement, projector, footprint_, table, look, detailed_)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)),

@@ -37,7 +37,8 @@ struct SlabSharing {
   /// Each brick draws the samples of its apron, too, and takes those pixels of slabs that it owns; else all bricks that
   /// reach into a slab are drawn together, each its own samples.
   bool owned = true;
-  int least_taps = 0;  // of footprints: of all that are drawn together the same
+  int least_taps = 0;    // of footprints: of all that are drawn together the same
+  float color_unit = 1;  // see colorUnitOf: the same, and no less than the frame's own
 };
 
 /// What all bricks and tiles of a zone share.

@@ -47,6 +47,7 @@ TEST_P(Scale, OfValuesChangesNothing) {
     FrameRequest request = requestFor(volume, GetParam(), values, 1);
     if (two_lights) request.shading.lights.push_back({LightKind::kDirectional, {1, -1, 0.5}, {0.4, 0.6, 0.8}, 0.7});
     request.aovs.normal = two_lights;
+    if (two_lights) request.transfer_function.gradient_opacity = {{0.5 * values, 0.2}, {2 * values, 1}};
     return draw(makeStore(volume, "values", 16), request);
   };
   for (const bool two_lights : {false, true}) {
@@ -88,6 +89,28 @@ TEST_P(Scale, OfLightIsThatOfThePicture) {
   request.shading.ambient = 1000;
   const Image ambient = draw(store, request);
   EXPECT_GE(*std::min_element(ambient.rgba.begin(), ambient.rgba.end()), 0);
+}
+
+// Of volumes that are lit in their own ways the brightest decides, be it the first or not.
+TEST(Scales, OfLightAreThoseOfAnyVolume) {
+  const DenseVolume volume = balls(1, 1);
+  const auto store = makeStore(volume, "lights", 16);
+  FrameRequest request = requestFor(volume, Lattice::kPixel, 1, 1);
+  Shading bright, matte;
+  bright.lights[0].intensity = 4096;
+  matte.phong = false;
+  Clipping left, right;
+  left.region = VoxelBox{{0, 0, 0}, {20, 36, 33}}, right.region = VoxelBox{{20, 0, 0}, {40, 36, 33}};
+  request.volumes = {{request.transfer_function, matte, left}, {request.transfer_function, bright, right}};
+  const Image first = draw({store, store}, request);
+  std::swap(request.volumes[0], request.volumes[1]);
+  const Image second = draw({store, store}, request);
+  float worst = 0;
+  for (std::size_t i = 0; i < first.rgba.size(); ++i)
+    worst = std::max(worst, std::abs(first.rgba[i] - second.rgba[i]) / 4096);
+  EXPECT_LT(worst, 1e-3f);
+  EXPECT_GT(*std::max_element(first.rgba.begin(), first.rgba.end()), 1000);
+  EXPECT_GE(*std::min_element(first.rgba.begin(), first.rgba.end()), 0);
 }
 
 // What is shown of an infinite voxel is the first or the last point.
