@@ -178,6 +178,13 @@ fs::path behindLinks(const fs::path& path) {
   return out;
 }
 
+fs::path wholeName(const fs::path& path) {
+  const fs::path place = fs::absolute(behindLinks(path)).lexically_normal();
+  std::error_code unknown;
+  const fs::path folder = fs::weakly_canonical(place.parent_path(), unknown);
+  return (unknown ? place.parent_path() : folder) / place.filename();
+}
+
 bool isWrittenInPlace(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
@@ -223,6 +230,10 @@ void FileSystem::replaceBy(const fs::path& temporary, const fs::path& path, cons
 }
 
 void FileSystem::requirePlaceFor(const fs::path& path) {
+  if (const std::optional<int> open = descriptorNamed(path)) {
+    const int how = ::fcntl(*open, F_GETFL);
+    if (how < 0 || (how & O_ACCMODE) == O_RDONLY) throw systemError(how < 0 ? errno : EBADF, path, "writing to it");
+  }
   if (isWrittenInPlace(path)) return;
   std::error_code unknown;
   if (fs::is_directory(path, unknown)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
@@ -243,6 +254,11 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   if (::geteuid() == 0 || ::stat(place.c_str(), &of_file) != 0 || ::stat(directory.c_str(), &of_directory) != 0) return;
   if ((of_directory.st_mode & S_ISVTX) != 0 && of_file.st_uid != ::geteuid() && of_directory.st_uid != ::geteuid())
     throw Error(ErrorCode::kIo, path, "", "is another user's, who alone may replace it there; name another file");
+}
+
+void FileSystem::requirePlaceToRename(const fs::path& path) {
+  if (isWrittenInPlace(path)) throw Error(ErrorCode::kIo, path, "", "is a device or a pipe; name a file");
+  requirePlaceFor(path);
 }
 
 void FileSystem::makeDirectories(const fs::path& path) {

@@ -55,6 +55,8 @@ std::string extensionOf(const std::filesystem::path& path);
 /// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
 /// So that a picture is put where a link says, and the link stays.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
+/// Equal for names of one file, be it there or not.
+std::filesystem::path wholeName(const std::filesystem::path& path);
 /// Whether what has this name is written to as it is, never replaced: a device, a pipe, a socket, or a file that is
 /// named by who has it open, as /dev/stdout is.
 bool isWrittenInPlace(const std::filesystem::path& path);
@@ -100,6 +102,10 @@ class FileSystem {
   /// there is no such directory, kIo where a directory has the name, where nothing can be made beside it, where it is
   /// too long for that, or another user's who alone may replace it; kNoSpace. What isWrittenInPlace is not asked.
   void requirePlaceFor(const std::filesystem::path& path);
+
+  /// The same for what is made piece by piece and then gets its name. throws: as that; Error kIo also where the name is
+  /// of what isWrittenInPlace.
+  void requirePlaceToRename(const std::filesystem::path& path);
 
   virtual void makeDirectories(const std::filesystem::path& path);
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);

@@ -62,7 +62,7 @@ fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename()
 }  // namespace
 
 Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk)
-    : out_(behindLinks(withoutTrailingSlash(out))), building_(out_), disk_(disk) {
+    : out_(withoutTrailingSlash(behindLinks(withoutTrailingSlash(out)))), building_(out_), disk_(disk) {
   const fs::path partial = out_.string() + ".partial";
   if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
     building_ = partial;

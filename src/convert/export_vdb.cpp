@@ -191,7 +191,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   }
   if (store.manifest().volume_class == VolumeClass::kLabels && store.manifest().range.hi > 2147483647.0)
     throw Error(ErrorCode::kUnsupported, out, "", "labels beyond 2147483647 have no OpenVDB grid that others read");
-  disk.requirePlaceFor(out);
+  disk.requirePlaceToRename(out);
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
   const openvdb::GridBase::Ptr grid =

@@ -189,7 +189,7 @@ void requireOutputs(const RenderJob& job, std::size_t frames) {
   numbers.resize(std::min(numbers.size(), frames));
   for (const int frame : numbers) {
     for (const OutputFile& file : filesOf(job, frame)) {
-      if (!seen.insert(fs::absolute(file.path).lexically_normal()).second)
+      if (!seen.insert(wholeName(file.path)).second)
         throw Error(ErrorCode::kUsage, file.path, "", "is named twice; each output needs a name of its own");
     }
   }

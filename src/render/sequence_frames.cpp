@@ -47,7 +47,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
 }
 
 void SequenceFrames::makeFolders() const {
-  if (!job_.output.video.path.empty()) FileSystem::real().requirePlaceFor(job_.output.video.path);
+  if (!job_.output.video.path.empty()) FileSystem::real().requirePlaceToRename(job_.output.video.path);
   if (keepsFramesForVideo(job_)) FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
   for (const int frame : numbers_) {
     const std::vector<OutputFile> files = filesOf(job_, frame), others = filesOf(job_, frame + 1);

@@ -47,15 +47,14 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
     add({"-c:v", "libx264", "-crf", "16"});
   // Without the encoder's name and the time, so that equal frames are equal files.
   add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
-  // A name with a colon would be taken for that of a protocol.
-  add({"file:" + file.string()});
+  // A name with a colon would be taken for that of a protocol, and what is not whole has no ending yet.
+  const std::string ending = extensionOf(options.path);
+  add({"-f", ending == ".mkv" ? "matroska" : ending.substr(1), "file:" + file.string()});
   return out;
 }
 
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
-  // The encoder knows the kind of file by the ending.
-  const fs::path place = behindLinks(options.path);
-  const fs::path temporary = temporaryFor(place).concat(place.extension().string());
+  const fs::path place = behindLinks(options.path), temporary = temporaryFor(place);
   FileSystem& disk = FileSystem::real();
   disk.replaceBy(temporary, place, [&] {
     Image image = readImage(pictures.front());

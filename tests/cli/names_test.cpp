@@ -42,7 +42,7 @@ TEST_F(Names, ALinkStaysAndItsTargetIsWritten) {
 
 // The store behind a link is replaced as one without is, and what it held is not left half.
 TEST_F(Names, AStoreBehindALinkIsReplaced) {
-  fs::create_directory_symlink("h.kiln", in("link.kiln"));
+  fs::create_directory_symlink("h.kiln/", in("link.kiln"));
   done({"convert", "phantom:head:32x32x32", in("link.kiln"), "--brick-size", "16", "--overwrite"});
   EXPECT_TRUE(fs::is_symlink(in("link.kiln")));
   EXPECT_EQ(done({"info", in("h.kiln"), "--json"}).out, done({"info", in("link.kiln"), "--json"}).out);
@@ -71,6 +71,11 @@ TEST_F(Names, NoTwoFilesHaveOne) {
   writeText(in("two.json"),
             R"({"kiln": 1, "volume": "h.kiln", "frames": "9-10", "outputs": [)" + first + ", " + second + R"(]})");
   refused({"render", in("two.json")}, 2, "n_10.png: is named twice");
+  // Nor by way of a link.
+  fs::create_symlink("p.png", in("link.png"));
+  refused(drawn("p.png", {"--stats", in("link.png")}), 2, "link.png is the name of another file");
+  fs::create_symlink("trace.json", in("t.json"));
+  refused({"render", in("trace.json"), "-o", in("p.png"), "--trace", in("t.json")}, 2, "t.json is the name");
 }
 
 TEST_F(Names, ThatCannotBeMadeAreRefusedBeforeTheWork) {
@@ -79,16 +84,20 @@ TEST_F(Names, ThatCannotBeMadeAreRefusedBeforeTheWork) {
   refused(drawn("p.png", {"--trace", in("folder")}), 1, "is a directory; name a file");
   refused(drawn("p.png", {"--stats", in("none/s.json"), "--repeat", "2"}), 1, "there is no directory");
   refused(drawn("p.png", {"--stats", in("none/s.json"), "--dry-run"}), 1, "there is no directory");
+  refused(drawn("p.png", {"--stats", "/dev/fd/99"}), 1, "/dev/fd/99");
+  ASSERT_EQ(std::system(("mkfifo '" + in("v.vdb") + "'").c_str()), 0);
+  refused({"export", in("h.kiln"), in("v.vdb"), "--overwrite"}, 1, "is a device or a pipe");
+  EXPECT_TRUE(fs::is_fifo(in("v.vdb")));
   EXPECT_FALSE(fs::exists(in("p.png")));
 }
 
 TEST_F(Names, InATraceAreText) {
-  done(drawn("a\"b\\c\xff.png", {"--trace", in("t.json")}));
+  done(drawn("a\"b\\gr\u00fcn\xff.png", {"--trace", in("t.json")}));
   const Json trace = Json::parse(readTextFile(in("t.json")));
   int found = 0;
   for (const Json& event : trace["traceEvents"]) {
     if (event.contains("args") && event["args"].contains("file"))
-      found += event["args"]["file"] == "a\"b\\c\u00ff.png" ? 1 : 0;
+      found += event["args"]["file"] == "a\"b\\gr\u00fcn\u00ff.png" ? 1 : 0;
   }
   EXPECT_EQ(found, 1);
 }
@@ -122,6 +131,8 @@ TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
   const auto depthOf = [&](const char* store) -> double {
     return Json::parse(done({"info", in(store), "--json"}).out)["affine"][10];
   };
+  done({"render", in("v.raw"), "-o", in("q.png"), "--dims", "16,16,16", "--type", "u8", "--spacing", "1,1,3", "--add",
+        in("h.kiln"), "--size", "24x24", "--samples", "1", "--dry-run"});
   EXPECT_EQ(depthOf("v.raw.kiln"), 3);
   EXPECT_EQ(depthOf("v.nhdr.kiln"), 2);
 }
@@ -152,6 +163,9 @@ TEST_F(Names, PartsOfAStoreAreVerifiedAsSuch) {
     break;
   }
   EXPECT_EQ(runTool({"verify", in("part_1.kiln")}).exit_code, 1);
+  // What is called so in a whole store is a stranger.
+  writeText(in("h.kiln/part.txt"), "mine");
+  EXPECT_NE(done({"verify", in("h.kiln")}).out.find("whole"), std::string::npos);
 }
 
 }  // namespace

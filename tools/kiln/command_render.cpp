@@ -261,15 +261,14 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
-  const auto whole = [](const fs::path& path) { return fs::absolute(path).lexically_normal(); };
-  std::set<fs::path> taken = {whole(a.input)};
-  for (const fs::path& path : namesOf(job.output)) taken.insert(whole(path));
+  std::set<fs::path> taken = {wholeName(a.input)};
+  for (const fs::path& path : namesOf(job.output)) taken.insert(wholeName(path));
   for (const int frame : framesOf(job)) {
-    for (const OutputFile& file : filesOf(job, frame)) taken.insert(whole(file.path));
+    for (const OutputFile& file : filesOf(job, frame)) taken.insert(wholeName(file.path));
   }
   for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
     if (name.empty()) continue;
-    if (!taken.insert(whole(name)).second)
+    if (!taken.insert(wholeName(name)).second)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{}: {} is the name of another file of this command", option, name.string()));
   }
@@ -300,20 +299,36 @@ RenderJob jobOf(const RenderArguments& a) {
   return job;
 }
 
+// What is said of a foreign file is said of INPUT, not of volumes beside it.
+class InputOptions {
+ public:
+  InputOptions(const RenderArguments& a, const RenderJob& job) : options_(a.source.resolve()) {
+    const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
+    names_ = {input};
+    for (const int frame : framesOf(job)) names_.insert(pathOfFrame(input, frame));
+  }
+  SourceOptions of(const fs::path& volume) const { return names_.contains(volume) ? options_ : SourceOptions(); }
+
+ private:
+  SourceOptions options_;
+  std::set<fs::path> names_;  // of each frame
+};
+
 void requireStatisticsPlace(const RenderArguments& a) {
   if (!a.stats.empty()) FileSystem::real().requirePlaceFor(a.stats);
 }
 
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const RenderArguments& a, RenderJob job, std::uint64_t beside_bytes) {
+void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, std::uint64_t beside_bytes) {
   if (a.progress == "json")
     throw Error(ErrorCode::kUsage,
                 "--progress json: tells of frames, and --dry-run draws none; --stats has its numbers");
   requireStatisticsPlace(a);
   const int first = framesOf(job).front();
   const bool series = isSeries(job);
-  forEachVolume(job, [&, source = a.source.resolve()](const fs::path& volume) {
-    const fs::path of_first = series ? pathOfFrame(volume, first) : volume, store = madeStoreFor(of_first, source);
+  forEachVolume(job, [&](const fs::path& volume) {
+    const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
+    const fs::path store = madeStoreFor(of_first, input.of(of_first));
     return store == of_first ? volume : store;
   });
   const DryRun cost = dryRun(job, beside_bytes);
@@ -408,18 +423,14 @@ void run(const RenderArguments& a, Context& context) {
     throw Error(ErrorCode::kUsage,
                 "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
   if (a.checkpoint) requireCheckpoint(job);
-  if (a.dry_run) return sayCost(a, job, besideBytes(job, options));
-  // What is said of a foreign file is said of INPUT, not of volumes beside it.
-  const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
-  std::set<fs::path> of_input = {input};
-  for (const int frame : framesOf(job)) of_input.insert(pathOfFrame(input, frame));
+  const InputOptions input(a, job);
+  if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options));
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
     conversion.command = context.command_line;
     conversion.time = timeNow();
-    return storeFor(volume, of_input.contains(volume) ? a.source.resolve() : SourceOptions(), conversion,
-                    context.progress);
+    return storeFor(volume, input.of(volume), conversion, context.progress);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -19,12 +21,22 @@ struct VerifyArguments {
   unsigned threads = 0;
 };
 
+// The box of a part that split made. A file of that name that is none is a stranger in a whole store.
+std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
+  if (!std::filesystem::exists(store.path() / kPartFile)) return std::nullopt;
+  try {
+    return boxOfStorePart(store.path());
+  } catch (const Error& error) {
+    progress.note(std::string(error.what()) + "; the store is checked as a whole one");
+    return std::nullopt;
+  }
+}
+
 void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   const StoreReader store(a.store);
-  const bool part = std::filesystem::exists(store.path() / kPartFile);
   std::function<bool(const BrickKey&)> holds;
-  if (part) holds = bricksOfStorePart(store, boxOfStorePart(store.path()));
+  if (const std::optional<VoxelBox> part = partOf(store, context.progress)) holds = bricksOfStorePart(store, *part);
   const VerifyReport report = verify(
       store, parseBytes(a.memory, "--memory"), [&](const Error& damage) { context.progress.note(damage.what()); },
       context.progress, holds);
@@ -32,7 +44,7 @@ void run(const VerifyArguments& a, Context& context) {
   if (report.damaged > 0)
     throw Error(ErrorCode::kDamaged, store.path(), "",
                 fmt::format("{} of {} files damaged", report.damaged, report.files));
-  fmt::print("{}: {}, {} files checked\n", a.store, part ? "has all of its part" : "whole", report.files);
+  fmt::print("{}: {}, {} files checked\n", a.store, holds ? "has all of its part" : "whole", report.files);
 }
 
 }  // namespace
