@@ -64,21 +64,6 @@ fs::path baseOf(const fs::path& input) {
   return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
 }
 
-}  // namespace
-
-bool isStoreOf(const fs::path& store, const SourceInfo& info) {
-  try {
-    const Manifest manifest = StoreReader(store).manifest();
-    return (manifest.source.state.empty() ? isYounger(store, info.files)
-                                          : manifest.source.state == stateOf(info.files)) &&
-           sameVolume(manifest, info);
-  } catch (const Error&) {
-    return false;  // damaged, or of another format: made anew
-  }
-}
-
-namespace {
-
 // Whether it is for StoreReader to open, or to say why not.
 bool isForReader(const fs::path& input) {
   std::error_code ignored;
@@ -97,14 +82,29 @@ void requireNoPhantom(const fs::path& input) {
 
 fs::path besideOf(const fs::path& input) { return baseOf(input).string() + ".kiln"; }
 
+// Whether a store is named, or what StoreReader says why it is none: then no option may say anything of it.
+bool namesStore(const fs::path& input, const SourceOptions& source_options) {
+  requireNoPhantom(input);
+  if (!isForReader(input)) return false;
+  requireNoOptions(input, source_options);
+  return true;
+}
+
 }  // namespace
 
-fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options) {
-  requireNoPhantom(input);
-  if (isForReader(input)) {
-    requireNoOptions(input, source_options);
-    return input;
+bool isStoreOf(const fs::path& store, const SourceInfo& info) {
+  try {
+    const Manifest manifest = StoreReader(store).manifest();
+    return (manifest.source.state.empty() ? isYounger(store, info.files)
+                                          : manifest.source.state == stateOf(info.files)) &&
+           sameVolume(manifest, info);
+  } catch (const Error&) {
+    return false;  // damaged, or of another format: made anew
   }
+}
+
+fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options) {
+  if (namesStore(input, source_options)) return input;
   fs::path store = besideOf(input);
   if (isStoreOf(store, openSource(input, source_options)->info())) return store;
   throw Error(
@@ -115,11 +115,7 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress) {
-  requireNoPhantom(input);
-  if (isForReader(input)) {
-    requireNoOptions(input, source_options);
-    return input;
-  }
+  if (namesStore(input, source_options)) return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
   const fs::path store = besideOf(input);
   if (isStoreOf(store, source->info())) {

@@ -40,8 +40,8 @@ HWY_INLINE VI nearest(V v) {
 template <int kTaps>
 struct Footprint {
   const float *wide, *row, *down, *wide_down;
-  int taps, padded;      // rows, and columns with the rest of vectors
-  FootprintPlace place;  // its first pixel
+  int taps, padded;  // rows, and columns with the rest of vectors
+  int x, y;          // the sheet's column and row of its first pixel
   Footprint(const FootprintTable& table, const FootprintPlace& at, const PixelRect& tile)
       : wide(table.wide(at.phaseX())),
         row(table.row(at.phaseX())),
@@ -49,7 +49,8 @@ struct Footprint {
         wide_down(table.wide(at.phaseY())),
         taps(kTaps > 0 ? kTaps : table.taps()),
         padded(kTaps > 0 ? kTaps : table.padded()),
-        place(at) {
+        x(at.x()),
+        y(at.y()) {
     if constexpr (kTaps == 0) {
       if (table.clipped()) clip(table.taps(), tile);
     }
@@ -57,12 +58,12 @@ struct Footprint {
 
   // Leaves what of it is in the tile. The window of the tile's first pixel begins all but one of its pixels before it.
   void clip(int all, const PixelRect& tile) {
-    const int x = place.x() - (all - 1), y = place.y() - (all - 1);
+    x -= all - 1, y -= all - 1;
     const int left = std::max(-x, 0), above = std::max(-y, 0);
     wide += 4 * left, row += left, down += above;
-    padded = std::min(all - left, tile.width() - (x + left));
-    taps = std::min(all - above, tile.height() - (y + above));
-    place.window = (x + left) + ((y + above) << 16);
+    x += left, y += above;
+    padded = std::min(all - left, tile.width() - x);
+    taps = std::min(all - above, tile.height() - y);
   }
 
   // Four numbers a pixel: those of `four(i)`, from the i-th of four that repeat. Four pixels are one row of 16 numbers.
@@ -129,8 +130,8 @@ void addSamplesOf(std::span<const SlabSample* const> samples, const FootprintTab
         const auto is_color = hn::Gt(Taps::fourOf(kIsColor, i), hn::Zero(d));
         return hn::IfThenElse(is_color, hn::Mul(of_color, Taps::fourOf(&s->r, i)), scale);
       };
-      footprint.add(light, sheet.at(footprint.place), sheet.stride());
-      footprint.addFilled(fill, sheet.filledAt(footprint.place), sheet.stride() / 4);
+      footprint.add(light, sheet.column(footprint.x, footprint.y), sheet.stride());
+      footprint.addFilled(fill, sheet.filledColumn(footprint.x, footprint.y), sheet.stride() / 4);
     };
     if (s->front > 0) add(s->front, here);
     if (s->back > 0) add(s->back, next);
@@ -145,7 +146,8 @@ void addAovsOf(std::span<const AovSample* const> samples, const FootprintTable& 
     const auto add = [&](float amount, float depth, Sheet& sheet) {
       const float scale = amount * Sheet::kOne;
       alignas(16) const float sums[4] = {scale * s->normal.x, scale * s->normal.y, scale * s->normal.z, scale * depth};
-      footprint.add([&](std::size_t i) { return Taps::fourOf(sums, i); }, sheet.at(footprint.place), sheet.stride());
+      footprint.add([&](std::size_t i) { return Taps::fourOf(sums, i); }, sheet.column(footprint.x, footprint.y),
+                    sheet.stride());
     };
     if (s->front > 0) add(s->front, s->depth_front, here);
     if (s->back > 0) add(s->back, s->depth_back, next);

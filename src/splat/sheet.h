@@ -77,9 +77,10 @@ class Sheet {
   std::int32_t* at(int x, int y) { return const_cast<std::int32_t*>(std::as_const(*this).at(x, y)); }
   /// What of the pixel samples fill. shape: one a pixel, from (x, y) on to the right; as `at`.
   std::int32_t* filledAt(int x, int y) { return &filled_[indexOf(x - rect_.x0 + before_, y - rect_.y0 + before_)]; }
-  /// The same, from the first pixel of a footprint on; of a clipped one, from this pixel of the rectangle.
-  std::int32_t* at(const FootprintPlace& place) { return &sums_[4 * indexOf(place.x(), place.y())]; }
-  std::int32_t* filledAt(const FootprintPlace& place) { return &filled_[indexOf(place.x(), place.y())]; }
+  /// The same by column and row of the sheet, which begins with the first window; of clipped footprints, with the
+  /// rectangle.
+  std::int32_t* column(int x, int y) { return &sums_[4 * indexOf(x, y)]; }
+  std::int32_t* filledColumn(int x, int y) { return &filled_[indexOf(x, y)]; }
   /// Samples are added to pixels of `blocks`.
   void mark(std::uint64_t blocks) { dirty_ |= blocks; }
   /// All sums are zero again.
