@@ -5,10 +5,16 @@
 
 namespace kiln {
 
+namespace {
+
+// The power of two that brings a size near one.
+float factorToOne(float size) { return std::ldexp(1.0f, -std::clamp(std::ilogb(size), -120, 120)); }
+
+}  // namespace
+
 GradientScale::GradientScale(float noise) {
   // As it is where squares are far from a float's ends.
-  if (noise > 0 && (noise < 1e-8f || noise > 1e8f))
-    factor = std::ldexp(1.0f, -std::clamp(std::ilogb(noise), -120, 120));
+  if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
   const float scaled = noise * factor;
   least_squared = scaled * scaled;
 }
@@ -18,7 +24,7 @@ glm::mat3 withoutLength(const glm::mat3& m) {
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) most = std::max(most, std::abs(m[column][row]));
   }
-  return most > 0 ? m * std::ldexp(1.0f, -std::clamp(std::ilogb(most), -120, 120)) : m;
+  return most > 0 ? m * factorToOne(most) : m;
 }
 
 float colorUnitOf(const Shading& shading) {

@@ -20,6 +20,11 @@ class Names : public ToolTest {
  protected:
   Names() : ToolTest("names_") {}
   void SetUp() override { done({"convert", "phantom:head:48x48x48", in("h.kiln"), "--brick-size", "16"}); }
+  // v.raw, of 16^3 bytes.
+  void writeRaw() const {
+    const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 1, 1);
+    writeText(in("v.raw"), {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+  }
   std::vector<std::string> drawn(const std::string& picture, const std::vector<std::string>& more = {}) const {
     std::vector<std::string> out = {"render", in("h.kiln"), "-o", in(picture), "--size", "24x24", "--samples", "1"};
     out.insert(out.end(), more.begin(), more.end());
@@ -121,8 +126,7 @@ TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
   refused(drawn("p.png", {"--spacing", "1,1,5"}), 2, "--spacing applies to files without axes of their own only");
   refused(drawn("p.png", {"--dims", "3,3,3", "--type", "u8"}), 2, "--dims applies to headerless raw data only");
   // Of INPUT, not of what is drawn beside it.
-  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 1, 1);
-  writeText(in("v.raw"), {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+  writeRaw();
   writeText(in("v.nhdr"),
             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 16\nspacings: 1 1 2\nencoding: raw\n"
             "data file: v.raw\n");
@@ -138,8 +142,7 @@ TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
 }
 
 TEST_F(Names, ADryRunOfAForeignFileMakesNoStore) {
-  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 1, 1);
-  writeText(in("v.raw"), {reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()});
+  writeRaw();
   std::vector<std::string> arguments = {"render",   in("v.raw"), "-o", in("q.png"), "--dims",
                                         "16,16,16", "--type",    "u8", "--size",    "24x24"};
   std::vector<std::string> dry = arguments;
