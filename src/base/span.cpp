@@ -2,27 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <ctime>
 
+#include "base/text.h"
 #include "base/trace.h"
 
 namespace kiln {
 namespace {
-
-// Of a character in UTF-8 at the front of a text, its bytes; 0 where there is none.
-std::size_t bytesOfCharacter(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned first = byte(0);
-  const std::size_t bytes = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
-  unsigned code = bytes == 1 ? first : first & (0x7fu >> bytes);
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if (byte(i) >> 6 != 2) return 0;
-    code = code << 6 | (byte(i) & 0x3f);
-  }
-  constexpr unsigned kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  return code < kLeast[bytes] || code > 0x10ffff || code >> 11 == 0x1b ? 0 : bytes;
-}
 
 thread_local Span* innermost = nullptr;
 std::array<std::atomic<std::int64_t>, kActivities> busy_ns{};

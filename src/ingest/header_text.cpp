@@ -6,6 +6,8 @@
 #include <cctype>
 #include <charconv>
 
+#include "base/text.h"
+
 namespace kiln {
 namespace {
 
@@ -148,14 +150,6 @@ std::string trimmed(std::string_view text) {
   return std::string(text);
 }
 
-std::string lowered(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return out;
-}
-
 std::vector<std::string> words(std::string_view text) {
   std::vector<std::string> out;
   for (std::size_t i = 0; i < text.size();) {
@@ -173,19 +167,12 @@ std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<s
 
 namespace {
 
-// Of a character in UTF-8 at the front of the text that a terminal shows, its bytes; 0 where there is none.
+// Of a character at the front of a text that a terminal shows, its bytes; 0 where there is none, or an order to it.
 std::size_t shownBytes(std::string_view text) {
+  const std::size_t bytes = bytesOfCharacter(text);
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
-  const std::size_t count = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-  if (first < 0xc2 || first > 0xf4 || count > text.size()) return 0;
-  for (std::size_t i = 1; i < count; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Below are controls (c2) and longer forms than need be (e0, f0), above what is half a character (ed) or none (f4).
-  const unsigned char least = first == 0xc2 || first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
-  const unsigned char most = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
-  return byte(1) >= least && byte(1) <= most ? count : 0;
+  const bool control = bytes == 1 ? byte(0) < 0x20 || byte(0) == 0x7f : bytes == 2 && byte(0) == 0xc2 && byte(1) < 0xa0;
+  return control ? 0 : bytes;
 }
 
 }  // namespace

@@ -72,7 +72,6 @@ class HeaderFields {
 };
 
 std::string trimmed(std::string_view text);
-std::string lowered(std::string_view text);
 std::vector<std::string> words(std::string_view text);
 /// The whole of `text` as a number, or empty; "nan" and "inf" are numbers here.
 std::optional<double> doubleOf(std::string_view text);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "ingest/formats.h"
 #include "ingest/header_text.h"
 #include "ingest/linear_source.h"

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "ingest/formats.h"
 #include "ingest/linear_source.h"
 #include "ingest/nrrd_geometry.h"

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "ingest/formats.h"
 #include "ingest/header_text.h"
 #include "ingest/inflate_stream.h"
