@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -73,23 +74,29 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
   return done;
 }
 
+constexpr int kMostLinks = 40;  // as the system follows
+
+// What a link is a link to; nothing where it is none.
+std::optional<fs::path> behindLink(const fs::path& path) {
+  std::error_code unknown;
+  if (!fs::is_symlink(fs::symlink_status(path, unknown))) return std::nullopt;
+  const fs::path target = fs::read_symlink(path, unknown);
+  return unknown ? std::nullopt : std::optional(path.parent_path() / target);
+}
+
 // Of a name such as /dev/stdout, which of this process' open files it is.
 std::optional<int> descriptorNamed(const fs::path& path) {
   std::error_code unknown;
   const fs::path own = fs::canonical("/proc/self/fd", unknown);
   if (unknown) return std::nullopt;
   // By the last link but one: the last is to what is open, which may be anywhere, or nowhere any more.
-  fs::path at = path;
-  for (int i = 0; i < 8; ++i) {
-    if (fs::canonical(at.has_parent_path() ? at.parent_path() : ".", unknown) == own && !unknown) {
-      const std::string name = at.filename().string();
-      int out = -1;
-      const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
-      if (error == std::errc() && end == name.data() + name.size()) return out;
-    }
-    if (!fs::is_symlink(fs::symlink_status(at, unknown))) return std::nullopt;
-    at = at.parent_path() / fs::read_symlink(at, unknown);
-    if (unknown) return std::nullopt;
+  std::optional<fs::path> at = path;
+  for (int i = 0; at && i < kMostLinks; ++i, at = behindLink(*at)) {
+    if (fs::canonical(at->has_parent_path() ? at->parent_path() : ".", unknown) != own || unknown) continue;
+    const std::string name = at->filename().string();
+    int out = -1;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
+    if (error == std::errc() && end == name.data() + name.size()) return out;
   }
   return std::nullopt;
 }
@@ -160,29 +167,28 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
   return std::string(reinterpret_cast<const char*>(data.data()), data.size());
 }
 
-std::string extensionOf(const fs::path& path) {
-  std::string out = path.extension().string();
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
+std::string extensionOf(const fs::path& path) { return lowered(path.extension().string()); }
 
 fs::path behindLinks(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // as the system follows
-  std::error_code unknown;
   fs::path out = path;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(out, unknown)); ++i) {
-    const fs::path target = fs::read_symlink(out, unknown);
-    if (unknown) break;
-    out = out.parent_path() / target;
+  for (int i = 0; i < kMostLinks; ++i) {
+    std::optional<fs::path> next = behindLink(out);
+    if (!next) break;
+    out = std::move(*next);
   }
   return out;
 }
 
-fs::path wholeName(const fs::path& path) {
-  const fs::path place = fs::absolute(behindLinks(path)).lexically_normal();
-  std::error_code unknown;
-  const fs::path folder = fs::weakly_canonical(place.parent_path(), unknown);
-  return (unknown ? place.parent_path() : folder) / place.filename();
+bool FileNames::add(const fs::path& path) {
+  const fs::path place = behindLinks(path), named = place.parent_path();
+  auto folder = folders_.find(named);
+  if (folder == folders_.end()) {
+    std::error_code unknown;
+    const fs::path absolute = fs::absolute(named.empty() ? "." : named),
+                   whole = fs::weakly_canonical(absolute, unknown);
+    folder = folders_.emplace(named, unknown ? absolute : whole).first;
+  }
+  return names_.insert((folder->second / place.filename()).string()).second;
 }
 
 bool isWrittenInPlace(const fs::path& path) {

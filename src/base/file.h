@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -55,11 +57,20 @@ std::string extensionOf(const std::filesystem::path& path);
 /// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
 /// So that a picture is put where a link says, and the link stays.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
-/// Equal for names of one file, be it there or not.
-std::filesystem::path wholeName(const std::filesystem::path& path);
 /// Whether what has this name is written to as it is, never replaced: a device, a pipe, a socket, or a file that is
 /// named by who has it open, as /dev/stdout is.
 bool isWrittenInPlace(const std::filesystem::path& path);
+
+/// Files by their names, of which several may be one's: by links, and of folders by other spellings.
+class FileNames {
+ public:
+  /// False where the file is among them already, be it there or not.
+  bool add(const std::filesystem::path& path);
+
+ private:
+  std::map<std::filesystem::path, std::filesystem::path> folders_;  // as they are named, and as they are
+  std::unordered_set<std::string> names_;
+};
 
 /// A name for what is to be renamed to `path` when it is whole: in the same directory, of eight digits that no other
 /// call has, on whatever machine, and `.tmp`. So nobody's file is in its way, and two who make the same file do not

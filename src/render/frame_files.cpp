@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -174,22 +173,20 @@ fs::path videoFrameOf(const RenderJob& job, int frame) {
       ->path;
 }
 
-void requireOutputs(const RenderJob& job, std::size_t frames) {
-  std::set<fs::path> seen;
+void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
   for (const OutputFile& file : patternsOf(job)) {
     requireImagePath(file.path, aovsOf(job, file).any());
-    if (frames > 1 && !hasFramePlace(file.path)) {
+    if (frames.size() > 1 && !hasFramePlace(file.path)) {
       const fs::path numbered = file.path.stem().string() + "_####" + file.path.extension().string();
       throw Error(ErrorCode::kUsage, file.path, "",
-                  fmt::format("has no place for the numbers of {} frames; write {}", frames,
+                  fmt::format("has no place for the numbers of {} frames; write {}", frames.size(),
                               (file.path.parent_path() / numbered).string()));
     }
   }
-  std::vector<int> numbers = framesOf(job);
-  numbers.resize(std::min(numbers.size(), frames));
-  for (const int frame : numbers) {
+  FileNames seen;
+  for (const int frame : frames) {
     for (const OutputFile& file : filesOf(job, frame)) {
-      if (!seen.insert(wholeName(file.path)).second)
+      if (!seen.add(file.path))
         throw Error(ErrorCode::kUsage, file.path, "", "is named twice; each output needs a name of its own");
     }
   }

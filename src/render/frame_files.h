@@ -20,8 +20,9 @@ std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
 bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
-/// throws: Error kUsage where a name is no picture's, has no place for the number of several frames, or is given twice.
-void requireOutputs(const RenderJob& job, std::size_t frames);
+/// throws: Error kUsage where a name is no picture's, has no place for the number of several frames, or where two of
+/// these frames' files are one.
+void requireOutputs(const RenderJob& job, const std::vector<int>& frames);
 
 /// What a file's pixels depend on, as a text of 32 digits: the scene, the volume's content, the kind of file and this
 /// version of Kiln. Not: where the files are, which frames there are, threads, memory and exact visibility methods.

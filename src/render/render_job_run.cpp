@@ -57,7 +57,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   requirePart(job);
   requireVolumes(job);
   requireViews(job);
-  requireOutputs(job, 1);
+  requireOutputs(job, {framesOf(job).front()});
   const ThreadLimit threads(job.speed.threads);
   std::optional<Trace> trace;
   if (!job.trace.empty()) trace.emplace(job.trace);

@@ -43,7 +43,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
       beside_bytes_(beside_bytes),
       role_(role),
       numbers_(framesOf(job)) {
-  requireOutputs(job_, numbers_.size());
+  requireOutputs(job_, numbers_);
 }
 
 void SequenceFrames::makeFolders() const {

@@ -261,14 +261,16 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
 
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
-  std::set<fs::path> taken = {wholeName(a.input)};
-  for (const fs::path& path : namesOf(job.output)) taken.insert(wholeName(path));
+  if (a.stats.empty() && job.trace.empty()) return;
+  FileNames taken;
+  taken.add(a.input);
+  for (const fs::path& path : namesOf(job.output)) taken.add(path);
   for (const int frame : framesOf(job)) {
-    for (const OutputFile& file : filesOf(job, frame)) taken.insert(wholeName(file.path));
+    for (const OutputFile& file : filesOf(job, frame)) taken.add(file.path);
   }
   for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
     if (name.empty()) continue;
-    if (!taken.insert(wholeName(name)).second)
+    if (!taken.add(name))
       throw Error(ErrorCode::kUsage,
                   fmt::format("{}: {} is the name of another file of this command", option, name.string()));
   }
@@ -294,7 +296,7 @@ RenderJob jobOf(const RenderArguments& a) {
   requireViews(job);
   if ((a.deep_samples || a.deep_error) && !drawsDeep(job))
     throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
-  requireOutputs(job, framesOf(job).size());
+  requireOutputs(job, framesOf(job));
   requireOwnFiles(a, job);
   return job;
 }
@@ -320,9 +322,6 @@ void requireStatisticsPlace(const RenderArguments& a) {
 
 // Says what the render would cost, and fails where the memory given is too little.
 void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, std::uint64_t beside_bytes) {
-  if (a.progress == "json")
-    throw Error(ErrorCode::kUsage,
-                "--progress json: tells of frames, and --dry-run draws none; --stats has its numbers");
   requireStatisticsPlace(a);
   const int first = framesOf(job).front();
   const bool series = isSeries(job);
@@ -386,8 +385,6 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
 void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions& options, Context& context) {
   if (const std::size_t frames = framesOf(job).size(); frames > 1 || a.resume || !job.output.video.path.empty())
     throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
-  if (a.progress == "json")
-    throw Error(ErrorCode::kUsage, "--progress json: tells of frames, not of --repeat; --stats has its numbers");
   requireStatisticsPlace(a);
   const int frame = framesOf(job).front();
   job = jobAtFrame(job, frame);
@@ -422,6 +419,10 @@ void run(const RenderArguments& a, Context& context) {
   if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
     throw Error(ErrorCode::kUsage,
                 "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
+  if (a.progress == "json" && (a.dry_run || a.repeat > 1))
+    throw Error(ErrorCode::kUsage,
+                "--progress json: tells of frames that become files, not of --dry-run and --repeat; --stats has their "
+                "numbers");
   if (a.checkpoint) requireCheckpoint(job);
   const InputOptions input(a, job);
   if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options));
