@@ -171,11 +171,14 @@ std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool firs
 
 void BrickCache::announce(std::span<const NextBrick> next) {
   if (readers_.empty()) return;
+  bool wanted = false;
   {
     const Lock lock(mutex_);
     announced_.assign(next.begin(), next.end());
+    wanted = nextToRead() != nullptr;
   }
-  changed_.notify_all();
+  // Where all is there, readers that wake for nothing would take their cores from what is drawn.
+  if (wanted) changed_.notify_all();
 }
 
 void BrickCache::settle() {
