@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 
 namespace kiln {
 
@@ -12,6 +13,7 @@ namespace kiln {
 #ifdef __SANITIZE_ADDRESS__
 
 void* takePages(std::size_t bytes) { return ::operator new(bytes, std::align_val_t(kLargePage)); }
+void* takeZeroPages(std::size_t bytes) { return std::memset(takePages(bytes), 0, bytes); }
 void giveBackPages(void* pages, std::size_t) noexcept { ::operator delete(pages, std::align_val_t(kLargePage)); }
 
 #else
@@ -67,6 +69,12 @@ void* takePages(std::size_t bytes) {
   }
   held_pages.fetch_sub(1, std::memory_order_relaxed);
   return takeFromHeap(bytes);
+}
+
+// What the system maps is zero.
+void* takeZeroPages(std::size_t bytes) {
+  void* const pages = takePages(bytes);
+  return isPaged(pages) ? pages : std::memset(pages, 0, bytes);
 }
 
 void giveBackPages(void* pages, std::size_t bytes) noexcept {

@@ -18,17 +18,19 @@ inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
 inline constexpr std::size_t kMostPaged = 16384;
 
 /// Bytes in large pages, as far as they fill them and where the system has them; it gets them back when they are given
-/// back. thread: safe. throws: std::bad_alloc.
+/// back. Those of takeZeroPages are zero. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
+void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
 
-/// As std::allocator, but what is large has pages of its own.
+/// As std::allocator, but what is large has pages of its own, and elements that are not given a value have none: for
+/// what is written anyway. Of decoding a brick setting its bytes to zero first would be a tenth.
 template <class T>
-struct LargePageAllocator {
+struct UnsetAllocator {
   using value_type = T;
-  LargePageAllocator() = default;
+  UnsetAllocator() = default;
   template <class U>
-  LargePageAllocator(const LargePageAllocator<U>&) {}
+  UnsetAllocator(const UnsetAllocator<U>&) {}
 
   T* allocate(std::size_t count) {
     if (count < kLargePage / sizeof(T)) return std::allocator<T>().allocate(count);
@@ -40,29 +42,16 @@ struct LargePageAllocator {
     giveBackPages(at, count * sizeof(T));
   }
   template <class U>
-  bool operator==(const LargePageAllocator<U>&) const {
-    return true;
-  }
-};
-
-template <class T>
-using PagedVector = std::vector<T, LargePageAllocator<T>>;
-
-/// As LargePageAllocator, but elements that are not given a value have none: for what is written anyway. Of decoding a
-/// brick setting its bytes to zero first would be a tenth.
-template <class T>
-struct UnsetAllocator : LargePageAllocator<T> {
-  template <class U>
-  struct rebind {
-    using other = UnsetAllocator<U>;
-  };
-  template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
   }
   template <class U, class... Args>
   void construct(U* at, Args&&... args) {
     std::construct_at(at, std::forward<Args>(args)...);
+  }
+  template <class U>
+  bool operator==(const UnsetAllocator<U>&) const {
+    return true;
   }
 };
 

@@ -170,11 +170,16 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   Image image;
   image.width = static_cast<int>(width);
   image.height = static_cast<int>(height);
-  image.rgba.reserve(std::min(static_cast<std::size_t>(width * height) * 4, file_bytes * 64));
+  // A header may say more than its file has: there is room for rows that were read.
+  const std::size_t all = static_cast<std::size_t>(width * height) * 4;
+  image.rgba.resize(std::clamp(file_bytes * 64, row.size(), all));
+  std::size_t read = 0;
   for (int y = window.min.y; y <= window.max.y; ++y) {
     file.readPixels(y);
     for (std::size_t x = 0; grey && x < row.size(); x += 4) row[x + 1] = row[x + 2] = row[x];
-    image.rgba.insert(image.rgba.end(), row.begin(), row.end());
+    if (read + row.size() > image.rgba.size()) image.rgba.resize(std::min(2 * image.rgba.size() + row.size(), all));
+    std::copy(row.begin(), row.end(), image.rgba.begin() + read);
+    read += row.size();
   }
   return image;
 }
@@ -187,7 +192,7 @@ void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const 
     const Imf::Channel* const channel = file.header().channels().findChannel(name);
     if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)
       throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing, or is not of every pixel");
-    image.planes.push_back({name, PagedVector<float>(image.rgba.size() / 4)});
+    image.planes.push_back({name, ZeroPages<float>(image.rgba.size() / 4)});
   }
   Imf::FrameBuffer buffer;
   const std::size_t row = static_cast<std::size_t>(image.width) * sizeof(float);

@@ -8,21 +8,21 @@
 
 #include "base/deep_samples.h"
 #include "base/edge_layers.h"
-#include "base/large_pages.h"
+#include "base/zero_pages.h"
 
 namespace kiln {
 
 /// One more number a pixel. shape: height rows of width floats, row 0 at the top.
 struct Plane {
   std::string name;  // of its channel in an EXR
-  PagedVector<float> values;
+  ZeroPages<float> values;
 };
 
 /// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top; empty where only planes are told. unit:
 /// linear, premultiplied.
 struct Image {
   int width = 0, height = 0;
-  PagedVector<float> rgba;
+  ZeroPages<float> rgba;
   std::vector<Plane> planes;
   std::shared_ptr<DeepSamples> deep;  // of the same pixels, counted as in the whole picture; null where not asked for
   std::shared_ptr<EdgeLayers> edges;  // of a partial image; the same

@@ -66,13 +66,13 @@ std::uint64_t aovBytes(const Aovs& aovs) {
 void addAovPlanes(const Aovs& aovs, Image& image) {
   const std::size_t pixels = image.rgba.size() / 4;
   if (aovs.depth) {
-    image.planes.push_back({kDepthNames[0], PagedVector<float>(pixels, kNothing)});
-    image.planes.push_back({kDepthNames[1], PagedVector<float>(pixels)});
+    image.planes.push_back({kDepthNames[0], ZeroPages<float>(pixels, kNothing)});
+    image.planes.push_back({kDepthNames[1], ZeroPages<float>(pixels)});
   }
   for (const char* name : kNormalNames) {
-    if (aovs.normal) image.planes.push_back({name, PagedVector<float>(pixels)});
+    if (aovs.normal) image.planes.push_back({name, ZeroPages<float>(pixels)});
   }
-  if (aovs.value) image.planes.push_back({"value", PagedVector<float>(pixels, kNoValue)});
+  if (aovs.value) image.planes.push_back({"value", ZeroPages<float>(pixels, kNoValue)});
 }
 
 float* valuePlane(const Aovs& aovs, Image& image) { return aovs.value ? image.planes.back().values.data() : nullptr; }

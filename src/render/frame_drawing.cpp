@@ -168,8 +168,8 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   const Span span(Activity::kWalk);
   const bool slabs = (plan_.pixel && request_.lattice == Lattice::kPixel) || plan_.mix;
-  PagedVector<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
-  PagedVector<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
+  ZeroPages<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
+  ZeroPages<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,
                  aovPixels(request_.aovs, image, 0, 0)};
   all.aovs.filled = filled.data();
@@ -206,7 +206,7 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
   drawDue(all);
   if (!request_.clipping.part || !plan_.pixel) return;
-  Plane coverage{kCoveragePlane, PagedVector<float>(covered.size())};
+  Plane coverage{kCoveragePlane, ZeroPages<float>(covered.size())};
   std::transform(covered.begin(), covered.end(), coverage.values.begin(),
                  [](CoveredPixel part) { return static_cast<float>(part) / 255; });
   image.planes.push_back(std::move(coverage));

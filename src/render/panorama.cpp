@@ -209,7 +209,7 @@ class Panorama {
   }
 
   void finishNormals() {
-    PagedVector<float>* axes[3] = {};
+    ZeroPages<float>* axes[3] = {};
     for (Plane& plane : image.planes) {
       if (plane.name.starts_with("N.")) axes[plane.name.back() - 'X'] = &plane.values;
     }
@@ -223,7 +223,7 @@ class Panorama {
 
   const Faces faces_;
   const Angles columns_, rows_;
-  PagedVector<float> weights_;  // of what planes are sums of
+  ZeroPages<float> weights_;  // of what planes are sums of
 };
 
 }  // namespace

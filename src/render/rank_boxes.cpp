@@ -90,7 +90,7 @@ class VolumeCutter {
 
   const Extent3 lattice_;
   const std::int64_t brick_size_;
-  PagedVector<float> weights_;
+  std::vector<float> weights_;
 };
 
 }  // namespace

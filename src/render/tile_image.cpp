@@ -7,8 +7,8 @@
 namespace kiln {
 namespace {
 
-void putRows(const PagedVector<float>& from, int channels, const PixelRect& at, const PixelRect& whole,
-             PagedVector<float>& to) {
+void putRows(const ZeroPages<float>& from, int channels, const PixelRect& at, const PixelRect& whole,
+             ZeroPages<float>& to) {
   const auto row = static_cast<std::size_t>(at.width()) * static_cast<std::size_t>(channels);
   for (int y = 0; y < at.height(); ++y) {
     const std::size_t first = static_cast<std::size_t>(at.y0 - whole.y0 + y) * static_cast<std::size_t>(whole.width()) +
@@ -18,9 +18,9 @@ void putRows(const PagedVector<float>& from, int channels, const PixelRect& at, 
   }
 }
 
-PagedVector<float> takeFloats(ByteTaker& taker, std::size_t count) {
+ZeroPages<float> takeFloats(ByteTaker& taker, std::size_t count) {
   const std::span<const std::byte> bytes = taker.takeBytes(count * sizeof(float));
-  PagedVector<float> out(bytes.size() / sizeof(float));
+  ZeroPages<float> out(bytes.size() / sizeof(float));
   std::memcpy(out.data(), bytes.data(), bytes.size());
   return out;
 }
@@ -31,13 +31,13 @@ void putTile(const Image& tile, const PixelRect& at, const PixelRect& whole, Ima
   putRows(tile.rgba, 4, at, whole, image.rgba);
   for (std::size_t i = 0; i < tile.planes.size(); ++i) {
     if (i == image.planes.size())
-      image.planes.push_back({tile.planes[i].name, PagedVector<float>(image.rgba.size() / 4)});
+      image.planes.push_back({tile.planes[i].name, ZeroPages<float>(image.rgba.size() / 4)});
     putRows(tile.planes[i].values, 1, at, whole, image.planes[i].values);
   }
 }
 
 void appendTile(std::vector<std::byte>& out, const PixelRect& at, const Image& tile) {
-  const auto put = [&](const PagedVector<float>& values) {
+  const auto put = [&](const ZeroPages<float>& values) {
     const auto bytes = std::as_bytes(std::span(values));
     out.insert(out.end(), bytes.begin(), bytes.end());
   };

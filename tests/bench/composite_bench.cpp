@@ -16,7 +16,7 @@ using namespace kiln;
 
 Image slabImage(int size, int rank, int ranks) {
   Image out(size, size);
-  out.planes = {{"coverage", PagedVector<float>(out.rgba.size() / 4)}};
+  out.planes = {{"coverage", ZeroPages<float>(out.rgba.size() / 4)}};
   // Seen from the side, a rank's slab is a band of rows, half of which its neighbours cover, too.
   const int begin = size * rank / (ranks + 1), end = size * (rank + 2) / (ranks + 1);
   constexpr float kColor[] = {0.2f, 0.3f, 0.1f, 0.5f};

@@ -51,7 +51,7 @@ class LabelsCli : public ToolTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     done(arguments);
   }
-  PagedVector<float> drawn(std::vector<std::string> arguments) const {
+  ZeroPages<float> drawn(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "render");
     for (const char* more : {"-o", "@", "--size", "60x50", "--exr-type", "float"})
       arguments.push_back(std::string(more) == "@" ? in("d.exr") : more);
@@ -91,7 +91,7 @@ TEST_F(LabelsCli, AreTheSameStoreForThreadsMemoryAndRanks) {
 // A file of ITK-SNAP's and a job's list are two ways to say one thing, and the header's job is the job.
 TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
   writeText(in("l.txt"), kSnapFile);
-  const PagedVector<float> by_file = drawn({in("l.kiln"), "--tf", in("l.txt")});
+  const ZeroPages<float> by_file = drawn({in("l.kiln"), "--tf", in("l.txt")});
   writeText(in("again.json"), readImageText(in("d.exr")).at("kiln:job"));
   writeText(in("job.json"), R"({"volume": "l.kiln", "output": "j.exr", "image": {"width": 60, "height": 50},
     "transferFunction": {"colorSpace": "srgb", "labels": [{"label": 9, "name": "ball", "color": [0, 0, 1], "opacity": 0.6},
@@ -136,7 +136,7 @@ TEST_F(LabelsCli, StandInAnotherVolume) {
     more.insert(more.begin(), head.begin(), head.end());
     return drawn(more);
   };
-  const PagedVector<float> both = with({"--add", in("l.kiln"), "--add-tf", in("l.txt")});
+  const ZeroPages<float> both = with({"--add", in("l.kiln"), "--add-tf", in("l.txt")});
   EXPECT_FALSE(both == drawn(head));
   EXPECT_FALSE(both == with({"--add", in("l.kiln")})) << "the palette";
 }

@@ -40,7 +40,7 @@ TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
   done({"render", in("job.json")});
   const Image by_options = readImage(in("o.exr")), by_job = readImage(in("j.exr"));
   EXPECT_TRUE(by_options.rgba == by_job.rgba);
-  EXPECT_NE(by_job.rgba, PagedVector<float>(by_job.rgba.size()));
+  EXPECT_NE(by_job.rgba, ZeroPages<float>(by_job.rgba.size()));
   // Each volume counts.
   for (const char* hidden : {"h.kiln", "e.kiln"}) {
     done({"render", in(hidden), "-o", in("one.exr"), "--size", "40x36", "--exr-type", "float"});
@@ -61,7 +61,7 @@ TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
   };
   const std::string gone = R"(, "clip": [{"normal": [0, 0, 1], "offset": -10000}])",
                     solid = R"(, "transferFunction": "iso:100")";
-  const PagedVector<float> both = drawn("", solid), alone = drawn("", solid + gone), other = drawn(gone, solid);
+  const ZeroPages<float> both = drawn("", solid), alone = drawn("", solid + gone), other = drawn(gone, solid);
   EXPECT_NE(both, alone);
   EXPECT_NE(both, other);
   EXPECT_NE(alone, other);
@@ -80,7 +80,7 @@ TEST_F(VolumesCli, FramesAreGoneOnWith) {
   ASSERT_FALSE(last.empty());
   EXPECT_NE(readImage(in("f_01.png")).rgba, readImage(in("f_04.png")).rgba);
   EXPECT_FALSE(fs::exists(in("f_05.png")));
-  const PagedVector<float> third = readImage(in("f_03.png")).rgba;
+  const ZeroPages<float> third = readImage(in("f_03.png")).rgba;
   fs::remove(in("f_03.png"));
   const ToolResult resumed = done(draw);
   EXPECT_NE((resumed.out + resumed.err).find("1 drawn, 3 kept"), std::string::npos) << resumed.out << resumed.err;
@@ -111,7 +111,7 @@ TEST_F(VolumesCli, DryRunSaysTheSmallestMemory) {
                                     "--memory", std::to_string(bytes)};
   };
   done(with(smallest));
-  const PagedVector<float> least = readImage(in("m.png")).rgba;
+  const ZeroPages<float> least = readImage(in("m.png")).rgba;
   done({"render", in("job.json"), "-o", in("n.png")});
   EXPECT_EQ(least, readImage(in("n.png")).rgba);
   refused(with(smallest - memory["brick_bytes"].get<std::uint64_t>() / 2), 1, "of bricks that meet in a tile");

@@ -76,8 +76,8 @@ TEST(Panorama, DepthsAreDistancesAndNormalsPointToTheEye) {
     return std::find_if(image.planes.begin(), image.planes.end(), [&](const Plane& p) { return p.name == name; })
         ->values;
   };
-  const PagedVector<float> first = at("Z"), mean = at("depth.mean");
-  const PagedVector<float> normal[3] = {at("N.X"), at("N.Y"), at("N.Z")};
+  const ZeroPages<float> first = at("Z"), mean = at("depth.mean");
+  const ZeroPages<float> normal[3] = {at("N.X"), at("N.Y"), at("N.Z")};
   double worst = 0, worst_mean = 0, least_cosine = 1;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {

@@ -28,7 +28,7 @@ FrameRequest requestOf(const View& view, Mode mode) {
   return request;
 }
 
-const PagedVector<float>& valuesOf(const Image& image) { return image.planes.front().values; }
+const ZeroPages<float>& valuesOf(const Image& image) { return image.planes.front().values; }
 
 const std::vector<double>& expectedOf(const ProjectedImage& image, Mode mode) {
   return mode == Mode::kMip ? image.greatest : mode == Mode::kMinip ? image.least : image.mean;

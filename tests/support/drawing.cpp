@@ -33,7 +33,7 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
 }
 
 bool equalBits(const Image& a, const Image& b) {
-  const auto equal = [](const PagedVector<float>& p, const PagedVector<float>& q) {
+  const auto equal = [](const ZeroPages<float>& p, const ZeroPages<float>& q) {
     return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(float)) == 0;
   };
   const auto same = [&](const Plane& p, const Plane& q) { return p.name == q.name && equal(p.values, q.values); };
@@ -50,12 +50,13 @@ bool showsSomething(const Image& image) {
 
 Image partOf(const Image& whole, const PixelRect& rect) {
   Image out(rect.width(), rect.height());
-  for (const Plane& plane : whole.planes) out.planes.push_back({plane.name, {}});
+  for (const Plane& plane : whole.planes) out.planes.push_back({plane.name, ZeroPages<float>(rect.count())});
   for (int y = rect.y0; y < rect.y1; ++y) {
     std::copy(whole.pixel(rect.x0, y), whole.pixel(rect.x0, y) + 4 * rect.width(), out.pixel(0, y - rect.y0));
     for (std::size_t i = 0; i < whole.planes.size(); ++i) {
-      const auto row = whole.planes[i].values.begin() + std::ptrdiff_t{y} * whole.width;
-      out.planes[i].values.insert(out.planes[i].values.end(), row + rect.x0, row + rect.x1);
+      const float* const row = whole.planes[i].values.begin() + std::ptrdiff_t{y} * whole.width;
+      std::copy(row + rect.x0, row + rect.x1,
+                out.planes[i].values.begin() + std::ptrdiff_t{y - rect.y0} * rect.width());
     }
   }
   return out;

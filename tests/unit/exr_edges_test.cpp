@@ -18,7 +18,7 @@ Image partialImage() {
   Image out(kWidth, kHeight);
   Random random(7);
   for (float& v : out.rgba) v = static_cast<float>(random.uniform(0, 1));
-  out.planes = {{"coverage", PagedVector<float>(static_cast<std::size_t>(kWidth * kHeight), 0.5f)}};
+  out.planes = {{"coverage", ZeroPages<float>(static_cast<std::size_t>(kWidth * kHeight), 0.5f)}};
   // As a crop has them, counted in the whole picture.
   out.edges = std::make_shared<EdgeLayers>(PixelRect{100, 60, 100 + kWidth, 60 + kHeight});
   for (int y = 0; y < kHeight; ++y) {

@@ -111,7 +111,7 @@ TEST_F(ImageFile, FilesAreCheckedToTheirEnd) {
   Image image = somePicture(40, 40);
   writeImage(image, {}, {}, folder_ / "a.png");
   image.rgba.clear();
-  image.planes = {{"Z", PagedVector<float>(1600, 3)}};
+  image.planes = {{"Z", ZeroPages<float>(1600, 3)}};
   for (std::size_t i = 0; i < 1600; ++i) image.planes[0].values[i] = std::sqrt(static_cast<float>(i));
   writeImage(image, {}, {}, folder_ / "a.exr");
   EXPECT_THROW(readImage(folder_ / "a.exr"), Error);
@@ -148,7 +148,7 @@ TEST_F(ImageFile, ExrOfAPartSaysWhereInTheWholeItIs) {
 // Read by OpenEXR itself. No rounding: they are floats whatever the colours are.
 TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
   Image image = somePicture(5, 4);
-  image.planes = {{"Z", PagedVector<float>(20, 1000.1f)}, {"N.X", PagedVector<float>(20)}};
+  image.planes = {{"Z", ZeroPages<float>(20, 1000.1f)}, {"N.X", ZeroPages<float>(20)}};
   image.planes[0].values[7] = std::numeric_limits<float>::infinity();
   std::iota(image.planes[1].values.begin(), image.planes[1].values.end(), 1 / 3.0f);
   ImageMetadata metadata;
@@ -157,7 +157,7 @@ TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
   Imf::InputFile file((folder_ / "a.exr").c_str());
   EXPECT_EQ(file.header().channels()["R"].type, Imf::HALF);
   Imf::FrameBuffer buffer;
-  std::vector<PagedVector<float>> back(2, PagedVector<float>(20));
+  std::vector<ZeroPages<float>> back(2, ZeroPages<float>(20));
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(file.header().channels()[image.planes[i].name].type, Imf::FLOAT);
     buffer.insert(image.planes[i].name,
@@ -178,7 +178,7 @@ TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
 TEST_F(ImageFile, ExrIsCompressedAsAskedFor) {
   Image image(64, 64);
   for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = static_cast<float>(i % 256 / 4) / 64;
-  image.planes = {{"value", PagedVector<float>(64 * 64, std::numeric_limits<float>::quiet_NaN())}};
+  image.planes = {{"value", ZeroPages<float>(64 * 64, std::numeric_limits<float>::quiet_NaN())}};
   const std::size_t plain = encodeExr(image, {}, {true, 8, "none"}, "a.exr").size();
   for (const std::string_view name : kExrCompressionNames) {
     const std::vector<std::byte> file = encodeExr(image, {}, {true, 8, std::string(name)}, "a.exr");
@@ -259,7 +259,7 @@ TEST_F(ImageFile, PngOfOtherKindsIsRead) {
       0x20, 0xb0, 0x99, 0xcb, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
   std::ofstream(folder_ / "grey.png", std::ios::binary).write(reinterpret_cast<const char*>(kGrey), sizeof kGrey);
   const Image image = readImage(folder_ / "grey.png");
-  EXPECT_EQ(image.rgba, (PagedVector<float>{0, 0, 0, 1, 1, 1, 1, 1}));
+  EXPECT_EQ(image.rgba, (ZeroPages<float>{0, 0, 0, 1, 1, 1, 1, 1}));
 }
 
 TEST_F(ImageFile, OtherNamesAreRefusedBeforeAnyWork) {

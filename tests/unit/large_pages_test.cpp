@@ -7,8 +7,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <numeric>
+#include <utility>
+#include <vector>
+
+#include "base/zero_pages.h"
 
 namespace kiln {
 namespace {
@@ -27,7 +32,7 @@ std::size_t residentBytes() {
 
 TEST(LargePages, OfAnySizeAreAllTheirs) {
   for (const std::size_t bytes : {kLargePage - 1, kLargePage, kLargePage + 1, 3 * kLargePage + 12345}) {
-    std::vector<PagedVector<std::uint8_t>> held;
+    std::vector<ZeroPages<std::uint8_t>> held;
     for (std::uint8_t i = 0; i < 4; ++i) {
       held.emplace_back(bytes);
       EXPECT_EQ(std::accumulate(held.back().begin(), held.back().end(), std::size_t{0}), 0u);
@@ -43,18 +48,43 @@ TEST(LargePages, OfAnySizeAreAllTheirs) {
 }
 
 TEST(LargePages, GrowAsAnyVectorDoes) {
-  PagedVector<std::uint32_t> values;
+  std::vector<std::uint32_t, UnsetAllocator<std::uint32_t>> values;
   for (std::uint32_t i = 0; i < (5u << 20) / 4; ++i) values.push_back(i);
   for (std::uint32_t i = 0; i < values.size(); ++i) ASSERT_EQ(values[i], i);
-  const PagedVector<std::uint32_t> copy = values;
+  const auto copy = values;
   values.clear();
   values.shrink_to_fit();
   EXPECT_EQ(copy.back(), copy.size() - 1);
 }
 
+TEST(LargePages, KeepWhatTheyHaveWhenTheirNumberChanges) {
+  for (const std::size_t count : {std::size_t{5}, kLargePage / 4 - 1, kLargePage / 4, 3 * kLargePage / 4 + 17}) {
+    ZeroPages<std::uint32_t> values(count, 7);
+    values.resize(2 * count);
+    ASSERT_EQ(values.size(), 2 * count);
+    EXPECT_EQ(std::count(values.begin(), values.end(), 7u), static_cast<std::ptrdiff_t>(count));
+    EXPECT_EQ(values[count - 1], 7u);
+    EXPECT_EQ(values[count], 0u);
+    values.back() = 9;
+    const ZeroPages<std::uint32_t> copy = values;
+    values.resize(3);
+    EXPECT_EQ(values, (ZeroPages<std::uint32_t>{7, 7, 7}));
+    // What is cut off is gone.
+    values.resize(2 * count);
+    EXPECT_EQ(values.back(), 0u);
+    EXPECT_NE(values, copy);
+    values = copy;
+    EXPECT_EQ(values, copy);
+    const ZeroPages<std::uint32_t> moved = std::move(values);
+    EXPECT_EQ(moved, copy);
+    EXPECT_TRUE(values.empty());
+  }
+}
+
 TEST(LargePages, MoreThanThereIsIsRefused) {
   const std::size_t most = static_cast<std::size_t>(-1) / 2;
-  EXPECT_THROW(LargePageAllocator<std::uint64_t>().allocate(most), std::bad_alloc);
+  EXPECT_THROW(UnsetAllocator<std::uint64_t>().allocate(most), std::bad_alloc);
+  EXPECT_THROW(static_cast<void>(ZeroPages<std::uint64_t>(most)), std::bad_alloc);
 #ifdef KILN_OWN_PAGES
   EXPECT_THROW(takePages(most), std::bad_alloc);
 #endif
@@ -63,20 +93,31 @@ TEST(LargePages, MoreThanThereIsIsRefused) {
 #ifdef KILN_OWN_PAGES
 // More than the system maps for one process: the rest is the heap's, and each goes back where it is from.
 TEST(LargePages, AreTheHeapsWhereThereAreTooMany) {
-  std::vector<PagedVector<std::byte>> few(4);
+  std::vector<ZeroPages<std::byte>> few;
   std::vector<void*> many;
   for (std::size_t i = 0; i < kMostPaged + 20; ++i) {
     many.push_back(takePages(kLargePage));
     if (i % 1000 == 0 || i >= kMostPaged - 4) static_cast<char*>(many.back())[0] = static_cast<char>(i);
   }
-  for (PagedVector<std::byte>& bytes : few) bytes.assign(kLargePage + 5, std::byte{7});
+  // The heap's may have been somebody's.
+  std::vector<std::unique_ptr<char[]>> used;
+  for (int i = 0; i < 4; ++i) {
+    used.push_back(std::make_unique_for_overwrite<char[]>(kLargePage + 128));
+    std::fill_n(used.back().get(), kLargePage + 128, 'x');
+  }
+  used.clear();
+  for (int i = 0; i < 4; ++i) {
+    few.emplace_back(kLargePage + 5);
+    EXPECT_EQ(std::count(few.back().begin(), few.back().end(), std::byte{0}), std::ptrdiff_t{kLargePage + 5});
+    std::fill(few.back().begin(), few.back().end(), std::byte{7});
+  }
   for (std::size_t i = kMostPaged - 4; i < many.size(); ++i)
     EXPECT_EQ(static_cast<char*>(many[i])[0], static_cast<char>(i));
   for (void* const pages : many) giveBackPages(pages, kLargePage);
-  for (const PagedVector<std::byte>& bytes : few) EXPECT_EQ(bytes.back(), std::byte{7});
+  for (const ZeroPages<std::byte>& bytes : few) EXPECT_EQ(bytes.back(), std::byte{7});
   EXPECT_NE(reinterpret_cast<std::uintptr_t>(few.front().data()) % kLargePage, 0u);
   few.clear();
-  const PagedVector<std::byte> again(kLargePage);
+  const ZeroPages<std::byte> again(kLargePage);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(again.data()) % kLargePage, 0u);
 }
 
@@ -84,12 +125,22 @@ TEST(LargePages, GoBackToTheSystem) {
   constexpr std::size_t kBytes = 37 * kLargePage + 4711;
   const std::size_t before = residentBytes();
   for (int i = 0; i < 8; ++i) {
-    const PagedVector<std::byte> bytes(kBytes, std::byte{1});
+    const ZeroPages<std::byte> bytes(kBytes, std::byte{1});
     EXPECT_GE(residentBytes(), before + kBytes / 10 * 9);
     // Not a page more than it has bytes for, but for what else goes on.
     EXPECT_LE(residentBytes(), before + kBytes + kLargePage / 2);
   }
   EXPECT_LE(residentBytes(), before + kLargePage / 2);
+}
+
+TEST(LargePages, OfZerosComeWhenTheyAreTouched) {
+  constexpr std::size_t kBytes = 37 * kLargePage + 4711;
+  const std::size_t before = residentBytes();
+  ZeroPages<std::byte> bytes(kBytes);
+  EXPECT_LE(residentBytes(), before + kLargePage / 2);
+  bytes[20 * kLargePage] = std::byte{1};
+  EXPECT_LE(residentBytes(), before + 2 * kLargePage);
+  EXPECT_EQ(std::count(bytes.begin(), bytes.end(), std::byte{0}), std::ptrdiff_t{kBytes - 1});
 }
 #endif
 
