@@ -15,11 +15,6 @@ double unitOf(const MixedVolume& volume) {
   return volume.transfer_function.unitIn(volume.store->manifest().geometry().meanSpacing());
 }
 
-PixelRect aroundBoth(const PixelRect& a, const PixelRect& b) {
-  if (a.empty()) return b;
-  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
-
 }  // namespace
 
 VolumeMix::Volume::Volume(MixedVolume the_mixed, const MixView& view)

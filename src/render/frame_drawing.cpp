@@ -156,11 +156,14 @@ void FrameDrawing::beginVisibility(const PixelRect& pixels) {
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
   beginVisibility(pixels);
+  shown_ = {};
   Image image = emptyImage(pixels, request_.aovs);
-  if (plan_.projection)
+  if (plan_.projection) {
     project(pixels, image);
-  else
+    shown_ = pixels;
+  } else {
     composite(pixels, image);
+  }
   part_->finish();
   return image;
 }
@@ -180,6 +183,7 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   all.edges = image.edges.get();
   if (plan_.mix) {
     mix(all);
+    shown_ = pixels;
     return;
   }
   BrickWalkCounts ignored;
@@ -285,7 +289,10 @@ void FrameDrawing::drawDue(const TilePixels& all) {
     part_->within(due_.size(), ++drawn, tiles.size());
   });
   for (const DueTile& tile : tiles) {
-    for (std::size_t k = 0; k < tile.bricks.size(); ++k) due_[tile.bricks[k]].counts.add(tile.counts[k]);
+    for (std::size_t k = 0; k < tile.bricks.size(); ++k) {
+      due_[tile.bricks[k]].counts.add(tile.counts[k]);
+      if (tile.counts[k].changed) shown_ = aroundBoth(shown_, tile.rect);
+    }
   }
   for (const DueBrick& brick : due_) count(brick.block->key, brick.counts);
   due_.clear();

@@ -55,6 +55,8 @@ class FrameDrawing {
   /// The pixels of `pixels`, without background, their planes as sums (splat/aov_pixels.h). requires: not empty, in the
   /// picture. throws: as renderFrame.
   Image draw(const PixelRect& pixels);
+  /// What of the pixels that were drawn last shows something; the others' colours are zero.
+  const PixelRect& shown() const { return shown_; }
   /// What all that was drawn has cost, but for the time. Announces nothing to the cache any more.
   FrameStatistics finish();
 
@@ -126,6 +128,7 @@ class FrameDrawing {
   const std::size_t drawn_together_;
   std::optional<Lookahead> lookahead_;  // of what is being drawn, but for several volumes
   std::vector<DueBrick> due_;
+  PixelRect shown_;                   // of what is being drawn
   std::optional<PartProgress> part_;  // of what is being drawn
   std::uint64_t mixed_steps_ = 0;     // of it, where it has several volumes
 };

@@ -174,14 +174,18 @@ class PixelFilter::Rows {
   std::vector<float> line_;  // a row of samples, at both ends once more as far as a pixel reaches
 };
 
-void PixelFilter::put(const Image& samples, const PixelRect& pixels, Image& image, int row) const {
+void PixelFilter::put(const Image& samples, const PixelRect& shown, const PixelRect& pixels, Image& image,
+                      int row) const {
   const Span span(Activity::kFinish);
+  if (shown.empty()) return;
   const int left = std::min(edge_ * pixels.x0, reach_), top = std::min(edge_ * pixels.y0, reach_);
   constexpr int kRows = 16;  // at a time
   parallelFor(static_cast<std::size_t>((pixels.height() + kRows - 1) / kRows), [&](std::size_t chunk) {
     Rows rows(*this, samples.width, left);
     const int first = kRows * static_cast<int>(chunk);
     for (int y = first; y < std::min(first + kRows, pixels.height()); ++y) {
+      const int own = edge_ * (pixels.y0 + y);  // its first row of samples
+      if (own + edge_ + reach_ <= shown.y0 || own - reach_ >= shown.y1) continue;
       const float* from[kMostTaps];
       for (int k = 0; k < taps(); ++k) {
         const int at = edge_ * y + top - reach_ + k;
@@ -204,30 +208,36 @@ std::uint64_t PixelFilter::copiedBytes(const ImageSize& size) {
   return 5 * chunks * 16 * static_cast<std::uint64_t>(size.width);
 }
 
-void PixelFilter::apply(Image& image) const {
+void PixelFilter::apply(Image& image, const PixelRect& shown) const {
   const Span span(Activity::kFinish);
-  const int kept = rowsTogether(image.height);
-  const int chunks = (image.height + kept - 1) / kept;
-  const auto floats = 4 * static_cast<std::size_t>(image.width);
+  if (shown.empty()) return;
+  // Around it samples are zero, or there are none.
+  const PixelRect made =
+      intersection(PixelRect{shown.x0 - reach_, shown.y0 - reach_, shown.x1 + reach_, shown.y1 + reach_},
+                   {0, 0, image.width, image.height});
+  const auto rowOf = [&](int y) { return image.pixel(made.x0, made.y0 + y); };
+  const int kept = rowsTogether(made.height());
+  const int chunks = (made.height() + kept - 1) / kept;
+  const auto floats = 4 * static_cast<std::size_t>(made.width());
   const auto at = [&](std::vector<float>& rows, int i) { return rows.data() + static_cast<std::size_t>(i) * floats; };
   // What a chunk changes that the next one, and the one before, still need.
   std::vector<float> last(floats * static_cast<std::size_t>(chunks)), first(last.size());
   for (int i = 0; i < chunks; ++i) {
-    std::copy_n(image.pixel(0, kept * i), floats, at(first, i));
-    std::copy_n(image.pixel(0, std::min(kept * (i + 1), image.height) - 1), floats, at(last, i));
+    std::copy_n(rowOf(kept * i), floats, at(first, i));
+    std::copy_n(rowOf(std::min(kept * (i + 1), made.height()) - 1), floats, at(last, i));
   }
   parallelFor(static_cast<std::size_t>(chunks), [&](std::size_t chunk) {
-    const int i = static_cast<int>(chunk), end = std::min(kept * (i + 1), image.height);
-    Rows rows(*this, image.width, 0);
+    const int i = static_cast<int>(chunk), end = std::min(kept * (i + 1), made.height());
+    Rows rows(*this, made.width(), 0);
     std::vector<float> before(at(last, std::max(i - 1, 0)), at(last, std::max(i - 1, 0)) + floats), here(floats);
     if (i == 0) std::copy_n(at(first, 0), floats, before.data());
     for (int y = kept * i; y < end; ++y) {
-      float* const row = image.pixel(0, y);
+      float* const row = rowOf(y);
       std::copy_n(row, floats, here.data());
       const bool is_last = y + 1 == end;
-      const float* const after = !is_last ? image.pixel(0, y + 1) : i + 1 < chunks ? at(first, i + 1) : here.data();
+      const float* const after = !is_last ? rowOf(y + 1) : i + 1 < chunks ? at(first, i + 1) : here.data();
       const float* const from[kMostTaps] = {before.data(), here.data(), after};
-      rows.make(from, image.width, row);
+      rows.make(from, made.width(), row);
       before.swap(here);
     }
   });

@@ -32,10 +32,11 @@ class PixelFilter {
   PixelRect samplesOf(const PixelRect& pixels, const ImageSize& size) const;
 
   /// Writes what `pixels` are into the image's rows from `row` on. shape: `samples` has samplesOf(pixels); the image is
-  /// as wide as `pixels`. Beyond the picture's edge is what is at it.
-  void put(const Image& samples, const PixelRect& pixels, Image& image, int row) const;
+  /// as wide as `pixels`. Beyond the picture's edge is what is at it. requires: the rows are zero, as samples are
+  /// outside of `shown`. unit: samples of the picture.
+  void put(const Image& samples, const PixelRect& shown, const PixelRect& pixels, Image& image, int row) const;
   /// The same of a whole picture in place.
-  void apply(Image& image) const;
+  void apply(Image& image, const PixelRect& shown) const;
   /// What `apply` copies of a picture, at the most. unit: bytes.
   static std::uint64_t copiedBytes(const ImageSize& size);
 

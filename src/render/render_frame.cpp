@@ -78,7 +78,7 @@ Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFi
     const PixelRect drawn = filter.samplesOf(band, request.view.size);
     Image samples = drawing.draw(drawn);
     const int row = band.y0 - pixels.y0, edge = filter.edge();
-    filter.put(samples, band, image, row);
+    filter.put(samples, drawing.shown(), band, image, row);
     const Span span(Activity::kFinish);
     const SubPixels from{samples, edge, edge * band.x0 - drawn.x0, edge * band.y0 - drawn.y0, band.height()};
     putAovs(request.aovs, request.view, from, image, row);
@@ -91,7 +91,9 @@ Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFil
   Image image = drawing.draw(pixels);
   const Span span(Activity::kFinish);
   putAovs(request.aovs, request.view, {image, 1, 0, 0, image.height}, image, 0);
-  if (!filter.none()) filter.apply(image);
+  if (filter.none()) return image;
+  const PixelRect& shown = drawing.shown();
+  filter.apply(image, {shown.x0 - pixels.x0, shown.y0 - pixels.y0, shown.x1 - pixels.x0, shown.y1 - pixels.y0});
   return image;
 }
 
