@@ -135,15 +135,17 @@ def _bench_scan(volume, kiln, arguments, report, folder):
             ours = draw_as_vtk()
             farther = draw_as_vtk(sampleDistance=FARTHER)
             rays = draw_as_vtk(lattice="ray")
+            as_far = draw_as_vtk(lattice="ray", sampleDistance=1.0)  # in steps of a voxel, as VTK's
             two = draw_as_vtk(lattice="ray", samples=2)
             seconds, first, picture = vtk.draw(views, points, True)
             report.compare(volume, projection, name, ours, (seconds, picture), ("pixel", "VTK"))
             report.compare(volume, projection, name, farther, (seconds, picture), (f"pixel, {FARTHER}", "VTK"))
             report.compare(volume, projection, name, rays, (seconds, picture), ("ray", "VTK"))
+            report.compare(volume, projection, name, as_far, (seconds, picture), ("ray, step 1", "VTK"))
             report.compare(volume, projection, name, two, (seconds, picture), ("ray, 2", "VTK"))
             truth = vtk.truth(views[len(views) // 2], points)
             held = {"Kiln, pixel": ours[1], f"Kiln, pixel, {FARTHER}": farther[1], "Kiln, ray": rays[1],
-                    "Kiln, ray, 2": two[1], "VTK": picture}
+                    "Kiln, ray, step 1": as_far[1], "Kiln, ray, 2": two[1], "VTK": picture}
             if projection != "orthographic":
                 report.quality(held, truth)
                 continue
