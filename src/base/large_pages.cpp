@@ -74,7 +74,12 @@ void* takePages(std::size_t bytes) {
 // What the system maps is zero.
 void* takeZeroPages(std::size_t bytes) {
   void* const pages = takePages(bytes);
-  return isPaged(pages) ? pages : std::memset(pages, 0, bytes);
+  if (!isPaged(pages)) return std::memset(pages, 0, bytes);
+#ifdef MADV_POPULATE_WRITE
+  // The system gives a processor first what it has given back: a frame's picture gets the last one's pages.
+  if (bytes <= kZerosAtOnce) ::madvise(pages, bytes, MADV_POPULATE_WRITE);
+#endif
+  return pages;
 }
 
 void giveBackPages(void* pages, std::size_t bytes) noexcept {

@@ -17,8 +17,12 @@ inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
 /// of which each may be two).
 inline constexpr std::size_t kMostPaged = 16384;
 
+/// unit: bytes.
+inline constexpr std::size_t kZerosAtOnce = std::size_t{64} << 20;
+
 /// Bytes in large pages, as far as they fill them and where the system has them; it gets them back when they are given
-/// back. Those of takeZeroPages are zero. thread: safe. throws: std::bad_alloc.
+/// back. Those of takeZeroPages are zero; up to kZerosAtOnce they are there at once, of more each comes to the thread
+/// that touches it first. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;

@@ -1,7 +1,7 @@
-// A large array that begins as zeros. It costs no time until it is touched: the system's pages are zero when they come,
-// and come one by one to whoever writes in them first, so that threads that fill it together share that cost, too. To
-// write 550 MiB of sub-pixels full of zeros before any thread draws took 0.05 s of each frame, of a first one 1.6 s, as
-// a virtual machine's pages are its host's to find.
+// A large array that begins as zeros, which nobody writes: the system's pages are zero when they come. Of a very large
+// one they come one by one to whoever writes in them first, so that threads that fill it together share that cost, too,
+// and what stays empty costs nothing. To write 550 MiB of sub-pixels full of zeros before any thread draws took 0.05 s
+// of each frame, of a first one 1.6 s, as a virtual machine's pages are its host's to find.
 #pragma once
 
 #include <algorithm>
