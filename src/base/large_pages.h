@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <utility>
@@ -37,12 +38,15 @@ struct UnsetAllocator {
   UnsetAllocator(const UnsetAllocator<U>&) {}
 
   T* allocate(std::size_t count) {
-    if (count < kLargePage / sizeof(T)) return std::allocator<T>().allocate(count);
-    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(takePages(count * sizeof(T)));
+    return isSmall(count) ? std::allocator<T>().allocate(count) : static_cast<T*>(takePages(bytesOf(count)));
+  }
+  /// All of their bytes are zero.
+  T* allocateZeros(std::size_t count) {
+    void* const at = isSmall(count) ? std::memset(allocate(count), 0, bytesOf(count)) : takeZeroPages(bytesOf(count));
+    return static_cast<T*>(at);
   }
   void deallocate(T* at, std::size_t count) noexcept {
-    if (count < kLargePage / sizeof(T)) return std::allocator<T>().deallocate(at, count);
+    if (isSmall(count)) return std::allocator<T>().deallocate(at, count);
     giveBackPages(at, count * sizeof(T));
   }
   template <class U>
@@ -56,6 +60,13 @@ struct UnsetAllocator {
   template <class U>
   bool operator==(const UnsetAllocator<U>&) const {
     return true;
+  }
+
+ private:
+  static bool isSmall(std::size_t count) { return count < kLargePage / sizeof(T); }
+  static std::size_t bytesOf(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
+    return count * sizeof(T);
   }
 };
 

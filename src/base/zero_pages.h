@@ -9,7 +9,6 @@
 #include <cstring>
 #include <initializer_list>
 #include <memory>
-#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -76,22 +75,13 @@ class ZeroPages {
 
  private:
   struct GiveBack {
-    std::size_t bytes = 0;
-    void operator()(T* pages) const noexcept {
-      if (bytes < kLargePage)
-        ::operator delete(pages);
-      else
-        giveBackPages(pages, bytes);
-    }
+    std::size_t count = 0;
+    void operator()(T* pages) const noexcept { UnsetAllocator<T>().deallocate(pages, count); }
   };
   using Pages = std::unique_ptr<T, GiveBack>;
 
   static Pages take(std::size_t count) {
-    if (count == 0) return {};
-    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
-    const std::size_t bytes = count * sizeof(T);
-    void* const pages = bytes < kLargePage ? std::memset(::operator new(bytes), 0, bytes) : takeZeroPages(bytes);
-    return Pages(static_cast<T*>(pages), GiveBack{bytes});
+    return count == 0 ? Pages() : Pages(UnsetAllocator<T>().allocateZeros(count), GiveBack{count});
   }
   void copyFrom(const ZeroPages& other) {
     if (const std::size_t count = std::min(size_, other.size_); count > 0)

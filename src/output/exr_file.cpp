@@ -173,13 +173,13 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   // A header may say more than its file has: there is room for rows that were read.
   const std::size_t all = static_cast<std::size_t>(width * height) * 4;
   image.rgba.resize(std::clamp(file_bytes * 64, row.size(), all));
-  std::size_t read = 0;
   for (int y = window.min.y; y <= window.max.y; ++y) {
     file.readPixels(y);
     for (std::size_t x = 0; grey && x < row.size(); x += 4) row[x + 1] = row[x + 2] = row[x];
-    if (read + row.size() > image.rgba.size()) image.rgba.resize(std::min(2 * image.rgba.size() + row.size(), all));
-    std::copy(row.begin(), row.end(), image.rgba.begin() + read);
-    read += row.size();
+    const std::size_t at = row.size() * static_cast<std::size_t>(y - window.min.y);
+    const std::size_t end = at + row.size();
+    if (end > image.rgba.size()) image.rgba.resize(std::min(2 * end, all));
+    std::copy(row.begin(), row.end(), image.rgba.begin() + at);
   }
   return image;
 }

@@ -156,14 +156,13 @@ void FrameDrawing::beginVisibility(const PixelRect& pixels) {
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
   beginVisibility(pixels);
-  shown_ = {};
+  // Only bricks whose light is composited one by one say where they showed something.
+  shown_ = plan_.mix || plan_.projection ? pixels : PixelRect{};
   Image image = emptyImage(pixels, request_.aovs);
-  if (plan_.projection) {
+  if (plan_.projection)
     project(pixels, image);
-    shown_ = pixels;
-  } else {
+  else
     composite(pixels, image);
-  }
   part_->finish();
   return image;
 }
@@ -183,7 +182,6 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   all.edges = image.edges.get();
   if (plan_.mix) {
     mix(all);
-    shown_ = pixels;
     return;
   }
   BrickWalkCounts ignored;
