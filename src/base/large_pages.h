@@ -21,12 +21,18 @@ inline constexpr std::size_t kMostPaged = 16384;
 /// unit: bytes.
 inline constexpr std::size_t kZerosAtOnce = std::size_t{64} << 20;
 
+/// So much of what is spared stays with the process: some bricks' voxels and files. unit: bytes.
+inline constexpr std::size_t kMostSpare = std::size_t{32} << 20;
+
 /// Bytes in large pages, as far as they fill them and where the system has them; it gets them back when they are given
 /// back. Those of takeZeroPages are zero; up to kZerosAtOnce they are there at once, of more each comes to the thread
 /// that touches it first. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
+/// The same, but up to kMostSpare stay for the next takePages of as much, as they are: where bricks come and go, the
+/// system would clear each page again.
+void sparePages(void* pages, std::size_t bytes) noexcept;
 
 /// As std::allocator, but what is large has pages of its own, and elements that are not given a value have none: for
 /// what is written anyway. Of decoding a brick setting its bytes to zero first would be a tenth.
@@ -45,10 +51,9 @@ struct UnsetAllocator {
     void* const at = isSmall(count) ? std::memset(allocate(count), 0, bytesOf(count)) : takeZeroPages(bytesOf(count));
     return static_cast<T*>(at);
   }
-  void deallocate(T* at, std::size_t count) noexcept {
-    if (isSmall(count)) return std::allocator<T>().deallocate(at, count);
-    giveBackPages(at, count * sizeof(T));
-  }
+  void deallocate(T* at, std::size_t count) noexcept { giveBack(at, count, sparePages); }
+  /// Those of allocateZeros.
+  void deallocateZeros(T* at, std::size_t count) noexcept { giveBack(at, count, giveBackPages); }
   template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
@@ -67,6 +72,10 @@ struct UnsetAllocator {
   static std::size_t bytesOf(std::size_t count) {
     if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
     return count * sizeof(T);
+  }
+  static void giveBack(T* at, std::size_t count, void (*giveBackLarge)(void*, std::size_t) noexcept) noexcept {
+    if (isSmall(count)) return std::allocator<T>().deallocate(at, count);
+    giveBackLarge(at, count * sizeof(T));
   }
 };
 

@@ -76,7 +76,7 @@ class ZeroPages {
  private:
   struct GiveBack {
     std::size_t count = 0;
-    void operator()(T* pages) const noexcept { UnsetAllocator<T>().deallocate(pages, count); }
+    void operator()(T* pages) const noexcept { UnsetAllocator<T>().deallocateZeros(pages, count); }
   };
   using Pages = std::unique_ptr<T, GiveBack>;
 

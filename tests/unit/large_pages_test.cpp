@@ -1,4 +1,4 @@
-// Large buffers have pages of their own, and what is given back is the system's again.
+// Large buffers have pages of their own; some of what is given back stays for the next, the rest is the system's again.
 #include "base/large_pages.h"
 
 #include <gtest/gtest.h>
@@ -55,6 +55,22 @@ TEST(LargePages, GrowAsAnyVectorDoes) {
   values.clear();
   values.shrink_to_fit();
   EXPECT_EQ(copy.back(), copy.size() - 1);
+}
+
+TEST(LargePages, OfTheNextOnesAreNobodyElses) {
+  using Numbers = std::vector<std::size_t, UnsetAllocator<std::size_t>>;
+  std::vector<Numbers> held(6);
+  for (std::size_t i = 0; i < 40; ++i) {
+    Numbers& numbers = held[i * 5 % held.size()];
+    if (!numbers.empty()) {
+      EXPECT_EQ(std::count(numbers.begin(), numbers.end(), numbers[0]), static_cast<std::ptrdiff_t>(numbers.size()));
+    }
+    numbers = Numbers();
+    numbers.resize((kLargePage + i * 7919 % 11 * 500'000) / sizeof i);
+    std::fill(numbers.begin(), numbers.end(), i);
+    const ZeroPages<std::size_t> zeros(numbers.size());
+    ASSERT_EQ(std::count(zeros.begin(), zeros.end(), 0u), static_cast<std::ptrdiff_t>(zeros.size()));
+  }
 }
 
 TEST(LargePages, KeepWhatTheyHaveWhenTheirNumberChanges) {
@@ -131,6 +147,34 @@ TEST(LargePages, GoBackToTheSystem) {
     EXPECT_LE(residentBytes(), before + kBytes + kLargePage / 2);
   }
   EXPECT_LE(residentBytes(), before + kLargePage / 2);
+}
+
+TEST(LargePages, AreSparedUpToABound) {
+  using Numbers = std::vector<std::size_t, UnsetAllocator<std::size_t>>;
+  constexpr std::size_t kBytes = 2 * kLargePage + 4712;
+  const std::size_t before = residentBytes();
+  std::vector<Numbers> held(12);
+  for (int round = 0; round < 2; ++round) {
+    for (Numbers& numbers : held) {
+      numbers.resize(kBytes / sizeof(std::size_t));
+      std::fill(numbers.begin(), numbers.end(), 1u);
+    }
+    EXPECT_LE(residentBytes(), before + held.size() * kBytes + kLargePage);
+    for (Numbers& numbers : held) numbers = Numbers();
+    EXPECT_LE(residentBytes(), before + kMostSpare);
+    EXPECT_GE(residentBytes(), before + kMostSpare - 2 * kBytes);
+  }
+  // The next one has what was spared: no more is touched.
+  const std::size_t spared = residentBytes();
+  held.front().resize(kBytes / sizeof(std::size_t));
+  std::fill(held.front().begin(), held.front().end(), 2u);
+  EXPECT_LE(residentBytes(), spared + kLargePage / 4);
+  // What is larger is not kept.
+  held.front() = Numbers();
+  held.front().resize((kMostSpare + kLargePage) / sizeof(std::size_t));
+  std::fill(held.front().begin(), held.front().end(), 2u);
+  held.front() = Numbers();
+  EXPECT_LE(residentBytes(), before + kMostSpare);
 }
 
 TEST(LargePages, OfZerosComeWhenTheyAreTouched) {
