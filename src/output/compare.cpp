@@ -34,17 +34,13 @@ double decibel(double sum_of_squares, double count) {
   return sum_of_squares > 0 ? -10 * std::log10(sum_of_squares / count) : kInfinity;
 }
 
-int displayed(float linear) {
-  const double clamped = linear > 0 ? std::min<double>(linear, 1) : 0;
-  return static_cast<int>(std::lround(255 * srgbFromLinear(clamped)));
-}
-
 // Lee and Ihm §3.3. Premultiplied values are what is seen over black.
 double displayDistance(const float* a, const float* b) {
   if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) return 0;
+  const SrgbBytes& displayed = SrgbBytes::all();
   int squares = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    const int d = displayed(a[c]) - displayed(b[c]);
+    const int d = displayed.of(a[c]) - displayed.of(b[c]);
     squares += d * d;
   }
   return std::sqrt(squares);

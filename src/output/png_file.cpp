@@ -7,7 +7,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csetjmp>
 #include <cstring>
 #include <string>
@@ -72,19 +71,24 @@ void onRead(png_structp png, png_bytep out, png_size_t count) {
   reader->place += count;
 }
 
-// One pixel of linear premultiplied light as straight sRGB. shape: 4 samples of `bits`, big-endian. NaN becomes 0.
-void encodePixel(const float* rgba, int bits, png_byte* out) noexcept {
-  const double largest = bits == 16 ? 65535 : 255;
-  const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
-  for (int channel = 0; channel < 4; ++channel) {
-    double v = alpha;
-    if (channel < 3) {
-      const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
-      v = straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0;
+// The row's pixels of linear premultiplied light as straight sRGB. shape: 4 samples of `bits` a pixel, big-endian. NaN
+// becomes 0.
+void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
+  const SrgbBytes& bytes = SrgbBytes::all();
+  for (int x = 0; x < image.width; ++x) {
+    const float* const rgba = image.pixel(x, y);
+    const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
+    for (int channel = 0; channel < 4; ++channel) {
+      const double straight = channel == 3 || alpha == 0 ? alpha : rgba[channel] / alpha;
+      if (bits == 8) {
+        *out++ = channel == 3 ? static_cast<png_byte>(alpha * 255 + 0.5) : bytes.of(straight);
+        continue;
+      }
+      const double v = channel == 3 ? alpha : straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0;
+      const auto sample = static_cast<unsigned>(v * 65535 + 0.5);
+      *out++ = static_cast<png_byte>(sample >> 8);
+      *out++ = static_cast<png_byte>(sample & 255);
     }
-    const auto sample = static_cast<unsigned>(std::lround(v * largest));
-    if (bits == 16) *out++ = static_cast<png_byte>(sample >> 8);
-    *out++ = static_cast<png_byte>(sample & 255);
   }
 }
 
@@ -231,9 +235,7 @@ std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesy
   for (int y = 0; y < image.height; y += kRows) {
     const int rows = std::min(kRows, image.height - y);
     parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
-      png_byte* const row = samples.data() + i * row_bytes;
-      for (int x = 0; x < image.width; ++x)
-        encodePixel(image.pixel(x, y + static_cast<int>(i)), bits, row + static_cast<std::size_t>(x) * pixel_bytes);
+      encodeRow(image, y + static_cast<int>(i), bits, samples.data() + i * row_bytes);
     });
     require(writeRows(writer.png, samples.data(), rows, row_bytes));
   }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,14 +18,12 @@ namespace fs = std::filesystem;
 namespace {
 
 std::vector<std::byte> overBlack(const Image& image) {
+  const SrgbBytes& bytes = SrgbBytes::all();
   std::vector<std::byte> out;
   out.reserve(image.rgba.size() / 4 * 3);
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      const float light = image.rgba[i + channel];  // premultiplied: over black as it stands
-      const double v = light > 0 ? srgbFromLinear(std::min<double>(light, 1)) : 0;
-      out.push_back(static_cast<std::byte>(std::lround(255 * v)));
-    }
+    // Premultiplied: over black as it stands.
+    for (std::size_t channel = 0; channel < 3; ++channel) out.push_back(std::byte{bytes.of(image.rgba[i + channel])});
   }
   return out;
 }

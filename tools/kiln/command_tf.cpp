@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "base/srgb.h"
 #include "commands.h"
 #include "output/image_file.h"
@@ -54,8 +52,8 @@ Subject subjectOf(const TfArguments& a) {
 }
 
 std::string hexOf(const glm::dvec3& linear) {
-  const auto byte = [](double channel) { return std::lround(255 * srgbFromLinear(channel)); };
-  return fmt::format("#{:02x}{:02x}{:02x}", byte(linear.r), byte(linear.g), byte(linear.b));
+  const SrgbBytes& bytes = SrgbBytes::all();
+  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(linear.r), bytes.of(linear.g), bytes.of(linear.b));
 }
 
 void print(const TransferFunction& f, const Subject& subject) {
