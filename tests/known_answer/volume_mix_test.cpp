@@ -62,7 +62,7 @@ struct MixMagnification {
   double px_per_voxel, least_db;
   int rays_per_axis = 4;  // of the reference, in a pixel
 };
-constexpr int kMixPixels = 128;
+constexpr int kMixPixels = 96;
 
 // The first volume's smallest voxel is so many pixels.
 Camera mixCameraAt(const VolumeGeometry& volume, Projection projection, double px_per_voxel) {
