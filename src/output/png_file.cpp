@@ -71,6 +71,14 @@ void onRead(png_structp png, png_bytep out, png_size_t count) {
   reader->place += count;
 }
 
+// A sample of 16 bits, big-endian; what is behind it.
+png_byte* putSixteen(double v, png_byte* out) noexcept {
+  const auto sample = static_cast<unsigned>(v * 65535 + 0.5);
+  *out++ = static_cast<png_byte>(sample >> 8);
+  *out++ = static_cast<png_byte>(sample & 255);
+  return out;
+}
+
 // The row's pixels of linear premultiplied light as straight sRGB. shape: 4 samples of `bits` a pixel, big-endian. NaN
 // becomes 0.
 void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
@@ -78,17 +86,17 @@ void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
   for (int x = 0; x < image.width; ++x) {
     const float* const rgba = image.pixel(x, y);
     const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
-    for (int channel = 0; channel < 4; ++channel) {
-      const double straight = channel == 3 || alpha == 0 ? alpha : rgba[channel] / alpha;
-      if (bits == 8) {
-        *out++ = channel == 3 ? static_cast<png_byte>(alpha * 255 + 0.5) : bytes.of(straight);
-        continue;
-      }
-      const double v = channel == 3 ? alpha : straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0;
-      const auto sample = static_cast<unsigned>(v * 65535 + 0.5);
-      *out++ = static_cast<png_byte>(sample >> 8);
-      *out++ = static_cast<png_byte>(sample & 255);
+    for (int channel = 0; channel < 3; ++channel) {
+      const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
+      if (bits == 8)
+        *out++ = bytes.of(straight);
+      else
+        out = putSixteen(straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0, out);
     }
+    if (bits == 8)
+      *out++ = static_cast<png_byte>(alpha * 255 + 0.5);
+    else
+      out = putSixteen(alpha, out);
   }
 }
 
