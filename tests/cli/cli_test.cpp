@@ -24,16 +24,13 @@
 #include "support/random_scene.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
+#include "support/text_of.h"
 #include "support/vdb_files.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-std::string_view textOf(const std::vector<std::byte>& data) {
-  return {reinterpret_cast<const char*>(data.data()), data.size()};
-}
 
 std::uint64_t sumOf(const Json& object, const std::vector<std::string>& keys) {
   std::uint64_t sum = 0;

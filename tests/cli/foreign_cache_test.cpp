@@ -12,6 +12,7 @@
 #include "support/drawing.h"
 #include "support/foreign_files.h"
 #include "support/procedural.h"
+#include "support/text_of.h"
 #include "support/tiff_files.h"
 #include "support/tool_test.h"
 

@@ -16,6 +16,7 @@
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
+#include "support/text_of.h"
 #include "support/vdb_files.h"
 
 namespace kiln::test {
@@ -32,10 +33,6 @@ void forEachBrick(const BrickIndex& index, F&& f) {
       }
     }
   }
-}
-
-std::string textOf(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // Writes every brick of the store anew as an early writer did, and what knows the bricks' bytes.
