@@ -206,11 +206,11 @@ void requireSamples(Lattice lattice, int samples) {
 }
 
 void requireInterpolation(Lattice lattice, Interpolation interpolation) {
-  if (lattice == Lattice::kPixel || interpolation == Interpolation::kLinear) return;
-  const std::string_view why = lattice == Lattice::kVoxel ? "draws the voxels as they are" : "interpolates linearly";
+  if (lattice != Lattice::kVoxel || interpolation == Interpolation::kLinear) return;
   throw Error(ErrorCode::kUsage,
-              fmt::format("--interpolation {}: --lattice {} {}; choose --lattice pixel, or leave --interpolation out",
-                          nameIn(kInterpolationNames, interpolation), nameIn(kLatticeNames, lattice), why));
+              fmt::format("--interpolation: --lattice voxel draws voxels without interpolation (found {}); "
+                          "leave --interpolation or --lattice out",
+                          nameIn(kInterpolationNames, interpolation)));
 }
 
 void requireSampleDistance(Lattice lattice, Mode mode, double voxels) {

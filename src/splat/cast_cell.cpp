@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "splat/finish_sample.h"
 #include "splat/slab_layer.h"
@@ -12,6 +13,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "splat/cell_field-inl.h"
 #include "splat/cell_rays-inl.h"
 #include "splat/classify-inl.h"
 #include "splat/lanes-inl.h"
@@ -21,11 +23,8 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-using D2 = hn::CappedTag<float, 2>;
-using D4 = hn::CappedTag<float, 4>;
-
-// What is done to the samples that CellRays finds. kGaps: whether voxels may be NaN.
-template <bool kGaps>
+// Interpolates, classifies, composites and shades the samples that CellRays finds. kGaps: voxels may be NaN.
+template <class Field, bool kGaps>
 class CellCaster {
  public:
   CellCaster(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile, float opaque_at,
@@ -39,6 +38,7 @@ class CellCaster {
         finishes_(frame.detailed()),
         derives_(finishes_ || tile.aovs.any()),
         p_(rays, frame.lattice(), in, tile),
+        field_(frame.lattice(), in, samples),
         s_(samples),
         out_(out) {}
 
@@ -66,7 +66,7 @@ class CellCaster {
   HWY_NOINLINE void castFound(std::size_t count) {
     count_ = count;
     placeAll();
-    interpolateAll();
+    field_.interpolate(count_);
     classifyAll();
     attenuateAll();
     blendAll();
@@ -94,29 +94,13 @@ class CellCaster {
     }
   }
 
-  // Of each, the values before and after it along x.
-  void interpolateAll() {
-    const D2 d;
-    for (std::size_t n = 0; n < count_; ++n) {
-      const float* const at = in_.values + s_.offset[n];
-      const auto y = hn::Set(d, s_.fraction[1][n]), z = hn::Set(d, s_.fraction[2][n]);
-      for (std::size_t i = 0; i < 2; i += hn::Lanes(d)) {
-        const auto row = [&](int dy, int dz) { return hn::LoadU(d, at + dz * kPlane + dy * kUnitSamples + i); };
-        const auto near = mix(d, row(0, 0), row(1, 0), y), far = mix(d, row(0, 1), row(1, 1), y);
-        hn::Store(mix(d, near, far, z), d, s_.pair + 2 * n + i);
-      }
-    }
-  }
-
   // Keeps those that show something, by their indices.
   void classifyAll() {
     const D d;
     const DI di;
     kept_ = 0;
     for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
-      V before, after;
-      hn::LoadInterleaved2(d, s_.pair + 2 * n, before, after);
-      const V value = mix(d, before, after, hn::Load(d, s_.fraction[0] + n)), entry = placeOf(d, l_, value);
+      const V value = field_.values(n), entry = placeOf(d, l_, value);
       const VI index = hn::Iota(di, static_cast<int>(n));
       M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
       if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
@@ -198,8 +182,8 @@ class CellCaster {
   // What kernels do not know: sites are kept for colours, and extinctions are what is left of them.
   HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
     const D d;
-    findSlopes(n, count);
-    const Vector slope = slopesAt(0);
+    field_.findSlopes(n, count);
+    const Vector slope = field_.slopes(0);
     hn::StoreU(slope.x, d, s_.slope[0] + n);
     hn::StoreU(slope.y, d, s_.slope[1] + n);
     hn::StoreU(slope.z, d, s_.slope[2] + n);
@@ -306,14 +290,14 @@ class CellCaster {
       }
     }
     if (finishes_) finishColors(n, count);
-    if (l_.light.phong) findSlopes(n, count);
+    if (l_.light.phong) field_.findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
       hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
       if (l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const Sight sight = p_.sightOf(p_.whereIs(hn::Load(DI(), s_.lit_code + i)));
-        lightOn(d, l_.light, l_.perspective, slopesAt(i), sight, matte, gloss);
+        lightOn(d, l_.light, l_.perspective, field_.slopes(i), sight, matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       }
@@ -336,47 +320,10 @@ class CellCaster {
     }
   }
 
-  // Central differences of the n-th of `index` and those after it, up to kLit: interpolated along y and z, of four
-  // voxels along x at a time.
-  HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
-    const D4 d4;
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const auto index = static_cast<std::size_t>(s_.index[n + lane]);
-      const float* const at = in_.values + s_.offset[index] - 1;
-      s_.fraction_x[lane] = s_.fraction[0][index];
-      const auto y = hn::Set(d4, s_.fraction[1][index]), z = hn::Set(d4, s_.fraction[2][index]);
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
-        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
-        const auto of_row = [&](int dy) { return mix(d4, row(dy, 0), row(dy, 1), z); };
-        const auto along_z = [&](int dy) {
-          return mix(d4, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
-        };
-        const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
-        hn::Store(mix(d4, here, next, y), d4, s_.rows[1] + 4 * lane + i);
-        hn::Store(mix(d4, hn::Sub(next, before), hn::Sub(after, here), y), d4, s_.rows[2] + 4 * lane + i);
-        hn::Store(mix(d4, along_z(0), along_z(1), y), d4, s_.rows[3] + 4 * lane + i);
-      }
-    }
-  }
-
-  // Of the i-th of these and those after it, interpolated along x, too. unit: value per voxel.
-  HWY_INLINE Vector slopesAt(std::size_t i) const {
-    const D d;
-    const V x = hn::Load(d, s_.fraction_x + i), half = hn::Set(d, 0.5f);
-    V before, here, next, after, y_here, y_next, z_here, z_next, unused, other;
-    hn::LoadInterleaved4(d, s_.rows[1] + 4 * i, before, here, next, after);
-    hn::LoadInterleaved4(d, s_.rows[2] + 4 * i, unused, y_here, y_next, other);
-    hn::LoadInterleaved4(d, s_.rows[3] + 4 * i, unused, z_here, z_next, other);
-    return {hn::Mul(half, mix(d, hn::Sub(next, before), hn::Sub(after, here), x)),
-            hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
-  }
-
-  // a + t (b - a), the end itself where t is 0: a voxel without weight may be NaN.
+  // Between two neighbours along an axis, whatever the interpolation of values (Interval).
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
-    const Vec out = between(a, b, t);
-    if constexpr (kGaps) return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, out);
-    return out;
+    return LinearCellField<kGaps>::mix(d, a, b, t);
   }
 
   const RaySlabs& r_;
@@ -388,6 +335,7 @@ class CellCaster {
   const bool finishes_;  // whether samples are lit, cut and made less opaque one by one
   const bool derives_;   // whether that, or their places and gradients are asked for
   const CellPlaces p_;
+  Field field_;
   CellSamples& s_;
   CellOutput& out_;
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
@@ -395,10 +343,15 @@ class CellCaster {
 
 void castCellOn(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
                 float opaque_at, CellSamples& samples, CellOutput& out) {
-  if (in.gaps)
-    CellCaster<true>(rays, frame, in, tile, opaque_at, samples, out).run();
+  const auto cast = [&]<class Field, bool kGaps>(std::type_identity<Field>, std::bool_constant<kGaps>) {
+    CellCaster<Field, kGaps>(rays, frame, in, tile, opaque_at, samples, out).run();
+  };
+  if (frame.lattice().interpolation != Interpolation::kLinear)
+    cast(std::type_identity<CubicCellField>(), std::true_type());
+  else if (in.gaps)
+    cast(std::type_identity<LinearCellField<true>>(), std::true_type());
   else
-    CellCaster<false>(rays, frame, in, tile, opaque_at, samples, out).run();
+    cast(std::type_identity<LinearCellField<false>>(), std::false_type());
 }
 
 }  // namespace

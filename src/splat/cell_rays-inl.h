@@ -54,8 +54,8 @@ class CellRays {
   // Where samples may show something; false where none does. Sets the box around it.
   HWY_INLINE bool findShown() {
     for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
-    // An interval reaches beyond what a sample interpolates.
-    if (kGaps || l_.integral != nullptr) {
+    // Intervals and cubic filters reach beyond the eight voxels around a sample.
+    if (kGaps || l_.integral != nullptr || l_.interpolation != Interpolation::kLinear) {
       shown_.fill(-1);
       return true;
     }

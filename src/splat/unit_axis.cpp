@@ -3,31 +3,14 @@
 #include <algorithm>
 
 #include "grid/part_inside.h"
+#include "splat/cubic_weights.h"
 
 namespace kiln {
 namespace {
 
-using TapWeights = std::array<double, 4>;  // of the voxels at -1, 0, 1 and 2, for a place t from 0 towards 1
-
-TapWeights bSpline(double t) {
-  const double s = 1 - t;
-  return {s * s * s / 6, (4 + t * t * (3 * t - 6)) / 6, (4 + s * s * (3 * s - 6)) / 6, t * t * t / 6};
-}
-
-TapWeights bSplineSlope(double t) {
-  const double s = 1 - t;
-  return {-s * s / 2, t * (3 * t - 4) / 2, s * (4 - 3 * s) / 2, t * t / 2};
-}
-
-// Source: Catmull and Rom, A class of local interpolating splines, 1974.
-TapWeights catmullRom(double t) {
-  const double s = 1 - t;
-  return {-t * s * s / 2, (2 + t * t * (3 * t - 5)) / 2, (2 + s * s * (3 * s - 5)) / 2, -s * t * t / 2};
-}
-
 // Taps without weight are the base, and share its weight: zero times what is not finite would not be zero. Quarters
 // added in pairs are the voxel itself to the bit.
-void setTaps(CubicTaps& taps, std::size_t sample, int base, const TapWeights& weights) {
+void setTaps(CubicTaps& taps, std::size_t sample, int base, const CubicWeights<double>& weights) {
   const auto shares = std::count(weights.begin(), weights.end(), 0.0) + (weights[1] != 0 ? 1 : 0);
   for (std::size_t tap = 0; tap < 4; ++tap) {
     const bool own = tap != 1 && weights[tap] != 0;
@@ -76,9 +59,9 @@ UnitAxis::UnitAxis(const Refinement& refinement, int first, int voxels, Interpol
     fraction[at] = centre ? 0.0f : within - static_cast<float>(down);
     if (interpolation == Interpolation::kLinear) continue;
     const double t = static_cast<double>(fraction[at]);
-    setTaps(smooth, at, base[at], bSpline(t));
-    setTaps(slope, at, base[at], bSplineSlope(t));
-    setTaps(value, at, base[at], interpolation == Interpolation::kCubic ? bSpline(t) : catmullRom(t));
+    setTaps(smooth, at, base[at], bSplineWeights(t));
+    setTaps(slope, at, base[at], bSplineSlopeWeights(t));
+    setTaps(value, at, base[at], interpolation == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t));
   }
 }
 

@@ -68,7 +68,10 @@ TEST(InstructionSets, InterpolateTheSame) {
   request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
   for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
     request.interpolation = interpolation;
-    expectTheSameOnAllSets(store, request);
+    for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay}) {
+      request.lattice = lattice;
+      expectTheSameOnAllSets(store, request);
+    }
   }
 }
 
