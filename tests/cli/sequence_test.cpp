@@ -223,6 +223,26 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   EXPECT_TRUE(readFile(in("w.webm")) == video);
 }
 
+// An empty or relative element of PATH means the working directory, in which others may have put a program.
+TEST_F(SequenceCli, Ffmpeg_InTheWorkingDirectory_IsNotRun) {
+  pathWithFfmpeg();
+  writeTurn(2);
+  const fs::path before = fs::current_path();
+  for (const auto& [working_directory, path] :
+       {std::pair{"bin", ""}, {"bin", ":"}, {"bin", "."}, {"bin", "::/nowhere"}, {"", "bin"}, {"", "./bin"}}) {
+    fs::current_path(in(working_directory));
+    const PathOf unsafe(path);
+    const ToolResult result = runTool({"render", in("job.json"), "-o", in("v.mp4")});
+    fs::current_path(before);
+    EXPECT_EQ(result.exit_code, 1) << path;
+    EXPECT_NE(result.err.find("v.mp4: a video needs the program ffmpeg, which is in no absolute folder of PATH"),
+              std::string::npos)
+        << result.err;
+  }
+  const PathOf safe("::" + in("bin") + ":/bin:/usr/bin");
+  done({"render", in("job.json"), "-o", in("v.mp4")});
+}
+
 // An encoder that hangs is not waited for once somebody interrupts.
 TEST_F(SequenceCli, AnEncoderThatHangsCanBeInterrupted) {
   const std::string path = pathWithFfmpeg();

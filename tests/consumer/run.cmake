@@ -1,4 +1,5 @@
-# Installs the build to a scratch prefix, then configures, builds and runs the project here against it.
+# Installs the build to a scratch prefix, then configures, builds and runs the project here against it. Everything that is
+# built and installed looks for libraries in safe folders only.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE code)
   if(NOT code EQUAL 0)
@@ -6,11 +7,23 @@ function(run)
   endif()
 endfunction()
 file(REMOVE_RECURSE ${SCRATCH})
+run(${CHECK_RUN_PATHS} ${BUILD})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/prefix)
+run(${CHECK_RUN_PATHS} ${SCRATCH}/prefix ${BUILD})
 # The generator that built Kiln is there; CMake's own default, make, need not be.
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${SCRATCH}/build -D CMAKE_PREFIX_PATH=${SCRATCH}/prefix -D CMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
 run(${SCRATCH}/build/consumer ${SCRATCH}/consumer.png)
+run(${CHECK_RUN_PATHS} ${SCRATCH} ${BUILD})
+# The check refuses a working directory, a folder of everybody's and, once installed, the build tree.
+file(WRITE ${SCRATCH}/run_paths/main.cpp "int main() {}\n")
+foreach(bad /usr/lib: lib /tmp/nobody_made_this ${BUILD})
+  run(${COMPILER} ${SCRATCH}/run_paths/main.cpp -o ${SCRATCH}/run_paths/main -Wl,-rpath,${bad})
+  execute_process(COMMAND ${CHECK_RUN_PATHS} ${SCRATCH}/run_paths ${BUILD} RESULT_VARIABLE code OUTPUT_QUIET)
+  if(NOT code EQUAL 1)
+    message(FATAL_ERROR "the run path '${bad}' was accepted")
+  endif()
+endforeach()
 foreach(package OpenVDB OpenEXR fmt)
   run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${SCRATCH}/without -D CMAKE_PREFIX_PATH=${SCRATCH}/prefix
       -D WITHOUT=${package})

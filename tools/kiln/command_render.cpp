@@ -193,8 +193,8 @@ void applyVideo(const RenderArguments& a, VideoOptions& video) {
   if (video.encoder.empty())
     throw Error(
         ErrorCode::kNotFound, video.path, "",
-        "a video needs the program ffmpeg, which is not on PATH; install it (Debian: apt-get install ffmpeg), or "
-        "write pictures");
+        "a video needs the program ffmpeg, which is in no absolute folder of PATH; install it (Debian: apt-get install "
+        "ffmpeg), or write pictures");
 }
 
 void applyDeep(const RenderArguments& a, OutputOptions& output) {

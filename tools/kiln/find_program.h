@@ -6,7 +6,8 @@
 
 namespace kiln::tool {
 
-/// The first of that name on PATH that may be run; empty where there is none.
+/// The first executable file `name` in the absolute folders of PATH; empty where there is none. Empty and relative
+/// elements of PATH are the working directory or below it, where other users' files may lie: they are skipped.
 std::filesystem::path findProgram(const std::string& name);
 
 }  // namespace kiln::tool

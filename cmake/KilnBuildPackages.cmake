@@ -1,0 +1,59 @@
+# Packages of the program, its modules, tests and benchmarks: this build finds them, an installed library does not.
+
+kiln_find_package(CLI11 libcli11-dev)
+
+# GDCM's own CMake files require programs of packages that Kiln does not need.
+find_path(GDCM_INCLUDE_DIR gdcmReader.h PATH_SUFFIXES gdcm-3.2 gdcm-3.0)
+foreach(kiln_library gdcmMSFF gdcmDSED gdcmCommon)
+  find_library(GDCM_${kiln_library} ${kiln_library})
+endforeach()
+if(GDCM_INCLUDE_DIR AND GDCM_gdcmMSFF AND GDCM_gdcmDSED AND GDCM_gdcmCommon)
+  list(APPEND kiln_found GDCM)
+else()
+  kiln_add_missing(GDCM libgdcm-dev)
+endif()
+
+# Finds what `option` is for, and sets NAME_FOUND. ON: an absent package is missing. AUTO: the build goes on without it,
+# and prints `without`. OFF: it is not looked for.
+function(kiln_find_optional option without name debian)
+  set(${name}_FOUND FALSE)
+  if(${option} STREQUAL "AUTO")
+    set(required ${kiln_missing})
+    set(required_debian ${kiln_missing_debian})
+    kiln_find_package(${name} ${debian} ${ARGN})
+    set(kiln_missing ${required})
+    set(kiln_missing_debian ${required_debian})
+    if(NOT ${name}_FOUND)
+      message(STATUS "${name} was not found (Debian: ${debian}): ${without}")
+    endif()
+  elseif(${option})
+    kiln_find_package(${name} ${debian} ${ARGN})
+  endif()
+  set(${name}_FOUND ${${name}_FOUND} PARENT_SCOPE)
+  kiln_return_lists()
+endfunction()
+
+# FindMPI ends CMake where MPI's compiler wrapper is installed without the headers, and its cache keeps that nothing was
+# found. Such a wrapper counts as no MPI: FindMPI is not called until a file with MPI's header can be preprocessed.
+function(kiln_find_mpi)
+  find_program(MPI_CXX_COMPILER NAMES mpicxx mpic++ mpiCC HINTS ${MPI_HOME} ENV MPI_HOME PATH_SUFFIXES bin)
+  if(MPI_CXX_COMPILER)
+    set(probe ${PROJECT_BINARY_DIR}/CMakeFiles/kiln_mpi_probe.cpp)
+    file(WRITE ${probe} "#include <mpi.h>\n")
+    execute_process(COMMAND ${CMAKE_COMMAND} -E env OMPI_CXX=${CMAKE_CXX_COMPILER} MPICH_CXX=${CMAKE_CXX_COMPILER}
+                            ${MPI_CXX_COMPILER} -E ${probe}
+                    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+    if(failed)
+      set(CMAKE_DISABLE_FIND_PACKAGE_MPI ON)
+    endif()
+  endif()
+  kiln_find_optional(KILN_MPI "kiln works on one machine" MPI libopenmpi-dev 3.0 COMPONENTS CXX)
+  set(MPI_FOUND ${MPI_FOUND} PARENT_SCOPE)
+  kiln_return_lists()
+endfunction()
+if(KILN_MPI)
+  kiln_find_mpi()
+endif()
+
+kiln_find_optional(KILN_TESTS "tests are not built" GTest libgtest-dev)
+kiln_find_optional(KILN_BENCH "benchmarks are not built" benchmark libbenchmark-dev)
