@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo|peers ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo|peers|chroot ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -9,11 +9,14 @@ build=(g++ cmake ninja-build pkg-config
        libopenexr-dev libimath-dev libpng-dev libtiff-dev libgdcm-dev libxxhash-dev libhwy-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
-test=(libgtest-dev)
+# Tests hold Kiln's files and its schema against other programs.
+test=(libgtest-dev openimageio-tools ffmpeg python3-jsonschema)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 # Other renderers, to compare with.
 peers=(libvolpack1-dev libopenvdb-tools python3-vtk9 python3-numpy xvfb xauth libgl1-mesa-dri)
+# A bare Debian, for scripts/check_builds.sh.
+chroot=(mmdebstrap)
 
 [ $# -gt 0 ] || set -- build
 wanted=()
@@ -25,7 +28,8 @@ for group in "$@"; do
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     peers) wanted+=("${peers[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo peers" >&2; exit 2 ;;
+    chroot) wanted+=("${chroot[@]}") ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo peers chroot" >&2; exit 2 ;;
   esac
 done
 

@@ -1,25 +1,32 @@
 #!/usr/bin/env bash
-# Builds and runs the tests: test.sh [--nightly] [--only dev|asan|tsan].
-# The library's tests under the address and undefined-behaviour sanitizers; those of what threads wait for each other in
-# under the thread sanitizer instead; and in the build nearest to what users run the program's own tests, those that draw
-# many pictures or large ones or with many threads, every change of a failing disk, and Kiln's use as a library. With
-# --nightly the address sanitizer sees the program and threads, too, and the thread sanitizer frames, long tests are run,
-# and the last build runs everything, as it does with --only dev. The first stage that fails ends the script with its
-# exit code; what is built is not built again.
+# Builds and runs the tests: test.sh [--ci] [--nightly] [--only STAGE]. The stages:
+#   configure  the build by hand with and without optional packages, as CMake configures it
+#   asan       unit, property, format and fault tests under the address and undefined-behaviour sanitizers
+#   tsan       tests of what threads wait for each other in, under the thread sanitizer
+#   release    what users build by hand, and in it the program's own tests, tests that draw many or large pictures or draw
+#              with many threads, each change of a failing disk, and Kiln's use as an installed library
+#   dev        the release stage's tests with assertions; nightly, or alone
+#   chroot     a fresh clone built by README's text in a bare Debian; nightly, or alone
+# With --nightly long tests are run, the address sanitizer sees the program and threads, too, the thread sanitizer frames,
+# and the release and dev stages run all tests, as they do alone. The first stage that fails ends the script with its exit
+# code; what is built is not built again. The last lines name each skipped test and why it was skipped. With --ci, or CI=true
+# in the environment, only absent data (../shared/data) may skip a test: a skip for another reason is a failure.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage() { echo "usage: scripts/test.sh [--nightly] [--only dev|asan|tsan]" >&2; exit 2; }
+usage() { echo "usage: scripts/test.sh [--ci] [--nightly] [--only configure|asan|tsan|release|dev|chroot]" >&2; exit 2; }
 
-presets=(asan tsan dev)
+stages=(configure asan tsan release)
 nightly=OFF
-whole_dev=OFF
+whole=OFF
+ci=${CI:-false}
 while [ $# -gt 0 ]; do
   case $1 in
-    --nightly) nightly=ON; whole_dev=ON; shift ;;
+    --ci) ci=true; shift ;;
+    --nightly) nightly=ON; whole=ON; stages=(configure asan tsan release dev chroot); shift ;;
     --only)
-      case ${2-} in dev | asan | tsan) presets=("$2") ;; *) usage ;; esac
-      whole_dev=ON
+      case ${2-} in configure | asan | tsan | release | dev | chroot) stages=("$2") ;; *) usage ;; esac
+      whole=ON
       shift 2 ;;
     *) usage ;;
   esac
@@ -29,29 +36,60 @@ scripts/install_packages.sh build mpi test
 scripts/check_includes.sh
 scripts/check_definitions.sh
 
-configure=(-DKILN_TESTS=ON "-DKILN_NIGHTLY=$nightly")
+configure=(-DKILN_TESTS=ON -DKILN_MPI=ON "-DKILN_NIGHTLY=$nightly")
 if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 
 export ASAN_OPTIONS=detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
 
-for preset in "${presets[@]}"; do
-  echo "== $preset, after $SECONDS s"
+# Lines "REASON<tab>TEST" of the tests that the last ctest of a build tree skipped, out of GTest's messages.
+skipped_tests() {
+  awk '
+    / Skipped$/ || /: Skipped$/ { reason = ""; reading = 1; next }
+    /^\[  SKIPPED \] [^ ]+\.[^ ]+/ && reason != "" { sub(/,$/, "", $4); print reason "\t" $4; reason = ""; reading = 0; next }
+    reading && /^$/ { reading = 0; next }
+    reading { reason = reason (reason == "" ? "" : " ") $0 }
+  ' "$1/Testing/Temporary/LastTest.log" 2>/dev/null
+}
+
+skips=
+run_tests() {
+  local preset=$1 labels targets=()
   case $preset in
     asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
-    dev) labels=(frames fault known_answer cli consumer) ;;
+    release | dev) labels=(frames fault known_answer cli consumer) ;;
   esac
   if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads frames cli); fi
   if [ "$nightly" = ON ] && [ "$preset" = tsan ]; then labels+=(frames); fi
-  if [ "$whole_dev" = ON ] && [ "$preset" = dev ]; then labels+=(unit threads property format); fi
-  targets=()
+  if [ "$whole" = ON ] && [[ $preset = release || $preset = dev ]]; then labels+=(unit threads property format); fi
   for label in "${labels[@]}"; do
     # An installed Kiln has the program, too.
     if [ "$label" = consumer ]; then targets+=(kiln_tool); else targets+=("kiln_${label}_tests"); fi
   done
   cmake --preset "$preset" "${configure[@]}"
   cmake --build --preset "$preset" -j "$(nproc)" --target "${targets[@]}"
+  echo "== $preset is built, after $SECONDS s"
   ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$"
+  skips+=$(skipped_tests "build/$preset")$'\n'
+}
+
+for stage in "${stages[@]}"; do
+  echo "== $stage, after $SECONDS s"
+  case $stage in
+    configure) scripts/check_builds.sh --configure ;;
+    chroot) scripts/install_packages.sh chroot && scripts/check_builds.sh ;;
+    *) run_tests "$stage" ;;
+  esac
 done
+
+# A reason, and below it the tests that it skipped.
+skips=$(sort -u <<<"$skips" | sed '/^$/d')
+echo "== done after $SECONDS s; skipped tests: $(grep -c . <<<"$skips" || true)"
+awk -F '\t' '$1 != reason { reason = $1; print reason } { print "  " $2 }' <<<"$skips" | sed '/^ *$/d'
+if [ "$ci" = true ] && refused=$(grep -v 'shared/data' <<<"$skips" | grep .); then
+  echo "skipped for a reason other than absent data:"
+  echo "$refused"
+  exit 1
+fi

@@ -347,7 +347,7 @@ TEST(IngestDicom, FlippedBitsNeverCrash) {
 // is, the search says.
 TEST(IngestDicom, TheRealSlicesAreTheHeads) {
   const fs::path series = realData("dicom"), head = realData("vhm_head_512x512x245_i16le.nrrd");
-  if (series.empty() || head.empty()) GTEST_SKIP() << "the Visible Human's head is not here";
+  if (series.empty() || head.empty()) GTEST_SKIP() << "../shared/data is not here";
   const auto dicom = openSource(series), whole = openSource(head);
   ASSERT_EQ(dicom->info().geometry.dims, (Extent3{512, 512, 40}));
   ASSERT_EQ(dicom->info().type, VoxelType::i16);

@@ -115,7 +115,7 @@ TEST(IngestMetaImage, EveryCutIsNoticedAndFlipsAreHarmless) {
 
 TEST(IngestMetaImage, RealFileAgreesWithItsNrrdHeader) {
   // Known: the two headers describe the same bytes.
-  if (realData("raw/brainsmall_128x128x84_u8.mhd").empty()) GTEST_SKIP() << "The real volumes are not on this machine.";
+  if (realData("raw/brainsmall_128x128x84_u8.mhd").empty()) GTEST_SKIP() << "../shared/data is not here";
   const auto meta = openSource(realData("raw/brainsmall_128x128x84_u8.mhd"));
   const auto nrrd = openSource(realData("raw/brainsmall_128x128x84_u8.nhdr"));
   EXPECT_EQ(meta->info().geometry.dims, nrrd->info().geometry.dims);

@@ -192,7 +192,7 @@ TEST(IngestNrrd, RealVolumesAreWhatTheirDescriptionSays) {
     VoxelType type;
     glm::dvec3 spacing;
   };
-  if (realData("cthead_256x256x113_u16le.nrrd").empty()) GTEST_SKIP() << "The real volumes are not on this machine.";
+  if (realData("cthead_256x256x113_u16le.nrrd").empty()) GTEST_SKIP() << "../shared/data is not here";
   for (const Known& known : {Known{"cthead_256x256x113_u16le.nrrd", {256, 256, 113}, VoxelType::u16, {1, 1, 2}},
                              Known{"mrbrain_256x256x109_u16le.nrrd", {256, 256, 109}, VoxelType::u16, {1, 1, 1.5}},
                              Known{"vhm_head_512x512x245_i16le.nrrd", {512, 512, 245}, VoxelType::i16, {1, 1, 1}}}) {
@@ -218,7 +218,7 @@ TEST(IngestNrrd, RealVolumesAreWhatTheirDescriptionSays) {
 
 TEST(IngestNrrd, RealRawAndDetachedHeaderAgree) {
   // Known: both name the same bytes.
-  if (realData("raw/engine.nhdr").empty()) GTEST_SKIP() << "The real volumes are not on this machine.";
+  if (realData("raw/engine.nhdr").empty()) GTEST_SKIP() << "../shared/data is not here";
   SourceOptions options;
   options.dims = Extent3{149, 208, 110};
   options.type = VoxelType::u8;

@@ -375,7 +375,7 @@ TEST(IngestTiff, AStripThatDoesNotFitTheBudgetIsNamedBeforeReading) {
 
 TEST(IngestTiff, TheRealStackIsTheFirstSlicesOfTheNrrd) {
   const fs::path stack = realData("tiff/cthead"), nrrd = realData("cthead_256x256x113_u16le.nrrd");
-  if (stack.empty() || nrrd.empty()) GTEST_SKIP() << "the CT head is not here";
+  if (stack.empty() || nrrd.empty()) GTEST_SKIP() << "../shared/data is not here";
   const auto tiff = openSource(stack), whole = openSource(nrrd);
   ASSERT_EQ(tiff->info().geometry.dims, (Extent3{256, 256, 99}));
   ASSERT_EQ(tiff->info().type, VoxelType::u16);

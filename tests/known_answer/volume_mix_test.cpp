@@ -152,7 +152,7 @@ TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
     return *std::find_if(all.begin(), all.end(), [&](const QualityVolume& v) { return v.name == wanted; });
   };
   const QualityVolume head = subject("vhm_head"), other = subject(name);
-  if (realData(head.file).empty() || realData(other.file).empty()) GTEST_SKIP() << "the scans are not here";
+  if (realData(head.file).empty() || realData(other.file).empty()) GTEST_SKIP() << "../shared/data is not here";
   const DenseVolume first = readVolume(realData(head.file));
   DenseVolume second = readVolume(realData(other.file));
   const glm::dvec3 face = first.geometry.worldOf(head.close_up);
