@@ -99,8 +99,10 @@ check_chroot() {
     step "$1"
     # A compiler cache of the host's saves the time of compiling the same files again; the commands are README's.
     (cd "$source" && readme_commands) >"$root/kiln/commands"
-    inside sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh -e commands" >"$root/kiln/log" 2>&1 ||
-      { tail -50 "$root/kiln/log"; fail "$1: README's commands failed"; }
+    # Prints wall, user and system time: the processor's time is comparable on a busy machine.
+    TIMEFORMAT='%R s, processor %U + %S s'
+    time { inside sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh -e commands" >"$root/kiln/log" 2>&1 ||
+      { tail -50 "$root/kiln/log"; fail "$1: README's commands failed"; }; }
     inside sh -c 'cd /tmp && rm -rf used && mkdir used && cd used && kiln convert phantom:head:48x48x48 h.kiln && kiln render h.kiln -o h.png --size 48x48 --progress none' >/dev/null ||
       fail "$1: the installed program failed"
     inside sh -c 'cmake -G Ninja -S /kiln/tests/consumer -B /tmp/used/consumer -D CMAKE_BUILD_TYPE=Release && cmake --build /tmp/used/consumer && /tmp/used/consumer/consumer /tmp/used/c.png' >"$root/kiln/log" 2>&1 ||
