@@ -78,14 +78,16 @@ check_chroot() {
   trap "rm -rf --one-file-system '$root'" EXIT
 
   step "a bare Debian"
-  apt-get indextargets --format 'deb [signed-by=$(SIGNED_BY)] $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
-    sed 's/ \[signed-by=\]//' | sort -u >"$root.list"
+  apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | sort -u >"$root.list"
   apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Retries)' >"$root.apt" || true
   # shellcheck disable=SC1091
   mmdebstrap --quiet --variant=apt --aptopt="$root.apt" --skip=cleanup/apt/lists "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$root" "$root.list"
   rm -f "$root.list" "$root.apt"
 
-  inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"; }
+  # /proc is there for the command alone.
+  inside() {
+    unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"
+  }
   # fresh: a clone without what was built or installed before.
   fresh() {
     rm -rf "$root/kiln" "$root/usr/local"/*

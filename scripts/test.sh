@@ -43,17 +43,7 @@ export ASAN_OPTIONS=detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
 
-# Lines "REASON<tab>TEST" of the tests that the last ctest of a build tree skipped, out of GTest's messages.
-skipped_tests() {
-  awk '
-    / Skipped$/ || /: Skipped$/ { reason = ""; reading = 1; next }
-    /^\[  SKIPPED \] [^ ]+\.[^ ]+/ && reason != "" { sub(/,$/, "", $4); print reason "\t" $4; reason = ""; reading = 0; next }
-    reading && /^$/ { reading = 0; next }
-    reading { reason = reason (reason == "" ? "" : " ") $0 }
-  ' "$1/Testing/Temporary/LastTest.log" 2>/dev/null
-}
-
-skips=
+logs=()
 run_tests() {
   local preset=$1 labels targets=()
   case $preset in
@@ -72,7 +62,7 @@ run_tests() {
   cmake --build --preset "$preset" -j "$(nproc)" --target "${targets[@]}"
   echo "== $preset is built, after $SECONDS s"
   ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$"
-  skips+=$(skipped_tests "build/$preset")$'\n'
+  logs+=("build/$preset/Testing/Temporary/LastTest.log")
 }
 
 for stage in "${stages[@]}"; do
@@ -84,12 +74,8 @@ for stage in "${stages[@]}"; do
   esac
 done
 
-# A reason, and below it the tests that it skipped.
-skips=$(sort -u <<<"$skips" | sed '/^$/d')
-echo "== done after $SECONDS s; skipped tests: $(grep -c . <<<"$skips" || true)"
-awk -F '\t' '$1 != reason { reason = $1; print reason } { print "  " $2 }' <<<"$skips" | sed '/^ *$/d'
-if [ "$ci" = true ] && refused=$(grep -v 'shared/data' <<<"$skips" | grep .); then
-  echo "skipped for a reason other than absent data:"
-  echo "$refused"
-  exit 1
+echo "== done after $SECONDS s"
+if [ ${#logs[@]} -gt 0 ]; then
+  if [ "$ci" = true ]; then logs=(--ci "${logs[@]}"); fi
+  scripts/skipped_tests.sh "${logs[@]}"
 fi
