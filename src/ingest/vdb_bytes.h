@@ -1,7 +1,7 @@
-// The bytes of an OpenVDB file before OpenVDB sees them. The format has no checksum and OpenVDB trusts what it reads:
-// this throws at the end of the file instead of handing out nothing for ever, and looks first at all lengths that
-// OpenVDB allocates before it looks at them. What cannot be checked here are the compressed blocks inside a tree: a
-// file altered there on purpose can still crash OpenVDB, and one altered by accident can be read with wrong values.
+// The bytes of an OpenVDB file before OpenVDB reads them. The format has no checksum and OpenVDB trusts what it reads:
+// VdbBytes throws at the end of the file instead of returning nothing for ever, and VdbLengths compares the lengths in
+// names, metadata and places with the file. The compressed blocks inside a tree are not checked: a file altered there
+// on purpose can still crash OpenVDB, and a file altered there by accident can be read with wrong values.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "grid/vdb_lengths.h"
 
 namespace kiln {
 
@@ -31,7 +32,7 @@ class VdbBytes : public std::streambuf {
   std::uint64_t next_ = 0;  // the place in the file of eback()
 };
 
-/// throws: Error kFormat where a length in the file's metadata or the place of a grid goes beyond the file.
-void requireVdbLengths(const File& file);
+/// The walk over the lengths of `file`, whose errors are kFormat. requires: `file` outlives the walk.
+VdbLengths vdbLengths(const File& file);
 
 }  // namespace kiln

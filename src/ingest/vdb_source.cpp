@@ -1,6 +1,6 @@
 // An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they
-// are. The grid is held in memory in its sparse form; only the one that is read. OpenVDB trusts the bytes of a file;
-// vdb_bytes.h says what is checked before it sees them. OpenVDB also loses the node that it was reading when it throws.
+// are. Only the grid that is read is held in memory, in its sparse form. OpenVDB trusts the bytes of a file;
+// vdb_bytes.h says what is checked before. OpenVDB loses the node that it was reading when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <glm/ext/matrix_transform.hpp>
 #include <istream>
+#include <limits>
 #include <new>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
@@ -34,8 +36,8 @@ struct GridEntry {
 // What io::File does, on our stream: a directory of grids, of which one is read. Nothing is loaded later.
 class GridFile : public openvdb::io::Archive {
  public:
-  explicit GridFile(const fs::path& path) : file_(path), buffer_(file_), in_(&buffer_) {
-    requireVdbLengths(file_);
+  explicit GridFile(const fs::path& path) : file_(path), lengths_(vdbLengths(file_)), buffer_(file_), in_(&buffer_) {
+    lengths_.fileHead(openvdb::OPENVDB_FILE_VERSION);
     in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(in_);
     openvdb::io::setStreamMetadataPtr(in_, stream_metadata_, /*transfer=*/false);
@@ -45,6 +47,7 @@ class GridFile : public openvdb::io::Archive {
     const std::int32_t count = readGridCount(in_);
     for (std::int32_t i = 0; i < count; ++i) {
       GridEntry entry;
+      lengths_.descriptor(position());
       entry.grid = entry.descriptor.read(in_);
       if (inputHasGridOffsets()) {
         entry.descriptor.seekToEnd(in_);
@@ -74,9 +77,14 @@ class GridFile : public openvdb::io::Archive {
   }
 
  private:
-  void fill(const GridEntry& entry) { readGrid(entry.grid, entry.descriptor, in_); }
+  std::uint64_t position() { return static_cast<std::uint64_t>(std::streamoff(in_.tellg())); }
+  void fill(const GridEntry& entry) {
+    lengths_.gridHead(position());
+    readGrid(entry.grid, entry.descriptor, in_);
+  }
 
   File file_;
+  VdbLengths lengths_;
   VdbBytes buffer_;
   // The stream keeps the address of this pointer, so it must live as long.
   std::shared_ptr<openvdb::io::StreamMetadata> stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
@@ -84,11 +92,12 @@ class GridFile : public openvdb::io::Archive {
   std::vector<GridEntry> entries_;
 };
 
-std::optional<VoxelType> typeOf(const openvdb::GridBase& grid) {
-  if (grid.isType<openvdb::FloatGrid>()) return VoxelType::f32;
-  if (grid.isType<openvdb::DoubleGrid>()) return VoxelType::f64;
-  if (grid.isType<openvdb::Int32Grid>()) return VoxelType::i32;
-  return std::nullopt;
+bool isWide(const openvdb::GridBase& grid) { return grid.isType<openvdb::Int64Grid>(); }
+
+// Whether the grid has one number a voxel.
+bool scalarOf(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>() ||
+         isWide(grid);
 }
 
 std::string reasonAgainst(const openvdb::GridBase& grid) {
@@ -96,7 +105,6 @@ std::string reasonAgainst(const openvdb::GridBase& grid) {
   if (type.starts_with("ptdata") || type.starts_with("ptidx")) return "holds points, not a value a voxel";
   if (type.starts_with("vec")) return "holds vectors, not one value a voxel";
   if (type == "bool" || type == "mask") return "holds a mask without values";
-  if (type == "int64") return "holds 64-bit integers, which Kiln does not read";
   if (type == "string") return "holds text";
   return "has a type that Kiln does not read";
 }
@@ -123,8 +131,12 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
     return *found;
   }
   std::vector<const GridEntry*> scalar;
-  for (const GridEntry& entry : entries) {
-    if (typeOf(*entry.grid)) scalar.push_back(&entry);
+  // Grids of 64-bit integers are often identifiers beside the volume.
+  for (const bool wide : {false, true}) {
+    for (const GridEntry& entry : entries) {
+      if (scalarOf(*entry.grid) && isWide(*entry.grid) == wide) scalar.push_back(&entry);
+    }
+    if (!scalar.empty()) break;
   }
   if (scalar.size() == 1) return *scalar.front();
   for (const GridEntry* entry : scalar) {
@@ -139,17 +151,28 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
               fmt::format("has several grids; choose one with --grid NAME; it has {}", listOf(entries)));
 }
 
+// OpenVDB's loops over a tree count to the end of a root's child and one farther, in 32 bits: the outermost children of
+// 4096 voxels would overflow.
+constexpr int kFirstIndex = std::numeric_limits<int>::min() + openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
+constexpr int kLastIndex = std::numeric_limits<int>::max() - openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
+
 VoxelBox activeBox(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
+  const std::string place = fmt::format("grid '{}'", entry.name());
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  if (grid.empty() || box.empty()) {
-    throw Error(ErrorCode::kFormat, path, fmt::format("grid '{}'", entry.name()),
-                "has no active voxel: there is nothing to read");
+  if (grid.empty() || box.empty())
+    throw Error(ErrorCode::kFormat, path, place, "has no active voxel: there is nothing to read");
+  for (int axis = 0; axis < 3; ++axis) {
+    const int lo = box.min()[axis], hi = box.max()[axis];
+    if (lo < kFirstIndex || hi > kLastIndex)
+      throw Error(ErrorCode::kUnsupported, path, place,
+                  fmt::format("has active voxels from {} to {} along axis {}; {} to {} are read: move the grid", lo, hi,
+                              axis, kFirstIndex, kLastIndex));
   }
   return {{box.min().x(), box.min().y(), box.min().z()},
           {std::int64_t{box.max().x()} + 1, std::int64_t{box.max().y()} + 1, std::int64_t{box.max().z()} + 1}};
 }
 
-SourceInfo infoOf(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
+SourceInfo infoOf(const openvdb::GridBase& grid, VoxelType type, const fs::path& path, const GridEntry& entry) {
   if (!grid.transform().isLinear()) {
     refuse(path, entry, fmt::format("has a transform that is not affine ({}, a frustum)", grid.transform().mapType()));
   }
@@ -157,7 +180,7 @@ SourceInfo infoOf(const openvdb::GridBase& grid, const fs::path& path, const Gri
   SourceInfo info;
   info.format = "OpenVDB";
   info.files = {path};
-  info.type = *typeOf(grid);
+  info.type = type;
   info.volume_class = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? VolumeClass::kLevelSet : VolumeClass::kFog;
   info.vdb = VdbOrigin{entry.name(), box.lo, affineOf(grid.transform())};
   info.geometry.dims = box.extent();
@@ -169,11 +192,10 @@ SourceInfo infoOf(const openvdb::GridBase& grid, const fs::path& path, const Gri
   return info;
 }
 
-template <class Grid>
+// `T` holds all values of the grid.
+template <class Grid, class T>
 class VdbSource : public VolumeSource {
  public:
-  using T = typename Grid::ValueType;
-
   VdbSource(SourceInfo info, typename Grid::ConstPtr grid) : info_(std::move(info)), grid_(std::move(grid)) {
     info_.background = static_cast<double>(grid_->background());
   }
@@ -187,7 +209,9 @@ class VdbSource : public VolumeSource {
     const openvdb::CoordBBox voxels(coordOf({box.lo.x + at.x, box.lo.y + at.y, box.lo.z + at.z}),
                                     coordOf({box.hi.x + at.x - 1, box.hi.y + at.y - 1, box.hi.z + at.z - 1}));
     openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(voxels, reinterpret_cast<T*>(out.data()));
-    openvdb::tools::copyToDense(*grid_, dense);
+    // OpenVDB divides a box among threads at half the sum of its ends, which overflows beyond 2^30; and a conversion
+    // reads from all threads already.
+    openvdb::tools::copyToDense(*grid_, dense, /*serial=*/true);
   }
 
  private:
@@ -195,27 +219,41 @@ class VdbSource : public VolumeSource {
   typename Grid::ConstPtr grid_;
 };
 
+// The type of 32 bits that holds every value of a grid of 64 bits, inactive values and the background included.
+VoxelType narrowTypeOf(const openvdb::Int64Grid& grid, const fs::path& path, const GridEntry& entry) {
+  std::int64_t lo = grid.background(), hi = lo;
+  for (auto value = grid.cbeginValueAll(); value; ++value) {
+    lo = std::min<std::int64_t>(lo, *value);
+    hi = std::max<std::int64_t>(hi, *value);
+  }
+  if (lo >= 0 && hi <= std::numeric_limits<std::uint32_t>::max()) return VoxelType::u32;
+  if (lo >= std::numeric_limits<std::int32_t>::min() && hi <= std::numeric_limits<std::int32_t>::max())
+    return VoxelType::i32;
+  refuse(path, entry, fmt::format("holds 64-bit integers from {} to {}; values that fit in 32 bits are read", lo, hi));
+}
+
 std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOptions& options) {
   if (options.spacing)
     throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
   initializeOpenVdb();
   GridFile file(path);
   const GridEntry& entry = chooseGrid(path, file.entries(), options);
-  const std::optional<VoxelType> type = typeOf(*entry.grid);
-  if (!type) refuse(path, entry, reasonAgainst(*entry.grid));
+  if (!scalarOf(*entry.grid)) refuse(path, entry, reasonAgainst(*entry.grid));
   const openvdb::GridBase::Ptr grid = file.load(entry);
-  SourceInfo info = infoOf(*grid, path, entry);
-  switch (*type) {
-    case VoxelType::f32:
-      return std::make_unique<VdbSource<openvdb::FloatGrid>>(std::move(info),
-                                                             openvdb::gridPtrCast<openvdb::FloatGrid>(grid));
-    case VoxelType::f64:
-      return std::make_unique<VdbSource<openvdb::DoubleGrid>>(std::move(info),
-                                                              openvdb::gridPtrCast<openvdb::DoubleGrid>(grid));
-    default:
-      return std::make_unique<VdbSource<openvdb::Int32Grid>>(std::move(info),
-                                                             openvdb::gridPtrCast<openvdb::Int32Grid>(grid));
-  }
+  const auto open = [&]<class Grid, class T>(const std::shared_ptr<Grid>& typed, VoxelType type,
+                                             std::type_identity<T>) -> std::unique_ptr<VolumeSource> {
+    return std::make_unique<VdbSource<Grid, T>>(infoOf(*grid, type, path, entry), typed);
+  };
+  if (const auto f32 = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+    return open(f32, VoxelType::f32, std::type_identity<float>());
+  if (const auto f64 = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid))
+    return open(f64, VoxelType::f64, std::type_identity<double>());
+  if (const auto i32 = openvdb::gridPtrCast<openvdb::Int32Grid>(grid))
+    return open(i32, VoxelType::i32, std::type_identity<std::int32_t>());
+  const auto wide = openvdb::gridPtrCast<openvdb::Int64Grid>(grid);
+  const VoxelType narrow = narrowTypeOf(*wide, path, entry);
+  if (narrow == VoxelType::u32) return open(wide, narrow, std::type_identity<std::uint32_t>());
+  return open(wide, narrow, std::type_identity<std::int32_t>());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "grid/vdb_lengths.h"
 #include "store/brick_archive.h"
 #include "store/brick_file.h"
 #include "store/half_values.h"
@@ -45,12 +46,18 @@ class MemoryReader : public std::streambuf {
   }
 };
 
-// The parts of a file one after the other, as Archive::readGrid takes them, but for trees.
+// Reads the parts of a file one after the other, as Archive::readGrid does, without the trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
-  // Calls take(grid) for each grid; the stream stands at its topology, and then at what is behind its last leaf.
+  // Calls take(grid) for each grid while the stream stands at the grid's topology; take moves it behind the last leaf.
   template <class Take>
-  void read(std::istream& in, const openvdb::MetaMap& expected, const std::filesystem::path& path, Take&& take) {
+  void read(std::span<const std::byte> file, std::istream& in, const openvdb::MetaMap& expected,
+            const std::filesystem::path& path, Take&& take) {
+    VdbLengths lengths({path, ErrorCode::kDamaged, file.size(), [file](std::uint64_t at, std::span<std::byte> out) {
+                          std::copy_n(file.begin() + static_cast<std::ptrdiff_t>(at), out.size(), out.begin());
+                        }});
+    const auto position = [&in] { return static_cast<std::uint64_t>(std::streamoff(in.tellg())); };
+    lengths.fileHead(openvdb::OPENVDB_FILE_VERSION);
     readHeader(in);
     // OpenVDB's own readers ask the stream for these.
     auto versions = std::make_shared<openvdb::io::StreamMetadata>();
@@ -65,7 +72,9 @@ class ArchiveReader : public openvdb::io::Archive {
     const std::int32_t count = readGridCount(in);
     for (std::int32_t i = 0; i < count; ++i) {
       openvdb::io::GridDescriptor descriptor;
+      lengths.descriptor(position());
       const openvdb::GridBase::Ptr grid = descriptor.read(in);
+      lengths.gridHead(position());
       readGridCompression(in);
       openvdb::io::setGridBackgroundValuePtr(in, nullptr);
       grid->readMeta(in);
@@ -363,7 +372,7 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
     BrickBlock block = emptyBlock(frame);
     withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
       Decoder<T> decoder(frame, path, buffer, in, block);
-      ArchiveReader().read(in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
+      ArchiveReader().read(file, in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
       decoder.finish();
     });
     block.supports = supportsOf(block);

@@ -14,10 +14,12 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "store/brick_codec.h"
 #include "store/brick_file.h"
 #include "store/minmax_octree.h"
 #include "support/foreign_files.h"
+#include "support/sanitized.h"
 
 namespace kiln::test {
 namespace {
@@ -221,6 +223,37 @@ TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
         }
       }
     }
+  }
+}
+
+// The heads of the file and of its four grids, every four bytes as a length of some GiB: an error, or the voxels as
+// they were. OpenVDB would clear as many bytes as a length says before it reads them.
+TEST(BrickDecode, HostileLengthsInMetadata_areRefusedInLittleMemory) {
+  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const std::vector<std::byte> voxels = brickVoxels(frame), whole = encodedBrick(frame, voxels);
+  const std::uint64_t before = peakResidentBytes();
+  const std::string type = "Tree_int32_5_4_3";
+  const auto bytes = std::as_bytes(std::span(type));
+  int refused = 0;
+  for (auto grid = whole.begin(); (grid = std::search(grid, whole.end(), bytes.begin(), bytes.end())) != whole.end();
+       ++grid) {
+    const auto at = static_cast<std::size_t>(grid - whole.begin());
+    const std::size_t head = at < 512 ? 8 : at - 12;  // the first with the head of the file
+    for (std::size_t place = head; place < at + 480; place += casesOf(3u, 16u)) {
+      std::vector<std::byte> file = whole;
+      const std::uint32_t length = place % 2 == 0 ? 0xfffffff4 : 0x70000000;
+      std::memcpy(&file[place], &length, sizeof length);
+      try {
+        expectBrickVoxels(decodeBrick(frame, file, "b.vdb"), frame, voxels);
+      } catch (const Error& error) {
+        EXPECT_TRUE(error.code() == ErrorCode::kDamaged || error.code() == ErrorCode::kUnsupported) << error.what();
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 100);
+  if (!kSanitized) {
+    EXPECT_LT(peakResidentBytes() - before, 256u << 20);
   }
 }
 

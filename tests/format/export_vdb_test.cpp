@@ -125,6 +125,26 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
   }
 }
 
+// The grid of 64-bit integers that an export of u32 is comes back as u32, up to the largest value.
+TEST_F(ExportVdb, UnsignedVolume_exportedAndReadAgain_isEqual) {
+  const Extent3 dims = {20, 9, 11};
+  const auto value = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return 4294967295.0 - static_cast<double>(x + 20 * y + 180 * z);
+  };
+  makeStore<std::uint32_t>(directory_ / "s.kiln", denseInfo(VoxelType::u32, dims), value);
+  exported();
+  const std::unique_ptr<VolumeSource> back = openSource(out(), {});
+  ASSERT_EQ(back->info().type, VoxelType::u32);
+  ASSERT_EQ(back->info().geometry.dims, dims);
+  std::vector<std::byte> voxels(static_cast<std::size_t>(dims.count()) * sizeof(std::uint32_t));
+  back->read(boxOf(dims), voxels);
+  for (std::int64_t i = 0; i < dims.count(); ++i) {
+    std::uint32_t found;
+    std::memcpy(&found, &voxels[static_cast<std::size_t>(i) * sizeof found], sizeof found);
+    ASSERT_EQ(found, value(i % 20, i / 20 % 9, i / 180));
+  }
+}
+
 // Labels come back as whole numbers, which convert --labels takes.
 TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::u32, VoxelType::i32}) {

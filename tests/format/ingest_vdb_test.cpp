@@ -2,6 +2,7 @@
 // file (tests/support/vdb_files.h), or because the grid was filled here with a known function of the coordinate.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/ext/matrix_transform.hpp>
@@ -10,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "ingest/formats.h"
 #include "support/nifti_files.h"
 #include "support/sanitized.h"
@@ -81,7 +83,8 @@ TEST_F(Vdb, ScalarGridsGiveTheirValuesInactiveOnesToo) {
   const std::pair<VdbKind, VoxelType> kinds[] = {{VdbKind::kFloat, VoxelType::f32},
                                                  {VdbKind::kHalf, VoxelType::f32},
                                                  {VdbKind::kDouble, VoxelType::f64},
-                                                 {VdbKind::kInt32, VoxelType::i32}};
+                                                 {VdbKind::kInt32, VoxelType::i32},
+                                                 {VdbKind::kInt64, VoxelType::i32}};
   for (const auto& [kind, type] : kinds) {
     for (const bool seekable : {true, false}) {
       const auto source = openVdb(write({{kind, "smoke"}}, seekable), {});
@@ -97,6 +100,103 @@ TEST_F(Vdb, ScalarGridsGiveTheirValuesInactiveOnesToo) {
         ASSERT_EQ(values[static_cast<std::size_t>(i)], test::vdbValue(v));
       }
     }
+  }
+}
+
+// OpenVDB's own writer leaves the sizes of leaves out where neither Blosc nor zip packs them.
+TEST_F(Vdb, Compression_noneOrActiveValuesOrZip_readsEveryVoxel) {
+  using test::VdbCompression;
+  for (const VdbCompression compression :
+       {VdbCompression::kZip, VdbCompression::kActiveValues, VdbCompression::kNone}) {
+    for (const VdbKind kind : {VdbKind::kFloat, VdbKind::kHalf, VdbKind::kInt32, VdbKind::kTiles, VdbKind::kLevelSet}) {
+      for (const bool seekable : {true, false}) {
+        test::writeVdb(directory_ / "a.vdb", {{kind, "a"}}, seekable, compression);
+        const auto source = openVdb(directory_ / "a.vdb", {});
+        if (seekable) {
+          const test::DirectGrid direct(directory_ / "a.vdb", "a");
+          ASSERT_EQ(source->info().geometry.dims, direct.activeBox().extent());
+          const VoxelCoord at = source->info().vdb->index_origin;
+          const std::vector<double> values = readBox(*source, boxOf(source->info().geometry.dims));
+          const Extent3 n = source->info().geometry.dims;
+          for (std::int64_t i = 0; i < n.count(); i += 3)
+            ASSERT_EQ(values[static_cast<std::size_t>(i)],
+                      direct.value({at.x + i % n.x, at.y + i / n.x % n.y, at.z + i / n.x / n.y}));
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Vdb, Int64Grid_valuesOf32Bits_areReadAsU32) {
+  const auto source = openVdb(write({{VdbKind::kUnsigned, "a"}}), {});
+  EXPECT_EQ(source->info().type, VoxelType::u32);
+  EXPECT_EQ(readBox(*source, boxOf({2, 1, 1})), (std::vector<double>{4294967295, 7}));
+  // A grid of identifiers beside the volume is not chosen.
+  EXPECT_EQ(openVdb(write({{VdbKind::kInt64, "id"}, {VdbKind::kFloat, "heat"}}), {})->info().vdb->grid_name, "heat");
+}
+
+// The last 4096 voxels at either end of the 32-bit coordinates cannot be walked; all others are read.
+TEST_F(Vdb, IndicesNearTheEndOf32Bits_areReadOrRefused) {
+  constexpr std::int64_t kEnd = std::int64_t{1} << 31;
+  for (const std::int64_t x : {-kEnd + 4096, kEnd - 4096 - 6, std::int64_t{1} << 30, -(std::int64_t{1} << 30) - 3}) {
+    test::VdbSpec spec{VdbKind::kFar, "a"};
+    spec.at = {x, x / 2, 0};
+    const auto source = openVdb(write({spec}), {});
+    ASSERT_EQ(source->info().geometry.dims, (Extent3{6, 6, 6})) << x;
+    const std::vector<double> values = readBox(*source, boxOf({6, 6, 6}));
+    EXPECT_EQ(values.front(), 1);
+    EXPECT_EQ(values.back(), 2);
+    EXPECT_EQ(std::count(values.begin(), values.end(), 0.0), 214);
+  }
+  for (const std::int64_t x : {-kEnd, -kEnd + 4095, kEnd - 4096 - 5, kEnd - 6}) {
+    test::VdbSpec spec{VdbKind::kFar, "a"};
+    spec.at = {0, x, 0};
+    expectRefused(write({spec}), ErrorCode::kUnsupported, "-2147479552 to 2147479551 are read");
+  }
+}
+
+// The values are those of earlyVdb, which is written from OpenVDB's description of its older formats.
+TEST_F(Vdb, FileOfBeforeOpenVdb2_readsItsLeaf) {
+  test::writeBytes(directory_ / "a.vdb", test::earlyVdb());
+  const auto source = openVdb(directory_ / "a.vdb", {});
+  ASSERT_EQ(source->info().geometry.dims, (Extent3{8, 8, 8}));
+  const std::vector<double> values = readBox(*source, boxOf({8, 8, 8}));
+  for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(values[i], static_cast<double>(i));
+  test::Bytes older = test::earlyVdb();
+  older[8] = 217;
+  test::writeBytes(directory_ / "a.vdb", older);
+  expectRefused(directory_ / "a.vdb", ErrorCode::kUnsupported, "version 217");
+}
+
+// Every four bytes of the head as a length of some GiB, in files of all forms: an error, or the same volume, in little
+// memory. OpenVDB would clear as many bytes as the length says.
+TEST_F(Vdb, HostileLengths_takeLittleMemory) {
+  using test::VdbCompression;
+  std::vector<test::Bytes> files = {test::earlyVdb()};
+  for (const VdbCompression compression : {VdbCompression::kBlosc, VdbCompression::kNone}) {
+    for (const bool seekable : {true, false}) {
+      test::writeVdb(directory_ / "a.vdb", {{VdbKind::kFloat, "a"}, {VdbKind::kFrustum, "b"}}, seekable, compression);
+      const std::vector<std::byte> whole = readFile(directory_ / "a.vdb");
+      const auto* const first = reinterpret_cast<const std::uint8_t*>(whole.data());
+      files.emplace_back(first, first + whole.size());
+    }
+  }
+  const std::uint64_t before = peakResidentBytes();
+  for (const test::Bytes& whole : files) {
+    constexpr std::size_t kHead = 760;
+    for (std::size_t at = 8; at + 4 <= std::min(whole.size(), kHead); at += test::casesOf(7u, 31u)) {
+      test::Bytes file = whole;
+      const std::uint32_t length = at % 2 == 0 ? 0xfffffff0 : 0x70000000;
+      std::memcpy(&file[at], &length, sizeof length);
+      test::writeBytes(directory_ / "hostile.vdb", file);
+      try {
+        openVdb(directory_ / "hostile.vdb", {});
+      } catch (const Error&) {
+      }
+    }
+  }
+  if (!test::kSanitized) {
+    EXPECT_LT(peakResidentBytes() - before, 256u << 20);
   }
 }
 
@@ -159,10 +259,11 @@ TEST_F(Vdb, TheGridIsTheOnlyScalarOneOrDensityOrTheNamed) {
 }
 
 TEST_F(Vdb, RefusesByName) {
-  const std::pair<VdbKind, const char*> kinds[] = {{VdbKind::kVec3, "vectors"},      {VdbKind::kBool, "mask"},
-                                                   {VdbKind::kMask, "mask"},         {VdbKind::kInt64, "64-bit"},
-                                                   {VdbKind::kPointIndex, "points"}, {VdbKind::kPointData, "points"},
-                                                   {VdbKind::kFrustum, "frustum"}};
+  const std::pair<VdbKind, const char*> kinds[] = {
+      {VdbKind::kVec3, "vectors"},      {VdbKind::kBool, "mask"},
+      {VdbKind::kMask, "mask"},         {VdbKind::kWide, "from -1 to 4294967295"},
+      {VdbKind::kPointIndex, "points"}, {VdbKind::kPointData, "points"},
+      {VdbKind::kFrustum, "frustum"}};
   for (const auto& [kind, says] : kinds) expectRefused(write({{kind, "a"}}), ErrorCode::kUnsupported, says);
   expectRefused(write({{VdbKind::kEmpty, "a"}}), ErrorCode::kFormat, "no active voxel");
   SourceOptions options;
@@ -174,9 +275,14 @@ TEST_F(Vdb, RefusesByName) {
 
 // A cut inside the grid's data, or in the directory before it, must be noticed at opening: all of it is read there.
 TEST_F(Vdb, EveryTruncationIsAnError) {
-  for (const bool seekable : {true, false}) {
-    const std::vector<std::byte> whole = readFile(write({{VdbKind::kFloat, "a"}}, seekable));
-    for (std::size_t n = 0; n < whole.size(); n += n < 1200 ? 1 : 31) {
+  using test::VdbCompression;
+  for (const auto& [seekable, compression] : {std::pair{true, VdbCompression::kBlosc},
+                                              {false, VdbCompression::kBlosc},
+                                              {true, VdbCompression::kNone},
+                                              {false, VdbCompression::kActiveValues}}) {
+    test::writeVdb(directory_ / "a.vdb", {{VdbKind::kFloat, "a"}}, seekable, compression);
+    const std::vector<std::byte> whole = readFile(directory_ / "a.vdb");
+    for (std::size_t n = 0; n < whole.size(); n += n < 1200 ? 1 : whole.size() / 400 + 1) {
       const auto* data = reinterpret_cast<const std::uint8_t*>(whole.data());
       test::writeBytes(directory_ / "cut.vdb", test::Bytes(data, data + n));
       EXPECT_THROW(openVdb(directory_ / "cut.vdb", {}), Error) << n;

@@ -64,8 +64,27 @@ openvdb::GridBase::Ptr points() {
   return openvdb::GridBase::createGrid(Grid::gridType());
 }
 
-openvdb::GridBase::Ptr gridOf(VdbKind kind) {
-  switch (kind) {
+openvdb::GridBase::Ptr voxelsOf(const std::vector<std::pair<openvdb::Coord, std::int64_t>>& values) {
+  auto grid = newGrid<openvdb::Int64Grid>(0);
+  for (const auto& [at, value] : values) grid->tree().setValueOn(at, value);
+  return grid;
+}
+
+openvdb::FloatGrid::Ptr twoVoxels(const VoxelCoord& at) {
+  auto grid = newGrid<openvdb::FloatGrid>(0);
+  grid->tree().setValueOn(coordOf(at), 1);
+  grid->tree().setValueOn(coordOf({at.x + 5, at.y + 5, at.z + 5}), 2);
+  return grid;
+}
+
+openvdb::GridBase::Ptr gridOf(const VdbSpec& spec) {
+  switch (spec.kind) {
+    case VdbKind::kWide:
+      return voxelsOf({{{0, 0, 0}, -1}, {{1, 0, 0}, 4294967295}});
+    case VdbKind::kUnsigned:
+      return voxelsOf({{{0, 0, 0}, 4294967295}, {{1, 0, 0}, 7}});
+    case VdbKind::kFar:
+      return twoVoxels(spec.at);
     case VdbKind::kFloat:
     case VdbKind::kHalf:
     case VdbKind::kFrustum:
@@ -100,11 +119,17 @@ openvdb::GridBase::Ptr gridOf(VdbKind kind) {
 
 double vdbValue(const VoxelCoord& v) { return static_cast<double>(((v.x * 37 + v.y * 101 + v.z * 211) & 2047) - 1024); }
 
-void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable) {
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable,
+              VdbCompression compression) {
+  using namespace openvdb::io;
+  const std::uint32_t flags = compression == VdbCompression::kBlosc          ? COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK
+                              : compression == VdbCompression::kZip          ? COMPRESS_ZIP | COMPRESS_ACTIVE_MASK
+                              : compression == VdbCompression::kActiveValues ? COMPRESS_ACTIVE_MASK
+                                                                             : COMPRESS_NONE;
   openvdb::initialize();
   openvdb::GridPtrVec grids;
   for (const VdbSpec& spec : specs) {
-    openvdb::GridBase::Ptr grid = gridOf(spec.kind);
+    openvdb::GridBase::Ptr grid = gridOf(spec);
     grid->setName(spec.name);
     grid->setSaveFloatAsHalf(spec.kind == VdbKind::kHalf);
     grid->setTransform(spec.kind == VdbKind::kFrustum ? openvdb::math::Transform::createFrustumTransform(
@@ -114,12 +139,72 @@ void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& spe
   }
   if (seekable) {
     openvdb::io::File file(path.string());
+    file.setCompression(flags);
     file.write(grids);
     file.close();
   } else {
     std::ofstream out(path, std::ios::binary);
-    openvdb::io::Stream(out).write(grids);
+    openvdb::io::Stream stream(out);
+    stream.setCompression(flags);
+    stream.write(grids);
   }
+}
+
+std::vector<std::uint8_t> earlyVdb() {
+  std::vector<std::uint8_t> out;
+  const auto put = [&]<class T>(T value) {
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(&value);
+    out.insert(out.end(), bytes, bytes + sizeof value);
+  };
+  const auto text = [&](const std::string& words) {
+    put(static_cast<std::uint32_t>(words.size()));
+    out.insert(out.end(), words.begin(), words.end());
+  };
+  const auto zeros = [&](std::size_t bytes) { out.resize(out.size() + bytes); };
+  // The mask of a node of 2^bits children or values, of which the first, or all, are on.
+  const auto mask = [&](std::size_t bits, bool first) {
+    zeros(bits / 8);
+    if (first) out[out.size() - bits / 8] = 1;
+  };
+  put(std::int64_t{0x56444220});
+  put(std::uint32_t{221});
+  put(std::uint32_t{1});  // of the library
+  put(std::uint32_t{2});
+  put(std::uint8_t{0});  // no places of grids
+  put(std::uint8_t{0});  // not compressed
+  for (const char c : std::string("00000000-0000-0000-0000-000000000000")) put(c);
+  put(std::uint32_t{0});  // metadata
+  put(std::int32_t{1});   // grids
+  text("density");
+  text("Tree_float_5_4_3");
+  text("");
+  for (int i = 0; i < 3; ++i) put(std::int64_t{0});
+  put(std::uint32_t{1});
+  text("class");
+  text("string");
+  text("fog volume");
+  text("UniformScaleMap");
+  for (const double scale : {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}) put(scale);
+  put(std::int32_t{1});   // buffers
+  put(0.0f);              // background
+  put(std::uint32_t{0});  // tiles of the root
+  put(std::uint32_t{1});  // children
+  zeros(3 * sizeof(std::int32_t));
+  for (const std::size_t children : {std::size_t{1} << 15, std::size_t{1} << 12}) {
+    mask(children, true);                   // of children
+    mask(children, false);                  // of active tiles
+    zeros((children - 1) * sizeof(float));  // the child has no value
+  }
+  out.insert(out.end(), 64, 0xff);
+  out.insert(out.end(), 64, 0xff);
+  zeros(3 * sizeof(std::int32_t));
+  put(std::int8_t{1});  // buffers
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) put(static_cast<float>(x + 8 * y + 64 * z));
+    }
+  }
+  return out;
 }
 
 struct DirectGrid::Grid {

@@ -28,7 +28,10 @@ enum class VdbKind {
   kVec3,
   kBool,
   kMask,
-  kInt64,
+  kInt64,     // fog
+  kWide,      // Int64, values beyond 32 bits
+  kUnsigned,  // Int64, values from 0 to 2^32 - 1
+  kFar,       // float: two voxels, 5 apart along each axis, the first at VdbSpec::at
   kPointIndex,
   kPointData  // what is not a scalar volume
 };
@@ -44,10 +47,19 @@ struct VdbSpec {
   std::string name = "density";
   /// Ignored for frustums.
   glm::dmat4 world_from_grid{1.0};
+  VoxelCoord at = {};
 };
 
+/// How a file's trees are compressed. Blosc is OpenVDB's default, with active values only.
+enum class VdbCompression { kBlosc, kZip, kActiveValues, kNone };
+
 /// `seekable` false writes as to a pipe, without grid offsets.
-void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable = true);
+void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable = true,
+              VdbCompression compression = VdbCompression::kBlosc);
+
+/// The file of one grid whose only leaf is full, without compression, in the form of version 221, of before
+/// OpenVDB 2.0. shape: voxel (x, y, z) of the box 8 x 8 x 8 at 0 is x + 8 y + 64 z.
+std::vector<std::uint8_t> earlyVdb();
 
 /// One grid as OpenVDB itself reads it.
 class DirectGrid {

@@ -1,0 +1,153 @@
+#include "grid/vdb_lengths.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <map>
+#include <string_view>
+
+namespace kiln {
+namespace {
+
+// OpenVDB 1.0 writes 218. Compression is a flag of the file from 220 on, and of each grid from 222 on.
+constexpr std::uint32_t kOldest = 218, kCompressedFiles = 220, kCompressedGrids = 222;
+constexpr std::int64_t kMagic = 0x56444220;
+constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
+
+// Values of these types have one length; OpenVDB reads as many bytes whatever the file says.
+std::uint32_t bytesOfType(const std::string& type) {
+  static const std::map<std::string, std::uint32_t, std::less<>> kBytes = {
+      {"bool", 1},    {"float", 4},  {"double", 8}, {"int32", 4},  {"int64", 8},  {"mat4s", 64},
+      {"mat4d", 128}, {"quats", 16}, {"quatd", 32}, {"vec2i", 8},  {"vec2s", 8},  {"vec2d", 16},
+      {"vec3i", 12},  {"vec3s", 12}, {"vec3d", 24}, {"vec4i", 16}, {"vec4s", 16}, {"vec4d", 32}};
+  const auto found = kBytes.find(type);
+  return found == kBytes.end() ? 0 : found->second;
+}
+
+}  // namespace
+
+void VdbLengths::fail(std::uint64_t at, const std::string& what) const {
+  throw Error(file_.code, file_.path, fmt::format("byte {}", at), what);
+}
+
+template <class T>
+T VdbLengths::number(std::uint64_t at) const {
+  std::array<std::byte, sizeof(T)> raw;
+  if (at > file_.size || sizeof(T) > file_.size - at)
+    fail(at, fmt::format("the file ends here, but {} more bytes are expected", sizeof(T)));
+  file_.copy(at, raw);
+  return std::bit_cast<T>(raw);
+}
+
+template <class T>
+T VdbLengths::take() {
+  const T value = number<T>(at_);
+  at_ += sizeof(T);
+  return value;
+}
+
+void VdbLengths::skip(std::uint64_t bytes) {
+  if (bytes > file_.size - at_) fail(at_, fmt::format("the file ends within the {} bytes that should follow", bytes));
+  at_ += bytes;
+}
+
+std::string VdbLengths::text() {
+  const auto length = take<std::uint32_t>();
+  if (length > file_.size - at_) fail(at_ - 4, fmt::format("a length of {} is more than the file holds", length));
+  std::string out(length, '\0');
+  file_.copy(at_, std::as_writable_bytes(std::span(out)));
+  at_ += length;
+  return out;
+}
+
+std::uint64_t VdbLengths::fileHead(std::uint32_t newest) {
+  if (number<std::int64_t>(0) != kMagic) fail(0, "the file does not begin as an OpenVDB file does");
+  version_ = number<std::uint32_t>(kVersionAt);
+  if (version_ < kOldest || version_ > newest)
+    throw Error(ErrorCode::kUnsupported, file_.path, "",
+                fmt::format("has version {} of OpenVDB's format; {} to {} are read", version_, kOldest, newest));
+  has_places_ = number<std::uint8_t>(kPlacesFlagAt) != 0;
+  at_ = kPlacesFlagAt + 1;
+  if (version_ >= kCompressedFiles && version_ < kCompressedGrids) skip(1);
+  skip(kUuidBytes);
+  metadata();
+  return at_;
+}
+
+// Entries of name, type and value, each with its length before it.
+void VdbLengths::metadata() {
+  const auto count = take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    text();
+    const std::string type = text();
+    const std::uint64_t length_at = at_;
+    const auto length = take<std::uint32_t>();
+    if (length > file_.size - at_) fail(length_at, fmt::format("a length of {} is more than the file holds", length));
+    if (const std::uint32_t bytes = bytesOfType(type); bytes != 0 && bytes != length)
+      fail(length_at, fmt::format("a value of type {} has a length of {}; {} is legal", type, length, bytes));
+    const std::uint64_t end = at_ + length;
+    if (type == "__delayedload" && length > 0) delayedLoad(end);
+    at_ = end;
+  }
+}
+
+// A hint for loading leaves later: a mask of one byte a leaf, then the packed sizes of the leaves, of eight bytes each.
+void VdbLengths::delayedLoad(std::uint64_t end) {
+  constexpr std::uint64_t kLeafBytes = 64;        // the least that a leaf takes in the file: its own mask
+  constexpr std::uint32_t kNoSizes = 0xffffffff;  // the tree is written without Blosc and zip
+  const std::uint64_t begin = at_;
+  const auto leaves = take<std::uint32_t>();
+  if (leaves > file_.size / kLeafBytes) fail(begin, fmt::format("{} leaves are more than the file holds", leaves));
+  packedNumbers(take<std::uint32_t>(), 1, leaves, end);
+  const auto sizes = take<std::uint32_t>();
+  if (sizes != kNoSizes) packedNumbers(sizes, 8, leaves, end);
+  // OpenVDB takes what is left for a part of the value that it does not know, counted from its end.
+  if (at_ > end) fail(begin, "the list of leaves is longer than the value that holds it");
+}
+
+// `count` numbers as they are, where `packed_bytes` is 0, or packed by Blosc, whose head says how much memory they
+// take.
+void VdbLengths::packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_bytes, std::uint64_t count,
+                               std::uint64_t end) {
+  constexpr std::uint64_t kBloscHead = 16, kMostPadding = 256;
+  const std::uint64_t at = at_, bytes = packed_bytes > 0 ? packed_bytes : number_bytes * count;
+  if (at > end || bytes > end - at) fail(at - 4, fmt::format("a length of {} is more than the file holds", bytes));
+  skip(bytes);
+  if (packed_bytes == 0) return;
+  if (packed_bytes < kBloscHead) fail(at - 4, fmt::format("{} bytes are too few for a block of Blosc", packed_bytes));
+  const auto unpacked = number<std::uint32_t>(at + 4), packed = number<std::uint32_t>(at + 12);
+  if (packed != packed_bytes || unpacked > number_bytes * count + kMostPadding)
+    fail(at, fmt::format("a block of Blosc has {} bytes and unpacks to {}; {} and at most {} are legal", packed,
+                         unpacked, packed_bytes, number_bytes * count + kMostPadding));
+}
+
+std::uint64_t VdbLengths::descriptor(std::uint64_t at) {
+  at_ = at;
+  for (int i = 0; i < 3; ++i) text();  // name, type, the grid that an instance shares its tree with
+  const std::uint64_t places_at = at_;
+  const auto data = take<std::int64_t>(), blocks = take<std::int64_t>(), end = take<std::int64_t>();
+  const bool instance = blocks == 0;
+  if (has_places_ && (data < static_cast<std::int64_t>(at_) || end < data ||
+                      (!instance && (blocks < data || blocks > end)) || static_cast<std::uint64_t>(end) > file_.size))
+    fail(places_at, "a grid's place is not in the file; it is cut short or damaged");
+  return at_;
+}
+
+std::uint64_t VdbLengths::gridHead(std::uint64_t at) {
+  at_ = at;
+  if (version_ >= kCompressedGrids) take<std::uint32_t>();
+  metadata();
+  transform();
+  return at_;
+}
+
+// A frustum names a second map behind its own numbers. Other maps have no length in them.
+void VdbLengths::transform() {
+  constexpr std::uint64_t kFrustumBytes = 8 * sizeof(double);  // a box, the taper and the depth
+  if (text() != "NonlinearFrustumMap") return;
+  skip(kFrustumBytes);
+  text();
+}
+
+}  // namespace kiln

@@ -1,0 +1,63 @@
+// Lengths inside an OpenVDB file, walked before OpenVDB reads the bytes. Problem: the format has no checksum, and
+// OpenVDB allocates what a length says before reading that many bytes, so that 100 bytes can take 4 GiB. Method: walk
+// the head of the file and the head of each grid (names, metadata, transform) exactly as OpenVDB reads them, and
+// compare every length with the bytes that follow. Invariant: a walk ends at the byte where OpenVDB's reader ends.
+// Source: OpenVDB 10, Archive::readHeader, MetaMap::readMeta, DelayedLoadMetadata::readValue, GridDescriptor::read,
+// Archive::readGrid, Transform::read.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "base/error.h"
+
+namespace kiln {
+
+/// The bytes of a file or of a file in memory.
+struct VdbFileBytes {
+  std::filesystem::path path;  // for errors
+  ErrorCode code = ErrorCode::kFormat;
+  std::uint64_t size = 0;
+  /// Copies the bytes from `at` on. requires: they are in the file.
+  std::function<void(std::uint64_t at, std::span<std::byte> out)> copy;
+};
+
+/// Each walk begins at a byte of the file and returns the byte behind the part. throws: Error of the code above, with
+/// the byte, where a length is more than the file holds or contradicts the type of a value; kUnsupported for files of
+/// before OpenVDB 1.0 (format versions below 218), and for newer ones than the library reads.
+class VdbLengths {
+ public:
+  explicit VdbLengths(VdbFileBytes file) : file_(std::move(file)) {}
+
+  /// Magic number, versions, identifier and the file's metadata: up to the number of grids. `newest` is the library's
+  /// own version of the format.
+  std::uint64_t fileHead(std::uint32_t newest);
+  /// Name, type and places of a grid. requires: fileHead has returned.
+  std::uint64_t descriptor(std::uint64_t at);
+  /// Compression, metadata and transform of a grid: up to its tree. requires: fileHead has returned.
+  std::uint64_t gridHead(std::uint64_t at);
+
+ private:
+  template <class T>
+  T number(std::uint64_t at) const;
+  template <class T>
+  T take();
+  std::string text();
+  void skip(std::uint64_t bytes);
+  void metadata();
+  void delayedLoad(std::uint64_t end);
+  void packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_bytes, std::uint64_t count, std::uint64_t end);
+  void transform();
+  [[noreturn]] void fail(std::uint64_t at, const std::string& what) const;
+
+  VdbFileBytes file_;
+  std::uint32_t version_ = 0;
+  bool has_places_ = true;  // of grids in the file
+  std::uint64_t at_ = 0;
+};
+
+}  // namespace kiln
