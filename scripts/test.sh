@@ -1,29 +1,30 @@
 #!/usr/bin/env bash
 # Builds and runs the tests: test.sh [--ci] [--nightly] [--only STAGE]. The stages:
 #   configure  the build by hand with and without optional packages, as CMake configures it
-#   asan       unit, property, format and fault tests under the address and undefined-behaviour sanitizers
-#   tsan       tests of what threads wait for each other in, under the thread sanitizer
 #   release    what users build by hand, and in it the program's own tests, tests that draw many or large pictures or draw
 #              with many threads, each change of a failing disk, and Kiln's use as an installed library
 #   dev        the release stage's tests with assertions; nightly, or alone
+#   asan       unit, property, format and fault tests under the address and undefined-behaviour sanitizers
+#   tsan       tests of what threads wait for each other in, under the thread sanitizer
 #   chroot     a fresh clone built by README's text in a bare Debian; nightly, or alone
 # With --nightly long tests are run, the address sanitizer sees the program and threads, too, the thread sanitizer frames,
-# and the release and dev stages run all tests, as they do alone. The first stage that fails ends the script with its exit
-# code; what is built is not built again. The last lines name each skipped test and why it was skipped. With --ci, or CI=true
-# in the environment, only absent data (../shared/data) may skip a test: a skip for another reason is a failure.
+# and the release and dev stages run all tests, as they do alone. The first stage that fails ends the script with an exit
+# code other than 0; what is built is not built again. Tests wait for disks and other processes: those of a stage run while the
+# next stage is built. The last lines name each skipped test and why it was skipped. With --ci, or CI=true in the environment,
+# only absent data (../shared/data) may skip a test: a skip for another reason is a failure.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage() { echo "usage: scripts/test.sh [--ci] [--nightly] [--only configure|asan|tsan|release|dev|chroot]" >&2; exit 2; }
 
-stages=(configure asan tsan release)
+stages=(configure release asan tsan)
 nightly=OFF
 whole=OFF
 ci=${CI:-false}
 while [ $# -gt 0 ]; do
   case $1 in
     --ci) ci=true; shift ;;
-    --nightly) nightly=ON; whole=ON; stages=(configure asan tsan release dev chroot); shift ;;
+    --nightly) nightly=ON; whole=ON; stages=(configure release dev asan tsan chroot); shift ;;
     --only)
       case ${2-} in configure | asan | tsan | release | dev | chroot) stages=("$2") ;; *) usage ;; esac
       whole=ON
@@ -44,7 +45,22 @@ export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
 
 logs=()
-run_tests() {
+tests=       # the process that runs the tests of the last stage, and that stage
+tests_of=
+trap '[ -z "$tests" ] || kill "$tests" 2>/dev/null || true' EXIT
+
+# Waits for the tests of the last stage and prints what they printed.
+finish_tests() {
+  [ -n "$tests" ] || return 0
+  local code=0
+  wait "$tests" || code=$?
+  tests=
+  cat "build/$tests_of/ctest.log"
+  echo "== $tests_of: tests ended with exit code $code, after $SECONDS s"
+  [ $code = 0 ] || exit "$code"
+}
+
+build_and_start_tests() {
   local preset=$1 labels targets=()
   case $preset in
     asan) labels=(unit property format fault) ;;
@@ -61,7 +77,10 @@ run_tests() {
   cmake --preset "$preset" "${configure[@]}"
   cmake --build --preset "$preset" -j "$(nproc)" --target "${targets[@]}"
   echo "== $preset is built, after $SECONDS s"
-  ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$"
+  finish_tests
+  ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$" >"build/$preset/ctest.log" 2>&1 &
+  tests=$!
+  tests_of=$preset
   logs+=("build/$preset/Testing/Temporary/LastTest.log")
 }
 
@@ -69,10 +88,11 @@ for stage in "${stages[@]}"; do
   echo "== $stage, after $SECONDS s"
   case $stage in
     configure) scripts/check_builds.sh --configure ;;
-    chroot) scripts/install_packages.sh chroot && scripts/check_builds.sh ;;
-    *) run_tests "$stage" ;;
+    chroot) finish_tests; scripts/install_packages.sh chroot; scripts/check_builds.sh ;;
+    *) build_and_start_tests "$stage" ;;
   esac
 done
+finish_tests
 
 echo "== done after $SECONDS s"
 if [ ${#logs[@]} -gt 0 ]; then

@@ -23,7 +23,7 @@ constexpr ImageSize kEqualSize = casesOf(ImageSize{150, 117}, ImageSize{97, 83})
 
 // Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
 constexpr std::int64_t kSmallestBrick = casesOf(8, 16);
-constexpr int kQuickScenes = casesOf(5, 1);  // of each lattice
+constexpr int kQuickScenes = casesOf(3, 1);  // of each lattice and volume; nightly has 400
 constexpr ProjectedArea kEveryArea[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 constexpr std::span kAreas(kEveryArea, casesOf(2, 1));
 
