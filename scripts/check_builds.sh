@@ -79,7 +79,7 @@ check_chroot() {
 
   step "a bare Debian"
   apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | sort -u >"$root.list"
-  apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Retries)' >"$root.apt" || true
+  { apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Retries)' || true; echo 'Dpkg::Use-Pty "false";'; } >"$root.apt"
   # shellcheck disable=SC1091
   mmdebstrap --quiet --variant=apt --aptopt="$root.apt" --skip=cleanup/apt/lists "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$root" "$root.list"
   rm -f "$root.list" "$root.apt"
@@ -90,7 +90,7 @@ check_chroot() {
   }
   # fresh: a clone without what was built or installed before.
   fresh() {
-    rm -rf "$root/kiln" "$root/usr/local"/*
+    rm -rf "${root:?}/kiln" "${root:?}/usr/local"/*
     mkdir -p "$root/kiln"
     git archive HEAD | tar -x -C "$root/kiln"
   }
@@ -137,7 +137,7 @@ check_chroot() {
   fresh
   as_readme_says "with MPI, with GTest"
   built tools/lib/libkiln_mpi.so || fail "the module for MPI was not built"
-  inside sh -c 'cd /kiln && ctest --preset release -L cli -R "Module|Help|Ranks" --no-tests=error' >"$root/kiln/log" 2>&1 ||
+  inside sh -c 'cd /kiln && ctest --preset release -L cli -R "Help|Ranks.One" --no-tests=error' >"$root/kiln/log" 2>&1 ||
     { tail -50 "$root/kiln/log"; fail "tests failed"; }
 
   inside apt-get -qq purge -y libopenmpi-dev openmpi-bin >/dev/null 2>&1
