@@ -8,10 +8,11 @@
 #   tsan       tests of what threads wait for each other in, under the thread sanitizer
 #   chroot     a fresh clone built by README's text in a bare Debian; nightly, or alone
 # With --nightly long tests are run, the address sanitizer sees the program and threads, too, the thread sanitizer frames,
-# and the release and dev stages run all tests, as they do alone. The first stage that fails ends the script with an exit
-# code other than 0; what is built is not built again. Tests wait for disks and other processes: those of a stage run while the
-# next stage is built. The last lines name each skipped test and why it was skipped. With --ci, or CI=true in the environment,
-# only absent data (../shared/data) may skip a test: a skip for another reason is a failure.
+# the release and dev stages run all tests, as they do alone, and the release stage builds everything, with the benchmarks.
+# The first stage that fails ends the script with an exit code other than 0; what is built is not built again. Tests wait for
+# disks and other processes: those of a stage run while the next stage is built. The last lines name each skipped test and why
+# it was skipped. With --ci, or CI=true in the environment, only absent data (../shared/data) may skip a test: a skip for
+# another reason is a failure.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -38,6 +39,10 @@ scripts/check_includes.sh
 scripts/check_definitions.sh
 
 configure=(-DKILN_TESTS=ON -DKILN_MPI=ON "-DKILN_NIGHTLY=$nightly")
+if [ "$nightly" = ON ]; then
+  scripts/install_packages.sh bench
+  configure+=(-DKILN_BENCH=ON)
+fi
 if command -v ccache >/dev/null; then configure+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 
 export ASAN_OPTIONS=detect_leaks=1
@@ -61,7 +66,7 @@ finish_tests() {
 }
 
 build_and_start_tests() {
-  local preset=$1 labels targets=()
+  local preset=$1 labels targets=(--target)
   case $preset in
     asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
@@ -74,8 +79,10 @@ build_and_start_tests() {
     # An installed Kiln has the program, too.
     if [ "$label" = consumer ]; then targets+=(kiln_tool); else targets+=("kiln_${label}_tests"); fi
   done
+  # Everything that README's command builds, and the benchmarks.
+  if [ "$nightly" = ON ] && [ "$preset" = release ]; then targets=(); fi
   cmake --preset "$preset" "${configure[@]}"
-  cmake --build --preset "$preset" -j "$(nproc)" --target "${targets[@]}"
+  cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}"
   echo "== $preset is built, after $SECONDS s"
   finish_tests
   ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$" >"build/$preset/ctest.log" 2>&1 &
