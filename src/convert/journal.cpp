@@ -1,4 +1,4 @@
-// The file: "KILNJNL3", then records of a u32 length, the hash of the payload, and the payload. The first is the
+// The file: "KILNJNL4", then records of a u32 length, the hash of the payload, and the payload. The first is the
 // identity as three strings that end in 0, each other one is a brick.
 #include "convert/journal.h"
 
@@ -11,7 +11,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '3'};
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '4'};
 
 std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
   std::vector<std::byte> out;

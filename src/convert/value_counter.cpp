@@ -10,11 +10,14 @@ namespace kiln {
 namespace {
 
 constexpr std::size_t kKeys = kMostLabels;
+// Upper bound for the bins of all blocks, unless there are more blocks: 32 for each bin of a histogram. unit: bins.
+constexpr std::size_t kFineBins = 32 * kHistogramBins;
+constexpr unsigned kLowerBits = 16;
 
 template <class T>
 constexpr bool kExact = sizeof(T) <= 2;
 
-// Negative floats order backwards by their bits: flip them all, and set the sign of the others.
+// The bits of negative floats are in reverse order: flips all bits. Sets the sign bit of positive floats.
 std::uint32_t orderedBits(float value) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
   return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
@@ -24,32 +27,38 @@ float fromOrderedBits(std::uint32_t ordered) {
   return std::bit_cast<float>((ordered & 0x80000000u) != 0 ? ordered & 0x7fffffffu : ~ordered);
 }
 
+// The width of the bins of so many blocks, as bits of the lower half of a float that tell bins apart.
+unsigned fineBitsFor(std::size_t blocks) {
+  unsigned bits = kLowerBits - 1;
+  while (bits > 0 && blocks << bits > kFineBins) --bits;
+  return bits;
+}
+
+std::uint32_t keyOf(std::uint32_t upper, std::uint32_t bin, unsigned fine_bits) {
+  return upper << kLowerBits | bin << (kLowerBits - fine_bits) | 1u << (kLowerBits - 1 - fine_bits);
+}
+unsigned fineBitsOf(std::uint32_t key) {
+  const std::uint32_t lower = key & 0xffffu;
+  return lower == 0 ? 0 : kLowerBits - 1 - static_cast<unsigned>(std::countr_zero(lower));
+}
+
 template <class T>
-std::size_t keyOf(T value, bool labels) {
-  if constexpr (kExact<T>) {
+std::size_t exactKeyOf(T value) {
+  if constexpr (kExact<T>)
     return static_cast<std::size_t>(static_cast<int>(value) - static_cast<int>(std::numeric_limits<T>::min()));
-  } else {
-    if (!labels) return orderedBits(static_cast<float>(value)) >> 16;
+  else
     return value >= 0 && value < static_cast<T>(kKeys - 1) ? static_cast<std::size_t>(value) : kKeys - 1;
-  }
 }
 
-// The values [lo, hi) that share a key.
-template <class T>
-ValueRange valuesOf(std::size_t key, bool labels) {
-  if constexpr (kExact<T>) {
-    const double value = static_cast<double>(key) + static_cast<double>(std::numeric_limits<T>::min());
-    return {value, value};
-  } else {
-    if (labels) return {static_cast<double>(key), static_cast<double>(key)};
-    const double lo = fromOrderedBits(static_cast<std::uint32_t>(key) << 16);
-    const double hi = fromOrderedBits((static_cast<std::uint32_t>(key) << 16) | 0xffffu);
-    // An infinity shares its key with NaNs, which are not counted.
-    return {std::isnan(lo) ? hi : lo, std::isnan(hi) ? lo : hi};
-  }
+// The values [lo, hi) of a bin of floats.
+ValueRange valuesOf(std::uint32_t upper, std::uint32_t bin, unsigned fine_bits) {
+  const std::uint32_t first = upper << kLowerBits | bin << (kLowerBits - fine_bits);
+  const double lo = fromOrderedBits(first), hi = fromOrderedBits(first | ((1u << (kLowerBits - fine_bits)) - 1));
+  // An infinity shares a bin with NaNs, but no NaN is counted.
+  return {std::isnan(lo) ? hi : lo, std::isnan(hi) ? lo : hi};
 }
 
-// Values that were counted, from the least on, and how many there are of each key.
+// Counted keys in ascending order: values and voxels of each key.
 struct CountedKeys {
   std::vector<ValueRange> values;
   std::vector<std::uint64_t> counts;
@@ -57,7 +66,7 @@ struct CountedKeys {
   double width(std::size_t first, std::size_t last) const { return values[last].hi - values[first].lo; }
 };
 
-// How many keys at one end are left out: those of a few voxels, and one that is far from what is left.
+// The number of keys to leave out at an end: keys of a few voxels, then a key far from all remaining keys.
 std::size_t strayKeys(const CountedKeys& keys, std::uint64_t few, bool at_end) {
   // Fewer keys are names of things rather than measurements.
   constexpr std::size_t kFewestKeys = 16;
@@ -76,7 +85,36 @@ std::size_t strayKeys(const CountedKeys& keys, std::uint64_t few, bool at_end) {
 
 }  // namespace
 
-ValueCounter::ValueCounter(VoxelType type, bool labels) : type_(type), labels_(labels), counts_(kKeys) {}
+void ValueCounter::FloatCounts::add(std::uint32_t ordered, std::uint64_t count) {
+  const std::uint32_t upper = ordered >> kLowerBits;
+  const std::uint32_t block = blocks[upper] != 0 ? blocks[upper] - 1 : newBlock(upper);
+  counts[(std::size_t{block} << fine_bits) + ((ordered & 0xffffu) >> (kLowerBits - fine_bits))] += count;
+}
+
+std::uint32_t ValueCounter::FloatCounts::newBlock(std::uint32_t upper) {
+  uppers.push_back(upper);
+  blocks[upper] = static_cast<std::uint32_t>(uppers.size());
+  coarsenTo(fineBitsFor(uppers.size()));
+  counts.resize(uppers.size() << fine_bits);
+  return blocks[upper] - 1;
+}
+
+void ValueCounter::FloatCounts::coarsenTo(unsigned bits) {
+  if (bits >= fine_bits) return;
+  const unsigned shift = fine_bits - bits;
+  std::vector<std::uint64_t> coarse(counts.size() >> shift);
+  for (std::size_t i = 0; i < counts.size(); ++i) coarse[i >> shift] += counts[i];
+  counts = std::move(coarse);
+  fine_bits = bits;
+}
+
+ValueCounter::ValueCounter(VoxelType type, bool labels)
+    : type_(type), labels_(labels), exact_(labels || sizeOf(type) <= 2) {
+  if (exact_)
+    counts_.resize(kKeys);
+  else
+    floats_.blocks.resize(kKeys);
+}
 
 void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box, const VoxelBox& region) {
   const Extent3 size = box.extent();
@@ -92,7 +130,10 @@ void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box,
               continue;
             }
           }
-          ++counts_[keyOf(row[x], labels_)];
+          if (kExact<T> || exact_)
+            ++counts_[exactKeyOf(row[x])];
+          else
+            floats_.add(orderedBits(static_cast<float>(row[x])), 1);
         }
       }
     }
@@ -100,17 +141,53 @@ void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box,
 }
 
 void ValueCounter::add(const ValueCounts& counts) {
-  for (const auto& [key, count] : counts.keys) counts_[key % kKeys] += count;
+  for (const auto& [key, count] : counts.keys) {
+    if (exact_) {
+      counts_[key % kKeys] += count;
+    } else {
+      floats_.coarsenTo(fineBitsOf(key));
+      floats_.add(key, count);
+    }
+  }
   nan_count_ += counts.nan_count;
 }
 
 ValueCounts ValueCounter::take() {
   ValueCounts out;
-  for (std::size_t key = 0; key < kKeys; ++key) {
+  for (std::size_t key = 0; key < counts_.size(); ++key) {
     if (counts_[key] > 0) out.keys.emplace_back(static_cast<std::uint32_t>(key), std::exchange(counts_[key], 0));
+  }
+  for (std::size_t i = 0; i < floats_.counts.size(); ++i) {
+    const std::uint32_t upper = floats_.uppers[i >> floats_.fine_bits];
+    const auto bin = static_cast<std::uint32_t>(i & ((std::size_t{1} << floats_.fine_bits) - 1));
+    if (floats_.counts[i] > 0) out.keys.emplace_back(keyOf(upper, bin, floats_.fine_bits), floats_.counts[i]);
+  }
+  if (!exact_) {
+    floats_ = {};
+    floats_.blocks.resize(kKeys);
   }
   out.nan_count = std::exchange(nan_count_, 0);
   return out;
+}
+
+template <class Each>
+void ValueCounter::forEachKey(const Each& each) const {
+  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
+    const double least = kExact<T> ? static_cast<double>(std::numeric_limits<T>::min()) : 0;
+    for (std::size_t key = 0; key < counts_.size(); ++key) {
+      const double value = static_cast<double>(key) + least;
+      if (counts_[key] > 0) each(ValueRange{value, value}, counts_[key]);
+    }
+  });
+  const unsigned bits = floats_.fine_bits;
+  for (std::size_t upper = 0; upper < floats_.blocks.size(); ++upper) {
+    if (floats_.blocks[upper] == 0) continue;
+    const std::size_t first = std::size_t{floats_.blocks[upper] - 1} << bits;
+    for (std::uint32_t bin = 0; bin < 1u << bits; ++bin) {
+      const std::uint64_t count = floats_.counts[first + bin];
+      if (count > 0) each(valuesOf(static_cast<std::uint32_t>(upper), bin, bits), count);
+    }
+  }
 }
 
 ValueRange ValueCounter::commonRange(const ValueRange& range) const {
@@ -119,15 +196,11 @@ ValueRange ValueCounter::commonRange(const ValueRange& range) const {
   if (labels_ || range.empty()) return range;
   CountedKeys keys;
   std::uint64_t voxels = 0;
-  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
-    for (std::size_t key = 0; key < kKeys; ++key) {
-      if (counts_[key] == 0) continue;
-      const ValueRange values = valuesOf<T>(key, labels_);
-      if (!std::isfinite(values.lo) || !std::isfinite(values.hi)) continue;
-      keys.values.push_back(values);
-      keys.counts.push_back(counts_[key]);
-      voxels += counts_[key];
-    }
+  forEachKey([&](const ValueRange& values, std::uint64_t count) {
+    if (!std::isfinite(values.lo) || !std::isfinite(values.hi)) return;
+    keys.values.push_back(values);
+    keys.counts.push_back(count);
+    voxels += count;
   });
   const std::uint64_t few = std::max<std::uint64_t>(voxels / kFewIn, 1);
   const std::size_t below = strayKeys(keys, few, false), above = strayKeys(keys, few, true);
@@ -141,7 +214,7 @@ ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins
   ValueHistogram out;
   out.counts.assign(bins, 0);
   if (range.empty()) return out;
-  // Infinite values are legal voxels; the bins cover what is finite.
+  // Infinite values are legal voxels; the bins cover finite values.
   const double largest = std::numeric_limits<float>::max();
   out.lo = std::clamp(range.lo, -largest, largest);
   out.hi = std::clamp(range.hi, -largest, largest);
@@ -151,16 +224,12 @@ ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins
     const double bin = (value - out.lo) / width;
     return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(bins - 1)));
   };
-  withVoxelType(type_, [&]<class T>(std::type_identity<T>) {
-    for (std::size_t key = 0; key < kKeys; ++key) {
-      if (counts_[key] == 0) continue;
-      const ValueRange values = valuesOf<T>(key, labels_);
-      const std::size_t first = binOf(values.lo);
-      const std::size_t last = binOf(values.hi);
-      const std::uint64_t share = counts_[key] / (last - first + 1);
-      for (std::size_t bin = first; bin <= last; ++bin) out.counts[bin] += share;
-      out.counts[first] += counts_[key] - share * (last - first + 1);
-    }
+  forEachKey([&](const ValueRange& values, std::uint64_t count) {
+    const std::size_t first = binOf(values.lo);
+    const std::size_t last = binOf(values.hi);
+    const std::uint64_t share = count / (last - first + 1);
+    for (std::size_t bin = first; bin <= last; ++bin) out.counts[bin] += share;
+    out.counts[first] += count - share * (last - first + 1);
   });
   return out;
 }
