@@ -52,7 +52,8 @@ DeepSamples::Rounded DeepSamples::jointError(const Kept& a, const Kept& b, float
   return rounded(valueOf(a.error) + valueOf(b.error) + in_front * most);
 }
 
-DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound) : bound_(bound), lists_(rect) {}
+DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound, double origin_depth)
+    : bound_(bound), origin_depth_(origin_depth), lists_(rect) {}
 
 std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound) {
   return PixelLists<Kept>::bytesFor(pixels, bound.samples);
@@ -106,7 +107,12 @@ void DeepSamples::add(int x, int y, float z, float z_back, const float* before, 
 }
 
 void DeepSamples::copy(int x, int y, DeepSample* out) const {
-  lists_.forEach(x, y, [&](const Kept& kept) { *out++ = kept.sample; });
+  lists_.forEach(x, y, [&](const Kept& kept) {
+    *out = kept.sample;
+    out->z = static_cast<float>(out->z + origin_depth_);
+    out->z_back = static_cast<float>(out->z_back + origin_depth_);
+    ++out;
+  });
 }
 
 }  // namespace kiln

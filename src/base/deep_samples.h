@@ -28,8 +28,8 @@ struct DeepBound {
 
 class DeepSamples {
  public:
-  /// Of the pixels of `rect`.
-  DeepSamples(const PixelRect& rect, const DeepBound& bound);
+  /// Of the pixels of `rect`. `origin_depth` is added to the depths of samples that are copied out.
+  DeepSamples(const PixelRect& rect, const DeepBound& bound, double origin_depth = 0);
   /// The most that so many pixels take. unit: bytes.
   static std::uint64_t bytesFor(std::uint64_t pixels, const DeepBound& bound);
 
@@ -59,6 +59,7 @@ class DeepSamples {
   void joinLeast(int x, int y, const Kept& sample, float open);
 
   const DeepBound bound_;
+  const double origin_depth_;
   PixelLists<Kept> lists_;
 };
 

@@ -31,10 +31,11 @@ struct Gathered {
     }
     for (int axis = 0; axis < 3 && from.normal[0] != nullptr; ++axis) normal[axis] += *from.normal[axis];
   }
-  void put(const glm::mat3& world_from_view, const AovPixels& to) const {
+  // `origin_depth`: View's.
+  void put(const glm::mat3& world_from_view, double origin_depth, const AovPixels& to) const {
     if (to.mean != nullptr) {
-      *to.first = first;
-      *to.mean = alpha > 0 ? mean / alpha : kNothing;
+      *to.first = static_cast<float>(first + origin_depth);
+      *to.mean = alpha > 0 ? static_cast<float>(mean / alpha + origin_depth) : kNothing;
     }
     if (to.normal[0] == nullptr) return;
     const float length = glm::length(normal);
@@ -101,7 +102,7 @@ void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& i
         const int from_x = from.x + edge * x + j % edge, from_y = from.y + edge * y + j / edge;
         pixel.add(aovPixels(aovs, from.image, from_x, from_y), from.image.pixel(from_x, from_y)[3]);
       }
-      pixel.put(world_from_view, aovPixels(aovs, image, x, row + y));
+      pixel.put(world_from_view, view.origin_depth, aovPixels(aovs, image, x, row + y));
       if (aovs.value)
         valuePlane(aovs, image)[std::ptrdiff_t{row + y} * image.width + x] =
             meanValue(valuePlane(aovs, from.image), from.image.width, edge, from.x + edge * x, from.y + edge * y);

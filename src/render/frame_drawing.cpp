@@ -175,7 +175,7 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,
                  aovPixels(request_.aovs, image, 0, 0)};
   all.aovs.filled = filled.data();
-  if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep);
+  if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep, request_.view.origin_depth);
   all.deep = image.deep.get();
   if (request_.clipping.part && plan_.pixel)
     image.edges = std::make_shared<EdgeLayers>(pixels, request_.edge_pixel_bytes);
@@ -213,8 +213,8 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
                  [](CoveredPixel part) { return static_cast<float>(part) / 255; });
   image.planes.push_back(std::move(coverage));
   if (image.edges->incomplete())
-    progress_.note(
-        "warning: most pixels of the partial image are edges, more than there is room for; where parts meet at some of "
+    progress_.warn(
+        "most pixels of the partial image are edges, more than there is room for; where parts meet at some of "
         "them, the whole is off; give more --memory, or draw the part in crops (--crop)");
 }
 

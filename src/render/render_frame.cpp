@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <glm/geometric.hpp>
 
 #include "base/elapsed.h"
 #include "base/parallel.h"
@@ -14,6 +15,7 @@
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
 #include "render/pixel_filter.h"
+#include "scene/framing.h"
 
 namespace kiln {
 namespace {
@@ -50,8 +52,8 @@ PixelFilter filterOf(const FrameRequest& request) {
 }
 
 // The frame whose pixels are the sub-pixels of the request's.
-FrameRequest ofSubPixels(FrameRequest request, int edge) {
-  request.view = enlarged(request.view, edge);
+FrameRequest ofSubPixels(FrameRequest request, int edge, const VolumeGeometry& volume) {
+  request.view = enlarged(drawnView(request.view, volume), edge);
   return request;
 }
 
@@ -71,7 +73,7 @@ std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, c
 }
 
 Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
-                   const FrameRequest& request) {
+                   const FrameRequest& request, const View& drawn_view) {
   Image image(pixels.width(), pixels.height());
   addAovPlanes(request.aovs, image);
   for (const PixelRect& band : bandsOf(pixels, request.view.size, filter, request.band_px)) {
@@ -81,16 +83,16 @@ Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFi
     filter.put(samples, drawing.shown(), band, image, row);
     const Span span(Activity::kFinish);
     const SubPixels from{samples, edge, edge * band.x0 - drawn.x0, edge * band.y0 - drawn.y0, band.height()};
-    putAovs(request.aovs, request.view, from, image, row);
+    putAovs(request.aovs, drawn_view, from, image, row);
   }
   return image;
 }
 
 Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
-                  const FrameRequest& request) {
+                  const FrameRequest& request, const View& drawn_view) {
   Image image = drawing.draw(pixels);
   const Span span(Activity::kFinish);
-  putAovs(request.aovs, request.view, {image, 1, 0, 0, image.height}, image, 0);
+  putAovs(request.aovs, drawn_view, {image, 1, 0, 0, image.height}, image, 0);
   if (filter.none()) return image;
   const PixelRect& shown = drawing.shown();
   filter.apply(image, {shown.x0 - pixels.x0, shown.y0 - pixels.y0, shown.x1 - pixels.x0, shown.y1 - pixels.y0});
@@ -105,35 +107,40 @@ struct DrawnPlane {
 };
 
 // A frame that is one plane.
-DrawnPlane planeOf(const FrameRequest& request, const PixelRect& pixels) {
+DrawnPlane planeOf(const FrameRequest& request, const VolumeGeometry& volume, const PixelRect& pixels) {
   const PixelFilter filter = filterOf(request);
   const ImageSize& size = request.view.size;
-  DrawnPlane out{ofSubPixels(request, filter.edge()), filter.samplesOf(pixels, size),
+  DrawnPlane out{ofSubPixels(request, filter.edge(), volume), filter.samplesOf(pixels, size),
                  bandsOf(pixels, size, filter, request.band_px)};
   for (PixelRect& band : out.bands) band = filter.samplesOf(band, size);
   return out;
 }
 
 // Of a frame: itself; of a panorama, the faces that it is made of.
-std::vector<DrawnPlane> planesOf(const FrameRequest& request) {
+std::vector<DrawnPlane> planesOf(const FrameRequest& request, const VolumeGeometry& volume) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, pixels)};
+  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, volume, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
   std::vector<DrawnPlane> out;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), drawn[i]));
+    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), volume, drawn[i]));
   }
   return out;
 }
 
 }  // namespace
 
+View drawnView(const View& view, const VolumeGeometry& volume) {
+  const glm::dvec3 centre = centreOf(volume);
+  return nearVolume(view, centre, glm::distance(volume.worldOf(glm::dvec3(-0.5)), centre));
+}
+
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts) {
   requireRequest(stores, request);
   std::vector<StoredBrick> out;
-  for (const DrawnPlane& plane : planesOf(request)) {
+  for (const DrawnPlane& plane : planesOf(request, stores.front()->manifest().geometry())) {
     const FramePlan plan(stores, plane.request);
     if (plan.mix) {
       counts = plan.mix->counts();
@@ -150,7 +157,7 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
   std::vector<DrawnPlane> planes;
   for (const FrameRequest& eye : eyes) {
     requireRequest(stores, eye);
-    for (DrawnPlane& plane : planesOf(eye)) planes.push_back(std::move(plane));
+    for (DrawnPlane& plane : planesOf(eye, stores.front()->manifest().geometry())) planes.push_back(std::move(plane));
   }
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planes) {
@@ -163,7 +170,7 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
 
 std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
   requireRequest({&store}, request);
-  const DrawnPlane plane = planeOf(request, drawnPixels(request.view.size, request.crop));
+  const DrawnPlane plane = planeOf(request, store.manifest().geometry(), drawnPixels(request.view.size, request.crop));
   BrickWalkCounts ignored;
   return FramePlan({&store}, plane.request).bricks->inView(plane.pixels, ignored);
 }
@@ -171,7 +178,7 @@ std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequ
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
   std::uint64_t out = 0;
-  for (const DrawnPlane& plane : planesOf(request)) {
+  for (const DrawnPlane& plane : planesOf(request, stores.front()->manifest().geometry())) {
     const FramePlan plan(stores, plane.request);
     out = std::max(out, plan.mix->mostBytes(tilesOf(request.tile_px, plane.pixels, plane.pixels)));
   }
@@ -179,7 +186,7 @@ std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const
 }
 
 FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
-    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge())) {
+    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), store.manifest().geometry())) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
@@ -199,8 +206,9 @@ Image FramePainter::draw(const PixelRect& pixels) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   const PixelFilter filter = filterOf(request_);
-  Image image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_)
-                                                           : drawFiltered(*drawing_, pixels, filter, request_);
+  Image image = filter.inPlace(pixels, request_.view.size)
+                    ? drawInPlace(*drawing_, pixels, filter, request_, of_sub_pixels_.view)
+                    : drawFiltered(*drawing_, pixels, filter, request_, of_sub_pixels_.view);
   {
     const Span span(Activity::kFinish);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);

@@ -63,6 +63,10 @@ struct FrameRequest {
   std::vector<VolumeRequest> volumes;
 };
 
+/// The view in which a frame of the volume is drawn: a parallel view with its origin near the volume (nearVolume).
+/// Slabs of samples are counted from the origin. Of several volumes, `volume` is the first.
+View drawnView(const View& view, const VolumeGeometry& volume);
+
 /// The bricks that a frame asks for if nothing hides anything, each once; of a panorama, for each of its faces.
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);

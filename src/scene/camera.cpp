@@ -87,6 +87,7 @@ View resolve(const Camera& camera, const ImageSize& size) {
   view.centre_px = 0.5 * glm::dvec2(size.width, size.height);
   view.eye_world = camera.eye;
   view.forward_world = forward;
+  view.axis_world = camera.projection == Projection::kOrthographic ? camera.target : camera.eye;
   const glm::dvec3 right = glm::normalize(across);
   const glm::dvec3 rows[] = {right, glm::cross(forward, right), forward};
   for (int row = 0; row < 3; ++row) {
@@ -99,6 +100,17 @@ View resolve(const Camera& camera, const ImageSize& size) {
 glm::dvec3 panoramaDirection(const View& view, const glm::dvec2& pixel) {
   const glm::dvec2 angle = (pixel - view.centre_px) / view.focal_px;
   return {std::sin(angle.x) * std::cos(angle.y), std::sin(angle.y), std::cos(angle.x) * std::cos(angle.y)};
+}
+
+View nearVolume(View view, const glm::dvec3& centre, double half_diagonal) {
+  if (view.projection != Projection::kOrthographic) return view;
+  const glm::dmat3 axes(view.view_from_world);
+  const glm::dvec3 across = axes * (centre - view.axis_world);
+  const glm::dvec3 translation = glm::dvec3(across.x, across.y, half_diagonal) - axes * centre;
+  view.origin_depth += (axes * (centre - view.eye_world)).z - half_diagonal;
+  view.view_from_world[3] = glm::dvec4(translation, 1);
+  view.eye_world = centre - half_diagonal * view.forward_world;
+  return view;
 }
 
 View enlarged(const View& view, int times) {

@@ -40,6 +40,12 @@ struct View {
   ImageSize size;
   glm::dmat4 view_from_world{1.0};
   glm::dvec3 eye_world{0};
+  /// A point that the middle of the picture shows: the eye, or in a parallel projection the target, which may be near
+  /// the volume where the eye is too far away to compute with.
+  glm::dvec3 axis_world{0};
+  /// The depth of view space's origin, from the plane through the eye: not 0 of a parallel view that `nearVolume` has
+  /// moved. unit: world.
+  double origin_depth = 0;
   /// Perspective: pixels per unit of x/z. Orthographic: pixels per world unit. Equirectangular: pixels per radian.
   double focal_px = 1;
   glm::dvec2 centre_px{0};
@@ -56,6 +62,10 @@ struct View {
 /// throws: Error kUsage where eye and target coincide, up is along the view, fov, height or size are out of range, or a
 /// panorama is not twice as wide as high.
 View resolve(const Camera& camera, const ImageSize& size);
+
+/// A parallel view with the origin of view space in front of a volume whose box has this centre and half diagonal: the
+/// same pixels, and no rounding that grows with the distance of the eye. Other views are returned as they are.
+View nearVolume(View view, const glm::dvec3& centre, double half_diagonal);
 
 /// What the same camera sees in an image `times` as large along each side: pixel (x, y) is then the times² pixels from
 /// times (x, y) on. requires: times >= 1.

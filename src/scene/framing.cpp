@@ -11,6 +11,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <limits>
 
 #include "base/error.h"
 
@@ -112,19 +113,28 @@ PatientAxes patientAxes(PatientFrame frame) {
   return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
 }
 
+// Corners are taken relative to the first volume's origin: of an origin far from zero (map coordinates) only what its
+// own digits round is left, and of one volume nothing.
 VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
   VolumeGeometry out = volumes.front();
-  const glm::dmat4 index_from_world = glm::inverse(out.world_from_index);
+  const glm::dmat3 index_from_world = glm::inverse(glm::dmat3(out.world_from_index));
+  const glm::dvec3 origin(out.world_from_index[3]);
   glm::dvec3 lo(-0.5), hi = glm::dvec3(out.dims.x, out.dims.y, out.dims.z) - 0.5;
-  for (const VolumeGeometry& volume : volumes) {
+  double farthest = 0;
+  for (VolumeGeometry volume : volumes) {
+    const glm::dvec3 own_origin(volume.world_from_index[3]);
+    for (int axis = 0; axis < 3; ++axis)
+      farthest = std::max({farthest, std::abs(own_origin[axis]), std::abs(origin[axis])});
+    volume.world_from_index[3] = glm::dvec4(own_origin - origin, 1);
     for (const glm::dvec3& corner : cornersOf(volume)) {
-      const auto index = glm::dvec3(index_from_world * glm::dvec4(corner, 1));
+      const glm::dvec3 index = index_from_world * corner;
       lo = glm::min(lo, index);
       hi = glm::max(hi, index);
     }
   }
-  // A billionth of a voxel is rounding.
-  const glm::dvec3 first = glm::floor(lo + 0.5 + 1e-9), end = glm::ceil(hi + 0.5 - 1e-9);
+  // A billionth of a voxel is rounding, and so are the last digits of the origins.
+  const double rounding = 1e-9 + 8 * std::numeric_limits<double>::epsilon() * farthest / out.shortestEdge();
+  const glm::dvec3 first = glm::floor(lo + 0.5 + rounding), end = glm::ceil(hi + 0.5 - rounding);
   const glm::dvec3 size = end - first;
   out.dims = {static_cast<std::int64_t>(size.x), static_cast<std::int64_t>(size.y), static_cast<std::int64_t>(size.z)};
   out.world_from_index[3] = out.world_from_index * glm::dvec4(first, 1);

@@ -54,7 +54,8 @@ std::vector<SlabCell> allCells(const SlabFrame& frame, const BrickBlock& block) 
 Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request, std::size_t& skipped) {
   const StoreReader store(path);
   const Manifest& volume = store.manifest();
-  const FrameLevels levels(volume, 0, request.view, ProjectedArea::kBox);
+  const View view = drawnView(request.view, volume.geometry());
+  const FrameLevels levels(volume, 0, view, ProjectedArea::kBox);
   const double unit = request.transfer_function.unit;
   const SampleTable table(request.transfer_function, unit, volume.type, volume.range);
   const auto noise = static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo));
@@ -68,9 +69,9 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   SplatCounts counts;
   const Projector& projector = levels.projector(0);
   const ZonedVolume zoned = zonedVolume(volume, levels, request.transfer_function, table, request.sampling());
-  for (const SlabZone& zone : slabZones(zoned, request.view, 0)) {
+  for (const SlabZone& zone : slabZones(zoned, view, 0)) {
     const SampleLook look{request.shading,
-                          Shader(request.shading, request.view, noise, projector),
+                          Shader(request.shading, view, noise, projector),
                           GradientOpacity(request.transfer_function, unit, projector),
                           &levels.clipRegion(0),
                           noise,

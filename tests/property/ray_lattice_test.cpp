@@ -49,12 +49,13 @@ class SamplesAlone {
   SamplesAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store)
       : volume_(volume),
         request_(request),
-        levels_(store.manifest(), 0, request.view, ProjectedArea::kBox, {}),
+        view_(drawnView(request.view, store.manifest().geometry())),
+        levels_(store.manifest(), 0, view_, ProjectedArea::kBox, {}),
         field_(volume, request.interpolation) {
     ZonedVolume zoned{&store.manifest(), levels_.projector(0).nearDepth()};
     zoned.sample_distance = request.sample_distance;
     zoned.on_rays = true;
-    zones_ = slabZones(zoned, request.view, 0);
+    zones_ = slabZones(zoned, view_, 0);
   }
   std::array<double, 4> composited(int x, int y) const;
 
@@ -73,6 +74,7 @@ class SamplesAlone {
 
   const DenseVolume& volume_;
   const FrameRequest& request_;
+  const View view_;
   const FrameLevels levels_;
   const ReferenceField field_;
   std::vector<SlabZone> zones_;
@@ -130,11 +132,10 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
     const DenseVolume volume = smallHead(type);
     const auto path = makeStore(volume, "head", 16);
     const StoreReader store(path);
-    for (const auto& [projection, interpolation] :
-         {std::pair(Projection::kOrthographic, Interpolation::kLinear),
-          {Projection::kPerspective, Interpolation::kLinear},
-          {Projection::kOrthographic, Interpolation::kCubic},
-          {Projection::kPerspective, Interpolation::kCatmullRom}}) {
+    for (const auto& [projection, interpolation] : {std::pair(Projection::kOrthographic, Interpolation::kLinear),
+                                                    {Projection::kPerspective, Interpolation::kLinear},
+                                                    {Projection::kOrthographic, Interpolation::kCubic},
+                                                    {Projection::kPerspective, Interpolation::kCatmullRom}}) {
       FrameRequest request = rayRequest(volume, projection);
       request.interpolation = interpolation;
       request.shading.phong = false;

@@ -66,6 +66,34 @@ TEST(Camera, OrthographicHeightSpansTheImage) {
   EXPECT_NEAR(pixelOfWorld(view, {-8, -3, 0}).x, 0, 1e-9);
 }
 
+// Known because parallel rays are the same wherever they begin: the pixel of a point near the volume must not depend on
+// the eye's distance, nor its place in view space, and its depth from the eye is its depth there and the origin's.
+TEST(Camera, ParallelViewNearAVolume_dependsOnNoDistance) {
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.height = 80;
+  camera.target = {31.5, 31.5, 31.5};
+  camera.up = {0, 0, 1};
+  const glm::dvec3 point(20, 45, 10);
+  camera.eye = {31.5, -168.5, 31.5};
+  const View near = nearVolume(resolve(camera, {128, 128}), {30, 30, 30}, 50);
+  for (const double distance : {1e3, 1e7, 1e12, 1e18}) {
+    camera.eye.y = -distance;
+    const View view = nearVolume(resolve(camera, {128, 128}), {30, 30, 30}, 50);
+    EXPECT_EQ(view.view_from_world, near.view_from_world) << distance;
+    const double depth = (view.view_from_world * glm::dvec4(point, 1)).z + view.origin_depth;
+    EXPECT_NEAR(depth, point.y + distance, 1e-12 * distance) << distance;
+  }
+  // The target, too, may be far away, as long as it is on the same ray.
+  camera.target.y = camera.eye.y + 1e3;
+  EXPECT_EQ(nearVolume(resolve(camera, {128, 128}), {30, 30, 30}, 50).view_from_world, near.view_from_world);
+  const View unmoved = resolve(camera, {128, 128});
+  EXPECT_EQ(unmoved.origin_depth, 0);
+  camera.projection = Projection::kPerspective;
+  EXPECT_EQ(nearVolume(resolve(camera, {128, 128}), {30, 30, 30}, 50).view_from_world,
+            resolve(camera, {128, 128}).view_from_world);
+}
+
 TEST(Camera, ViewIsARigidMotionForAnyCamera) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-100, 100);

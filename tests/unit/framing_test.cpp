@@ -74,6 +74,25 @@ TEST(Framing, FitsTightlyFromEverySideForAnyAffine) {
   }
 }
 
+// Known because a box is where its origin is: map coordinates, or nanometres a tenth of a metre away, change no extent.
+TEST(Framing, LargeOrigins_haveTheBoxesOfSmallOnes) {
+  for (const auto& [spacing, origin] : {std::pair{0.1, 4.6e6}, {1e-9, 0.1}, {1.0, -1e12}}) {
+    const auto volumeAt = [&](double first_voxel) {
+      VolumeGeometry volume = boxOfSize(32, 32, 32);
+      for (int axis = 0; axis < 3; ++axis) volume.world_from_index[axis][axis] = spacing;
+      volume.world_from_index[3] = glm::dvec4(glm::dvec3(origin + first_voxel * spacing), 1);
+      return volume;
+    };
+    const VolumeGeometry alone = boxAround({volumeAt(0)});
+    EXPECT_EQ(alone.dims, (Extent3{32, 32, 32}));
+    EXPECT_EQ(alone.world_from_index, volumeAt(0).world_from_index);
+    EXPECT_EQ(boxAround({volumeAt(0), volumeAt(16)}).dims, (Extent3{48, 48, 48}));
+    EXPECT_EQ(boxAround({volumeAt(0), volumeAt(-16)}).dims, (Extent3{48, 48, 48}));
+    const Camera camera = frameVolume(alone, defaultFraming(), {64, 64});
+    EXPECT_NEAR((camera.target.x - origin) / spacing, 15.5, std::abs(origin) / spacing * 1e-15);
+  }
+}
+
 TEST(Framing, ZoomKeepsThePerspective) {
   const VolumeGeometry volume = boxOfSize(10, 20, 30);
   Framing framing;
