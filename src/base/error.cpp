@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/text.h"
+
 namespace kiln {
 namespace {
 
@@ -10,11 +12,8 @@ std::string sentence(const std::filesystem::path& path, const std::string& place
   std::string out = path.string();
   if (!place.empty()) out += (out.empty() ? "" : ": ") + place;
   out += (out.empty() ? "" : ": ") + what;
-  // One line, whatever a hostile file name or a library's message holds.
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return out;
+  // Names of files and messages of libraries may hold anything.
+  return shown(out);
 }
 
 ErrorCode codeOf(int error_number) {

@@ -16,6 +16,8 @@ class Progress {
   virtual void advance(const char* /*step*/, const char* /*unit*/, std::uint64_t /*done*/, std::uint64_t /*total*/) {}
   /// A sentence the user should see (a choice made for them, a value out of the ordinary).
   virtual void note(const std::string& /*sentence*/) {}
+  /// A sentence on why the result is not what was asked for. The default notes the sentence after "warning: ".
+  virtual void warn(const std::string& sentence) { note("warning: " + sentence); }
   /// True once the user has asked to stop.
   virtual bool cancelled() const { return false; }
 

@@ -1,6 +1,46 @@
 #include "base/text.h"
 
+#include <fmt/format.h>
+
 namespace kiln {
+namespace {
+
+// Unicode code point of a character of `bytes` bytes (bytesOfCharacter).
+unsigned codePoint(std::string_view text, std::size_t bytes) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (bytes == 1) return byte(0);
+  unsigned out = byte(0) & (0xffu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) out = out << 6 | (byte(i) & 0x3fu);
+  return out;
+}
+
+// True for characters with an effect on a terminal, on the order of a line, or on lines.
+bool isUnsafe(unsigned c) {
+  return c < 0x20 || (c >= 0x7f && c <= 0x9f) || c == 0x061c || c == 0x200e || c == 0x200f ||
+         (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+}
+
+// Calls `plain` with the bytes of each safe or kept character, else `unsafe` with the code point and false, or with a
+// byte outside UTF-8 and true.
+template <class Keeps, class Plain, class Unsafe>
+void eachCharacter(std::string_view text, const Keeps& keeps, const Plain& plain, const Unsafe& unsafe) {
+  while (!text.empty()) {
+    const std::size_t bytes = bytesOfCharacter(text);
+    if (bytes == 0) {
+      unsafe(static_cast<unsigned char>(text.front()), true);
+      text.remove_prefix(1);
+      continue;
+    }
+    const unsigned c = codePoint(text, bytes);
+    if (isUnsafe(c) && !keeps(c))
+      unsafe(c, false);
+    else
+      plain(text.substr(0, bytes));
+    text.remove_prefix(bytes);
+  }
+}
+
+}  // namespace
 
 std::string lowered(std::string_view text) {
   std::string out(text);
@@ -23,6 +63,32 @@ std::size_t bytesOfCharacter(std::string_view text) {
   const unsigned char least = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const unsigned char most = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   return byte(1) >= least && byte(1) <= most ? count : 0;
+}
+
+std::string shown(std::string_view text, bool several_lines) {
+  std::string out;
+  eachCharacter(
+      text, [&](unsigned c) { return several_lines && (c == '\n' || c == '\t'); },
+      [&](std::string_view character) { out += character; },
+      [&](unsigned c, bool is_byte) {
+        const char* const known = is_byte     ? nullptr
+                                  : c == '\n' ? "\\n"
+                                  : c == '\t' ? "\\t"
+                                  : c == '\r' ? "\\r"
+                                              : nullptr;
+        out += known != nullptr ? known
+                                : (is_byte || c < 0x100 ? fmt::format("\\x{:02x}", c) : fmt::format("\\u{:04x}", c));
+      });
+  return out;
+}
+
+std::string shownInJson(std::string_view json) {
+  std::string out;
+  eachCharacter(
+      json, [](unsigned c) { return c == '\n' || c == '\t' || c == '\r'; },
+      [&](std::string_view character) { out += character; },
+      [&](unsigned c, bool is_byte) { out += is_byte ? "\\ufffd" : fmt::format("\\u{:04x}", c); });
+  return out;
 }
 
 }  // namespace kiln

@@ -41,6 +41,7 @@ class FrameProgress : public Progress {
   FrameProgress(int frame, std::uint64_t total, Progress& progress);
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override { progress_.note(sentence); }
+  void warn(const std::string& sentence) override { progress_.warn(sentence); }
   bool cancelled() const override { return progress_.cancelled(); }
 
  private:
@@ -56,6 +57,7 @@ class UncountedProgress : public Progress {
   /// requires: `progress` outlives this.
   explicit UncountedProgress(Progress& progress) : progress_(progress) {}
   void note(const std::string& sentence) override { progress_.note(sentence); }
+  void warn(const std::string& sentence) override { progress_.warn(sentence); }
   bool cancelled() const override { return progress_.cancelled(); }
 
  private:

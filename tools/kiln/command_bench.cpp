@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include "bench/report.h"
 #include "bench/report_text.h"
 #include "bench/run_suite.h"
 #include "commands.h"
+#include "say.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -21,15 +20,16 @@ void run(const BenchArguments& a, Context& context) {
   const fs::path directory = a.output;
   requireReportDirectory(directory);
   const BenchOptions options{storesOf(directory), context.command_line, timeNow()};
-  const auto say = [&](const Measurements& m, const MeasuredRun& measured) {
+  const auto report = [&](const Measurements& m, const MeasuredRun& measured) {
     context.progress.clear();
-    fmt::print("{}", runText(m, measured));
+    sayLines(runText(m, measured));
     std::fflush(stdout);
   };
-  const Measurements measurements = runSuite(suite, options, context.progress, say);
+  const Measurements measurements = runSuite(suite, options, context.progress, report);
   writeReport(measurements, directory);
   context.progress.clear();
-  fmt::print("\n{}{}\n", standingsText(measurements), fs::absolute(directory / "report.html").string());
+  sayLines("\n" + standingsText(measurements));
+  say("{}\n", fs::absolute(directory / "report.html").string());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "output/compare.h"
 #include "output/image_file.h"
+#include "say.h"
 
 namespace kiln::tool {
 namespace {
@@ -38,15 +39,14 @@ void run(const CompareArguments& arguments) {
                                         {"differing_pixels", d.differing},
                                         {"foreground_pixels", d.foreground},
                                         {"mean_brightness_ratio", d.mean_brightness_ratio}};
-    fmt::print("{}\n", out.dump(1));
+    sayJson(out.dump(1) + "\n");
     return;
   }
   if (d.differing == 0) {
-    fmt::print("equal colours: {} x {} pixels\n", a.width, a.height);
+    say("equal colours: {} x {} pixels\n", a.width, a.height);
     return;
   }
-  fmt::print(
-      "PSNR {:.2f} dB, {:.2f} dB over {} foreground pixels; largest difference {:.4g} of 1; {} pixels differ; mean "
+  say("PSNR {:.2f} dB, {:.2f} dB over {} foreground pixels; largest difference {:.4g} of 1; {} pixels differ; mean "
       "brightness ratio {:.4f}\n",
       d.psnr_db, d.foreground_psnr_db, d.foreground, d.largest, d.differing, d.mean_brightness_ratio);
 }

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "render/composite_parts.h"
+#include "say.h"
 #include "scene/job_names.h"
 
 namespace kiln::tool {
@@ -28,11 +29,10 @@ void run(const CompositeArguments& a, Context& context) {
   writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);
   context.progress.clear();
   if (made.volume_share < 1)
-    context.progress.note(
-        fmt::format("warning: the parts hold {:.2f} % of the volume; the rest is missing from the picture",
-                    100 * made.volume_share));
-  fmt::print("{}: {} x {} pixels from {} part{}\n", a.output, made.image.width, made.image.height, a.parts.size(),
-             a.parts.size() == 1 ? "" : "s");
+    context.progress.warn(fmt::format("the parts hold {:.2f} % of the volume; the rest is missing from the picture",
+                                      100 * made.volume_share));
+  say("{}: {} x {} pixels from {} part{}\n", a.output, made.image.width, made.image.height, a.parts.size(),
+      a.parts.size() == 1 ? "" : "s");
 }
 
 }  // namespace

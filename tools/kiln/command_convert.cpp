@@ -11,6 +11,7 @@
 #include "convert/conversion_cost.h"
 #include "convert/convert.h"
 #include "convert/half_source.h"
+#include "say.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
 
@@ -41,27 +42,26 @@ std::string readingOf(const ConversionCost& cost) {
 void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOptions& options, Context& context) {
   const ConversionCost cost = conversionCost(source, options, context.progress);
   context.progress.clear();
-  fmt::print("{}: {}\n", a.input, firstLine(source.info()));
-  fmt::print("reading      {}\n", readingOf(cost));
-  fmt::print("memory       up to {} in buffers, of {} allowed; {} thread{}\n", formatBytes(cost.plan.total()),
-             formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
+  say("{}: {}\n", a.input, firstLine(source.info()));
+  say("reading      {}\n", readingOf(cost));
+  say("memory       up to {} in buffers, of {} allowed; {} thread{}\n", formatBytes(cost.plan.total()),
+      formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
   const std::string bricks = fmt::format("{} brick{} of {} level{}", cost.bricks, cost.bricks == 1 ? "" : "s",
                                          cost.levels, cost.levels == 1 ? "" : "s");
   const std::string samples = cost.sampled_slices > 0 ? fmt::format("{} bricks of the first {} slices",
                                                                     cost.sampled_bricks, cost.sampled_slices)
                                                       : fmt::format("{} of them", cost.sampled_bricks);
-  fmt::print("writing      about {} in {}, as {} say that were read and encoded\n", formatBytes(cost.store_bytes),
-             bricks, samples);
+  say("writing      about {} in {}, as {} say that were read and encoded\n", formatBytes(cost.store_bytes), bricks,
+      samples);
   const std::uint64_t scratch = cost.plan.scratch_bytes;
-  fmt::print("scratch      {}\n", scratch > 0
-                                      ? fmt::format("up to {} beside it until it is finished", formatBytes(scratch))
-                                      : std::string("none: what waits is in memory"));
+  say("scratch      {}\n", scratch > 0 ? fmt::format("up to {} beside it until it is finished", formatBytes(scratch))
+                                       : std::string("none: what waits is in memory"));
   if (options.ranks->count() > 1)
-    fmt::print("ranks        {}, each with that memory{}\n", options.ranks->count(),
-               cost.order == ReadOrder::kForward ? "; each reads all of the input, which comes in one order only" : "");
-  fmt::print("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
-             static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
-  fmt::print("nothing was written\n");
+    say("ranks        {}, each with that memory{}\n", options.ranks->count(),
+        cost.order == ReadOrder::kForward ? "; each reads all of the input, which comes in one order only" : "");
+  say("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
+      static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
+  say("nothing was written\n");
 }
 
 // The largest of a number that each rank has, on the first.
@@ -77,21 +77,21 @@ void printRanks(const ConvertReport& report) {
   for (std::size_t i = 0; i < report.ranks.size(); ++i) {
     const RankConversion& rank = report.ranks[i];
     const double all_s = rank.busy_s + rank.idle_s;
-    fmt::print("rank {}: {} bricks, {} read, {} written, {} sent to others; {} thread{} busy {:.0f} % of the time\n", i,
-               rank.bricks, formatBytes(rank.read_bytes), formatBytes(rank.written_bytes), formatBytes(rank.sent_bytes),
-               rank.lanes, rank.lanes == 1 ? "" : "s", all_s > 0 ? 100 * rank.busy_s / all_s : 0.0);
+    say("rank {}: {} bricks, {} read, {} written, {} sent to others; {} thread{} busy {:.0f} % of the time\n", i,
+        rank.bricks, formatBytes(rank.read_bytes), formatBytes(rank.written_bytes), formatBytes(rank.sent_bytes),
+        rank.lanes, rank.lanes == 1 ? "" : "s", all_s > 0 ? 100 * rank.busy_s / all_s : 0.0);
   }
 }
 
 void printReport(const ConvertArguments& a, const SourceInfo& info, const ConvertReport& report) {
-  fmt::print("{}: {}\n", a.output, firstLine(info));
+  say("{}: {}\n", a.output, firstLine(info));
   // Of a resumed conversion, what this run did.
   const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
   const std::string work = report.voxels > 0 ? fmt::format("{:.1f} s, {:.1f} million voxels/s, buffers up to {}",
                                                            report.seconds, rate, formatBytes(report.buffer_bytes))
                                              : "nothing was left to do";
-  fmt::print("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks,
-             formatBytes(report.stored_bytes), work);
+  say("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks, formatBytes(report.stored_bytes),
+      work);
   if (report.ranks.size() > 1) printRanks(report);
 }
 
@@ -132,9 +132,9 @@ void run(const ConvertArguments& a, Context& context) {
   if (!speaks) return;
   printReport(a, source->info(), report);
   if (rounded != nullptr)
-    fmt::print("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
-               half_error, report.half_error);
-  if (report.nan_count > 0) fmt::print("{} voxels are NaN and will be transparent\n", report.nan_count);
+    say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
+        half_error, report.half_error);
+  if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
 }  // namespace

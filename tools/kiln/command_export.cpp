@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include "base/file.h"
 #include "base/memory.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
+#include "say.h"
 
 namespace kiln::tool {
 namespace {
@@ -21,7 +20,7 @@ void run(const ExportArguments& a, Context& context) {
   store.requireLevel(a.level);
   const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite);
   context.progress.clear();
-  fmt::print("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
+  say("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "histogram_text.h"
 #include "output/image_file.h"
+#include "say.h"
 #include "scene/label_looks.h"
 #include "store/store_reader.h"
 
@@ -35,12 +36,11 @@ const char* className(VolumeClass volume_class) {
 // The first of them, for there may be thousands.
 void printLabels(const std::vector<LabelCount>& labels) {
   constexpr std::size_t kMost = 64;
-  fmt::print("labels       {} that {} voxels\n", labels.size(), labels.size() == 1 ? "has" : "have");
+  say("labels       {} that {} voxels\n", labels.size(), labels.size() == 1 ? "has" : "have");
   for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i)
-    fmt::print("             {:>8.0f}  {} voxel{}\n", labels[i].label, labels[i].voxels,
-               labels[i].voxels == 1 ? "" : "s");
+    say("             {:>8.0f}  {} voxel{}\n", labels[i].label, labels[i].voxels, labels[i].voxels == 1 ? "" : "s");
   if (labels.size() > kMost)
-    fmt::print("             and {} more, which kiln info --json has in its histogram\n", labels.size() - kMost);
+    say("             and {} more, which kiln info --json has in its histogram\n", labels.size() - kMost);
 }
 
 const char* frameName(PatientFrame frame) {
@@ -80,12 +80,12 @@ void printLevels(const Manifest& m, const Storage& storage) {
   for (std::size_t i = 0; i < m.levels.size(); ++i) {
     const LevelInfo& level = m.levels[i];
     const Extent3& dims = level.geometry.dims;
-    fmt::print("level {:<6} {} x {} x {} voxels, {} bricks of {}^3: {} stored in {}, {} constant\n", i, dims.x, dims.y,
-               dims.z, level.bricks.count(), m.brick_size, level.stored_bricks, formatBytes(level.stored_bytes),
-               storage.constant_bricks[i]);
+    say("level {:<6} {} x {} x {} voxels, {} bricks of {}^3: {} stored in {}, {} constant\n", i, dims.x, dims.y, dims.z,
+        level.bricks.count(), m.brick_size, level.stored_bricks, formatBytes(level.stored_bytes),
+        storage.constant_bricks[i]);
   }
-  fmt::print("on disk      {}, {:.1f} % of the {} of its voxels in memory\n", formatBytes(storage.disk_bytes),
-             100 * storage.ratio(), formatBytes(storage.raw_bytes));
+  say("on disk      {}, {:.1f} % of the {} of its voxels in memory\n", formatBytes(storage.disk_bytes),
+      100 * storage.ratio(), formatBytes(storage.raw_bytes));
 }
 
 // The manifest, and what follows from it and the index.
@@ -99,63 +99,57 @@ std::string textForPrograms(const StoreReader& store) {
   return out.dump(1) + "\n";
 }
 
-// Another program's picture, or a store from elsewhere, may say anything: nothing of it is an order to a terminal.
-std::string shown(std::string text) {
-  for (char& c : text)
-    if ((static_cast<unsigned char>(c) < 0x20 || c == 0x7f) && c != '\n' && c != '\t') c = '?';
-  return text;
-}
-
 void printForPeople(const StoreReader& store) {
   const Manifest& m = store.manifest();
   const Storage storage = storageOf(store);
   const VolumeGeometry& g = m.geometry();
   const glm::dvec3 spacing = g.spacing();
-  const std::string unit = g.unit.empty() ? "world units" : shown(g.unit);
-  fmt::print("store        {} (format {})\n", store.path().string(), m.format);
-  fmt::print("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
-             formatBytes(storage.raw_bytes));
-  fmt::print("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
-  fmt::print("affine       ");
+  const std::string unit = g.unit.empty() ? "world units" : g.unit;
+  say("store        {} (format {})\n", store.path().string(), m.format);
+  say("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
+      formatBytes(storage.raw_bytes));
+  say("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
+  say("affine       ");
   for (int row = 0; row < 3; ++row) {
-    fmt::print("{}[{:.6g} {:.6g} {:.6g} {:.6g}]\n", row == 0 ? "" : "             ", g.world_from_index[0][row],
-               g.world_from_index[1][row], g.world_from_index[2][row], g.world_from_index[3][row]);
+    say("{}[{:.6g} {:.6g} {:.6g} {:.6g}]\n", row == 0 ? "" : "             ", g.world_from_index[0][row],
+        g.world_from_index[1][row], g.world_from_index[2][row], g.world_from_index[3][row]);
   }
-  fmt::print("patient      {}\n", frameName(g.frame));
+  say("patient      {}\n", frameName(g.frame));
   if (m.range.empty()) {
-    fmt::print("values       none but NaN\n");
+    say("values       none but NaN\n");
   } else {
-    fmt::print("values       {:.9g} to {:.9g}, background {:.6g}, class {}\n", m.range.lo, m.range.hi, m.background,
-               className(m.volume_class));
+    say("values       {:.9g} to {:.9g}, background {:.6g}, class {}\n", m.range.lo, m.range.hi, m.background,
+        className(m.volume_class));
   }
-  if (m.nan_count > 0) fmt::print("NaN          {} voxels\n", m.nan_count);
+  if (m.nan_count > 0) say("NaN          {} voxels\n", m.nan_count);
   if (const auto labels = labelsOf(m)) {
     printLabels(*labels);
   } else if (const std::string histogram = histogramText(m.histogram, !isFloating(m.type), "             ");
              !histogram.empty())
-    fmt::print("histogram    length of a bar: logarithm of the count\n{}", histogram);
+    sayLines("histogram    length of a bar: logarithm of the count\n" + histogram);
   printLevels(m, storage);
-  fmt::print("codec        {}, blosc\n", shown(m.container_version));
+  say("codec        {}, blosc\n", m.container_version);
   // A directory of slices comes first, then its slices.
   const std::vector<std::string>& files = m.source.files;
   const std::size_t named = files.size() > 3 ? 1 : files.size();
-  for (std::size_t i = 0; i < named; ++i) fmt::print("source       {} ({})\n", shown(files[i]), shown(m.source.format));
-  if (named < files.size()) fmt::print("             and {} files in it\n", files.size() - named);
-  if (!m.source.command.empty()) fmt::print("made by      {}\n", shown(m.source.command));
-  if (!m.source.time.empty()) fmt::print("made at      {}\n", shown(m.source.time));
+  for (std::size_t i = 0; i < named; ++i) say("source       {} ({})\n", files[i], m.source.format);
+  if (named < files.size()) say("             and {} files in it\n", files.size() - named);
+  if (!m.source.command.empty()) say("made by      {}\n", m.source.command);
+  if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
 }
 
 // What Kiln writes into its pictures, the job last: it is long.
 void printPicture(const fs::path& path) {
   std::map<std::string, std::string> texts = readImageText(path);
   const std::string job = std::exchange(texts[ImageMetadata::kJob], {});
-  fmt::print("picture      {}\n", path.string());
+  say("picture      {}\n", path.string());
   for (const auto& [name, text] : texts) {
     if (text.empty()) continue;
     const bool several_lines = text.find('\n') != std::string::npos;
-    fmt::print("{:<12} {}{}\n", name, several_lines ? "\n" : "", shown(text));
+    say("{:<12} ", name);
+    sayLines((several_lines ? "\n" : "") + text + "\n");
   }
-  if (!job.empty()) fmt::print("{:<12}\n{}\n", ImageMetadata::kJob, shown(job));
+  if (!job.empty()) sayLines(fmt::format("{:<12}\n{}\n", ImageMetadata::kJob, job));
 }
 
 // As `kiln render` takes it, once it is in a file.
@@ -183,14 +177,14 @@ void addInfo(CLI::App& app, Context& context) {
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {
         if (*json)
-          fmt::print("{}", jobOfPicture(*path));
+          sayJson(jobOfPicture(*path));
         else
           printPicture(*path);
         return;
       }
       const StoreReader store(*path);  // checks before anything is printed
       if (*json) {
-        fmt::print("{}", textForPrograms(store));
+        sayJson(textForPrograms(store));
       } else {
         printForPeople(store);
       }

@@ -1,13 +1,12 @@
-#include <fmt/format.h>
-
 #include "commands.h"
+#include "say.h"
 #include "scene/job_keys.h"
 
 namespace kiln::tool {
 
 void addSchema(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("schema", "print the JSON Schema of jobs, for editors and checks");
-  command->callback([&context] { context.action = [] { fmt::print("{}", jobSchemaText()); }; });
+  command->callback([&context] { context.action = [] { sayJson(jobSchemaText()); }; });
 }
 
 }  // namespace kiln::tool

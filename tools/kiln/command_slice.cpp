@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "output/image_file.h"
 #include "render/slice.h"
+#include "say.h"
 #include "scene_arguments.h"
 #include "source_arguments.h"
 
@@ -31,7 +32,7 @@ void run(const SliceArguments& a, Context& context) {
   const Image image = renderSlice(StoreReader(a.store), request, context.progress);
   writeImage(image, {}, {}, a.output);
   context.progress.clear();
-  fmt::print("{}: {} x {} pixels\n", a.output, image.width, image.height);
+  say("{}: {} x {} pixels\n", a.output, image.width, image.height);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "render/rank_boxes.h"
 #include "render/render_job_run.h"
 #include "render/split_store.h"
+#include "say.h"
 #include "scene/frame_list.h"
 #include "scene_arguments.h"
 
@@ -30,8 +31,8 @@ void run(const SplitArguments& a, Context& context) {
     const std::uint64_t bytes = writeStorePart(store, boxes[i], path, context.progress);
     context.progress.clear();
     const VoxelBox& box = boxes[i];
-    fmt::print("{}: voxels {},{},{} to {},{},{}, {}\n", path.string(), box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y,
-               box.hi.z, formatBytes(bytes));
+    say("{}: voxels {},{},{} to {},{},{}, {}\n", path.string(), box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y,
+        box.hi.z, formatBytes(bytes));
   }
 }
 

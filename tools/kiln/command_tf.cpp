@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "output/image_file.h"
 #include "render/transfer_function_picture.h"
+#include "say.h"
 #include "scene/presets.h"
 #include "scene_arguments.h"
 #include "store/store_reader.h"
@@ -60,25 +61,25 @@ void print(const TransferFunction& f, const Subject& subject) {
   const VolumeGeometry& geometry = subject.manifest.geometry();
   const std::string unit = geometry.unit.empty() ? "world unit" : geometry.unit;
   if (subject.volume)
-    fmt::print("volume       values {:.9g} to {:.9g}\n", subject.manifest.range.lo, subject.manifest.range.hi);
-  fmt::print("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
-  fmt::print("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
-             "red, green, blue (linear light)");
+    say("volume       values {:.9g} to {:.9g}\n", subject.manifest.range.lo, subject.manifest.range.hi);
+  say("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
+  say("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
+      "red, green, blue (linear light)");
   for (const TransferPoint& p : f.points) {
-    fmt::print("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
-               extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
+    say("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
+        extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
   }
   for (const GradientPoint& p : f.gradient_opacity)
-    fmt::print("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
-  fmt::print("{} points; extinction is per {}\n", f.points.size(), unit);
+    say("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
+  say("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 
 void printLabels(const TransferFunction& f) {
-  fmt::print("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
+  say("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
   for (const LabelLook& look : f.labels)
-    fmt::print("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
-               hexOf(look.color), look.name);
-  fmt::print("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
+    say("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
+        hexOf(look.color), look.name);
+  say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
 }
 
 void run(const TfArguments& a) {

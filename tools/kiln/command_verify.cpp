@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "commands.h"
 #include "render/split_store.h"
+#include "say.h"
 #include "source_arguments.h"
 #include "store/store_writer.h"
 #include "store/verify.h"
@@ -44,7 +45,7 @@ void run(const VerifyArguments& a, Context& context) {
   if (report.damaged > 0)
     throw Error(ErrorCode::kDamaged, store.path(), "",
                 fmt::format("{} of {} files damaged", report.damaged, report.files));
-  fmt::print("{}: {}, {} files checked\n", a.store, holds ? "has all of its part" : "whole", report.files);
+  say("{}: {}, {} files checked\n", a.store, holds ? "has all of its part" : "whole", report.files);
 }
 
 }  // namespace

@@ -13,8 +13,11 @@
 
 #include "base/error.h"
 #include "commands.h"
+#include "say.h"
 
 namespace {
+
+using kiln::tool::complain;
 
 // Open MPI's mpirun, and other launchers (srun --mpi=pmix, Hydra) by what they tell a process of its rank.
 bool startedAsRank() {
@@ -28,11 +31,10 @@ bool startedAsRank() {
 int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const kiln::Ranks& ranks) {
   if (!ranks.first()) return 2;
   if (app.get_subcommands().empty() && !app.remaining().empty()) {
-    std::fprintf(stderr, "kiln: there is no command or option '%s'; run 'kiln --help'\n",
-                 app.remaining().front().c_str());
+    complain("kiln: there is no command or option '{}'; run 'kiln --help'\n", app.remaining().front());
     return 2;
   }
-  std::fprintf(stderr, "kiln: %s; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
+  complain("kiln: {}; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
   return 2;
 }
 
@@ -56,7 +58,7 @@ std::string unexpected(const std::exception& error) {
 // One rank says why, and all end; it may be the others that notice next.
 [[noreturn]] void endAll(kiln::Ranks& ranks, const std::string& sentence, int exit_code) {
   if (ranks.claimFailure())
-    std::fprintf(stderr, "kiln: rank %d of %d: %s\n", ranks.rank(), ranks.count(), sentence.c_str());
+    complain("kiln: rank {} of {}: {}\n", ranks.rank(), ranks.count(), sentence);
   else
     std::this_thread::sleep_for(std::chrono::seconds(3));
   ranks.abort(exit_code);
@@ -66,7 +68,7 @@ std::string unexpected(const std::exception& error) {
 int fail(kiln::tool::Context& context, const std::string& sentence, int exit_code) {
   context.progress.clear();
   if (!context.ranks->alone()) endAll(*context.ranks, sentence, exit_code);
-  std::fprintf(stderr, "kiln: %s\n", sentence.c_str());
+  complain("kiln: {}\n", sentence);
   return exit_code;
 }
 
@@ -138,13 +140,13 @@ int main(int argc, char** argv) {
     const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
     const int exit_code = run(argc, argv, *ranks);
     if (exit_code != 0 || saidAll()) return exit_code;
-    std::fprintf(stderr, "kiln: %s\n", kUnsaid);
+    complain("kiln: {}\n", kUnsaid);
     return 1;
   } catch (const kiln::Error& error) {
-    std::fprintf(stderr, "kiln: %s\n", error.what());
+    complain("kiln: {}\n", error.what());
     return error.exitCode();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kiln: %s\n", unexpected(error).c_str());
+    complain("kiln: {}\n", unexpected(error));
     return 1;
   }
 }

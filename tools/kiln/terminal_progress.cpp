@@ -7,8 +7,9 @@
 #include <atomic>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <limits>
+
+#include "say.h"
 
 namespace kiln::tool {
 namespace {
@@ -95,16 +96,21 @@ void TerminalProgress::show(const std::string& line, const std::string& before_s
 // A line that is to be drawn over must not be broken.
 void TerminalProgress::print(const std::string& line) {
   if (terminal_)
-    fmt::print(stderr, "\r\033[K{}", line.substr(0, columnsOfTerminal() - 1));
+    drawLine(line, columnsOfTerminal() - 1);
   else
-    fmt::print(stderr, "{}\n", line);
+    complain("{}\n", line);
   drawn_ = terminal_;
-  std::fflush(stderr);
 }
 
 void TerminalProgress::note(const std::string& sentence) {
   clear();
-  fmt::print(stderr, "{}{}\n", speaker_, sentence);
+  complain("{}{}\n", speaker_, sentence);
+}
+
+void TerminalProgress::warn(const std::string& sentence) {
+  ++warnings_;
+  note("warning: " + sentence);
+  if (warning_listener_) warning_listener_(sentence);
 }
 
 void TerminalProgress::speakAsRank(int rank) {
@@ -113,7 +119,7 @@ void TerminalProgress::speakAsRank(int rank) {
 }
 
 void TerminalProgress::clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) clearLine();
   drawn_ = false;
 }
 

@@ -2,6 +2,7 @@
 // otherwise. SIGINT asks the work to stop; the work says when it has.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -19,6 +20,12 @@ class TerminalProgress : public Progress {
 
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override;
+  /// Notes the sentence, counts it, and hands it to the listener of warnings.
+  void warn(const std::string& sentence) override;
+  /// The number of warnings so far.
+  std::uint64_t warnings() const { return warnings_; }
+  /// Called with each warning.
+  void tellWarnings(std::function<void(const std::string&)> listener) { warning_listener_ = std::move(listener); }
   bool cancelled() const override;
   /// A line of the caller's own, drawn over on a terminal; otherwise now and then. `before_steps`, which is shorter, is
   /// said before what steps say from here on.
@@ -49,6 +56,8 @@ class TerminalProgress : public Progress {
   bool silent_ = false;
   std::string speaker_ = "kiln: ";
   std::function<void(const Numbers&)> listener_;
+  std::function<void(const std::string&)> warning_listener_;
+  std::atomic<std::uint64_t> warnings_ = 0;
   std::string overall_;  // before what steps say
   std::string step_;
   Clock::time_point begin_, last_ = Clock::now();
