@@ -90,6 +90,11 @@ bool namesStore(const fs::path& input, const SourceOptions& source_options) {
   return true;
 }
 
+// Where labels are asked for, a store of amounts is made anew.
+bool serves(const fs::path& store, const SourceInfo& info, bool labels) {
+  return isStoreOf(store, info) && (!labels || StoreReader(store).manifest().volume_class == VolumeClass::kLabels);
+}
+
 }  // namespace
 
 bool isStoreOf(const fs::path& store, const SourceInfo& info) {
@@ -118,7 +123,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   if (namesStore(input, source_options)) return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
   const fs::path store = besideOf(input);
-  if (isStoreOf(store, source->info())) {
+  if (serves(store, source->info(), options.labels)) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
@@ -127,7 +132,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());
     progress.throwIfCancelled("waiting for another process");
   });
-  if (isStoreOf(store, source->info())) return store;
+  if (serves(store, source->info(), options.labels)) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;

@@ -8,11 +8,13 @@
 #include "render/opened_job.h"
 #include "render/render_job_run.h"
 #include "render/sequence.h"
+#include "render/series_volumes.h"
 #include "scene/frame_scene.h"
 
 namespace kiln {
 DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
+  if (!job.series) job.series = seriesLook(given, {});
   job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
   const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(job);

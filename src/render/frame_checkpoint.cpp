@@ -162,6 +162,7 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
                             error.what(), finished, tiles.size(), file.path().string()));
   }
   out.statistics = opened.finish(*painter, frame);
+  out.continued = !kept.empty();
   return out;
 }
 

@@ -15,6 +15,7 @@
 #include "render/file_part.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
+#include "scene/series_look.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -60,6 +61,7 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
   out.text[ImageMetadata::kJob] = textOf(of_file, drawn.scene);
   out.text["kiln:version"] = KILN_VERSION;
+  if (job.series) out.text[kSeriesKey] = job.series->frames;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
   if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
   if (!job.output.comments.empty()) out.text["comments"] = job.output.comments;

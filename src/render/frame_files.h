@@ -10,6 +10,9 @@
 
 namespace kiln {
 
+/// The text of a picture's header that names the frames by which a time series is framed and coloured.
+inline constexpr const char* kSeriesKey = "kiln:series";
+
 /// The files of a frame, its number in their names. A video alone has its frames kept beside it.
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
 /// Before a frame is drawn: that its files can be made. throws: as FileSystem::requirePlaceFor.

@@ -8,9 +8,12 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/span.h"
+#include "grid/shared_world.h"
+#include "render/empty_frame.h"
 #include "render/frame_progress.h"
 #include "render/render_job_run.h"
 #include "scene/label_looks.h"
+#include "scene/series_look.h"
 
 namespace kiln {
 namespace {
@@ -25,7 +28,7 @@ unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::acti
 
 BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
   if (!job.picture.skip_damaged) return {};
-  return [&progress](const Error& damage) { progress.note(std::string("warning: drawn without ") + damage.what()); };
+  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
 }
 
 FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& job) {
@@ -39,7 +42,26 @@ FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vect
   return memory;
 }
 
+bool isAuto(const VolumeOptions& volume) {
+  const auto* const name = std::get_if<std::string>(&volume.transfer_function);
+  return volume.functions.empty() && name != nullptr && *name == "auto";
+}
+
+// Brings the volumes of a picture to one frame and unit. Of one volume alone, its own are the picture's.
+void placeTogether(const RenderJob& job, const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  if (stores.size() == 1 && !job.series) return;
+  const VolumeGeometry world = worldOf(job, manifestsOf(stores));
+  for (const std::unique_ptr<StoreReader>& store : stores) store->placeIn(world);
+}
+
 }  // namespace
+
+VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
+  if (job.series) return job.series->volumes.front().geometry();
+  std::vector<VolumeGeometry> volumes;
+  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
+  return sharedWorld(volumes);
+}
 
 Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
   switch (file.content) {
@@ -73,6 +95,7 @@ std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
   std::vector<std::unique_ptr<StoreReader>> out;
   for (const VolumeOptions& volume : job.volumes) out.push_back(std::make_unique<StoreReader>(volume.volume));
   if (out.empty()) out.push_back(std::make_unique<StoreReader>(job.volume));
+  placeTogether(job, out);
   for (const std::unique_ptr<StoreReader>& store : out)
     requireLattice(job.picture.lattice, store->manifest().volume_class, store->path());
   return out;
@@ -115,11 +138,24 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t bes
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.files()) {}
 
-void OpenedJob::noteUnknownLabels(Progress& progress) const {
+std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
+  std::vector<Doubt> out;
+  const auto add = [&](std::size_t v, const std::string& sentence) {
+    if (!sentence.empty())
+      out.push_back({std::to_string(v) + " " + sentence, stores_[v]->path().string() + ": " + sentence});
+  };
   for (std::size_t v = 0; v < stores_.size(); ++v) {
-    const std::string unknown = unknownLabelsText(scenes_.functionsOf(v), stores_[v]->manifest());
-    if (!unknown.empty()) progress.note("warning: " + stores_[v]->path().string() + ": " + unknown);
+    const Manifest& manifest = stores_[v]->manifest();
+    add(v, unknownLabelsText(scenes_.functionsOf(v), manifest));
+    add(v, manifest.assumption);
+    if (v > 0 && isAuto(job_.volumes[v])) add(v, likelyLabelsText(manifest));
   }
+  return out;
+}
+
+void OpenedJob::judge(DrawnFrame& drawn) const {
+  if (drawn.continued) return;
+  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), manifestsOf(stores_));
 }
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
@@ -170,9 +206,8 @@ DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
 void noteDamage(const FrameStatistics& frame, Progress& progress) {
   const std::uint64_t damaged = frame.bricks_damaged;
   if (damaged == 0) return;
-  progress.note(
-      fmt::format("warning: {} damaged brick{} missing from the picture; kiln verify names all of the store's", damaged,
-                  damaged == 1 ? " is" : "s are"));
+  progress.warn(fmt::format("{} damaged brick{} missing from the picture; kiln verify names all of the store's",
+                            damaged, damaged == 1 ? " is" : "s are"));
 }
 
 void OpenedJob::describeMemory(RenderStatistics& statistics) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -27,6 +28,7 @@ struct DrawnFrame {
   std::vector<DrawnView> views;  // one, or the left eye's and the right eye's
   FrameScene scene;
   FrameStatistics statistics;
+  bool continued = false;  // parts of it were drawn by an earlier run: statistics are of the rest
 };
 
 class OpenedJob {
@@ -56,8 +58,14 @@ class OpenedJob {
   const StoreReader& store() const { return *stores_.front(); }
   /// As it was given.
   const RenderJob& job() const { return job_; }
-  /// Labels that are there and have no entry: a sentence a volume.
-  void noteUnknownLabels(Progress& progress) const;
+  /// A doubt whether the picture is what was asked for, to be warned of once where several volumes have the same.
+  struct Doubt {
+    std::string kind, sentence;
+  };
+  /// Labels that are there and have no entry; frames and units that are unknown; amounts that look like labels.
+  std::vector<Doubt> doubts() const;
+  /// Sets why the frame shows nothing, if it does.
+  void judge(DrawnFrame& drawn) const;
   /// What the memory is for, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;
 
@@ -75,6 +83,9 @@ class OpenedJob {
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
 std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
+
+/// The frame and unit of the job's picture: those of its series, or else the first known ones of these volumes.
+VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests);
 
 /// What drawing the job's first frame takes, with as many samples as any of them has; `beside_bytes` are charged with
 /// the image. throws: as SceneOfJob::at.

@@ -12,6 +12,7 @@ template <class Statistics, class Do>
 void eachNumber(Statistics& s, const Do& what) {
   what(s.frame);
   what(s.samples);
+  what(s.empty);
   what(s.threads);
   what(s.busy);
   for (auto* seconds : {&s.wall_s, &s.load_s, &s.output_s}) what(*seconds);

@@ -89,6 +89,7 @@ void RankedSequence::attempt(FrameReport& report, const std::function<void()>& b
 }
 
 void RankedSequence::write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn) {
+  opened.judge(drawn);
   writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.store());
   ++own_.frames_written;
 }

@@ -4,10 +4,12 @@
 
 #include "base/parallel.h"
 #include "base/trace.h"
+#include "render/empty_frame.h"
 #include "render/frame_files.h"
 #include "render/frame_progress.h"
 #include "render/opened_job.h"
 #include "render/sequence.h"
+#include "render/series_volumes.h"
 #include "scene/frame_scene.h"
 
 namespace kiln {
@@ -27,7 +29,7 @@ FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const Tran
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed) {
   FrameRequest out = frameRequest(scene.picture, speed, scene.camera, scene.transfer_function);
   for (const VolumeScene& volume : scene.volumes)
-    out.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
+    out.volumes.push_back({inWorld(volume.transfer_function, volume.world_per_own), volume.shading, volume.clipping});
   return out;
 }
 
@@ -63,19 +65,23 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   if (!job.trace.empty()) trace.emplace(job.trace);
   const int number = framesOf(job).front();
   requirePlaces(job, number);
-  OpenedJob opened(jobAtFrame(job, number), progress);
-  opened.noteUnknownLabels(progress);
+  RenderJob at_frame = jobAtFrame(job, number);
+  if (!at_frame.series) at_frame.series = seriesLook(job, {});
+  OpenedJob opened(at_frame, progress);
+  for (const OpenedJob::Doubt& doubt : opened.doubts()) progress.warn(doubt.sentence);
   RenderResult result;
   DrawnFrame drawn;
   UncountedProgress of_one(progress);
   for (int i = 0; i < repeat; ++i) {
     drawn = {};  // the picture before is not held while the next is drawn
     drawn = opened.draw(number, repeat == 1 ? progress : of_one);
+    opened.judge(drawn);
     if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store());
     result.statistics.add(drawn.statistics);
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
   }
   noteDamage(result.statistics.frames.back(), progress);
+  warnOfEmptyFrames({result.statistics.frames.back()}, false, progress);
   opened.describeMemory(result.statistics);
   result.image = std::move(drawn.views.front().image);
   result.camera = drawn.scene.camera;

@@ -10,7 +10,9 @@
 #include "base/parallel.h"
 #include "base/trace.h"
 #include "render/brick_sequence.h"
+#include "render/empty_frame.h"
 #include "render/frame_checkpoint.h"
+#include "render/series_volumes.h"
 #include "render/shared_sequence.h"
 
 namespace kiln {
@@ -79,6 +81,7 @@ class Sequence {
         resume_ && !checkpoint_ && std::filesystem::exists(tiles, ignored))
       progress_.note(tiles.string() + " holds finished tiles of a picture; with --checkpoint they are gone on from");
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
+    opened.judge(drawn);
     finishWriting();
     if (!opened.writesBehind()) {
       writeFrame(opened.job(), frame, drawn, opened.store());
@@ -137,15 +140,19 @@ std::uint64_t besideBytes(const RenderJob& job, const SequenceOptions& options) 
   return job.distribution == Distribution::kBricks ? partBytes(job) : sharedTileBytes(job);
 }
 
-SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+SequenceResult runSequence(const RenderJob& given, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener) {
-  const ThreadLimit threads(job.speed.threads);
+  const ThreadLimit threads(given.speed.threads);
+  RenderJob job = given;
+  if (!job.series) job.series = seriesLook(job, options.store_for, options.resume, options.ranks);
+  if (job.series && (options.ranks == nullptr || options.ranks->first())) progress.note(job.series->choice);
   std::optional<Trace> trace;
   if (!job.trace.empty()) trace.emplace(traceOfRank(job.trace, options.ranks));
   SequenceResult result = options.ranks != nullptr && !options.ranks->alone()
                               ? shareSequence(job, options, progress, listener)
                               : Sequence(job, options, progress, listener).run();
   if (trace) trace->finish();
+  warnOfEmptyFrames(result.statistics.frames, framesOf(job).size() > 1, progress);
   return result;
 }
 

@@ -84,7 +84,10 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   if (store_for_) forEachVolume(job, store_for_);
   if (role_.part) job.picture.clipping.part = role_.part;
   opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_, role_.shared_reads, role_.writes_behind);
-  if (role_.warns) opened_->noteUnknownLabels(progress_);
+  if (!role_.warns) return *opened_;
+  for (const OpenedJob::Doubt& doubt : opened_->doubts()) {
+    if (doubted_.insert(doubt.kind).second) progress_.warn(doubt.sentence);
+  }
   return *opened_;
 }
 

@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -71,6 +73,7 @@ class SequenceFrames {
   const std::vector<int> numbers_;
   std::vector<std::filesystem::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;
+  std::set<std::string> doubted_;  // kinds of doubts that were warned of
   RenderStatistics memory_;
 };
 

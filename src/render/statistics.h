@@ -22,6 +22,15 @@ struct LevelStatistics {
   }
 };
 
+/// Why a frame shows nothing.
+/// - kOpacity: the transfer function is transparent everywhere.
+/// - kValues: the values that the function shows are none of the volume's.
+/// - kClipped: the region, the box of the world or the planes leave nothing.
+/// - kBehind: the volume is behind the eye.
+/// - kOutOfView: the volume is beside the picture, or beside its crop.
+/// - kCombined: none of these by itself: what the function shows is clipped away, out of view or in no voxel.
+enum class EmptyFrame : std::uint8_t { kShows, kOpacity, kValues, kClipped, kBehind, kOutOfView, kCombined };
+
 /// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count. Where a pixel is several
 /// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows, as a crop of rays is: voxels,
 /// nodes, bricks hidden and what levels say are sums over the bands, so that a brick in two of them counts in both;
@@ -30,6 +39,7 @@ struct LevelStatistics {
 struct FrameStatistics {
   int frame = 1;         // its number
   unsigned samples = 1;  // a pixel
+  EmptyFrame empty = EmptyFrame::kShows;
   double wall_s = 0, load_s = 0, output_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;

@@ -33,7 +33,7 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
   const bool webm = extensionOf(options.path) == ".webm";
   std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
-  add({"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", options.rate), "-i", "-", "-an"});
+  add({"-s", fmt::format("{}x{}", width, height), "-r", options.rate.text(), "-i", "-", "-an"});
   // Colours by the matrix of high definition, and said so: what players take for granted differs.
   add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"});
   add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"});

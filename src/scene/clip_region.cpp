@@ -1,11 +1,15 @@
 #include "scene/clip_region.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "base/error.h"
@@ -36,6 +40,31 @@ std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi) {
     out.push_back({-along, hi[axis]});
   }
   return out;
+}
+
+void requireWorldBox(const Clipping& clipping, const VolumeGeometry& volume) {
+  const std::span<const ClipPlane> faces = std::span(clipping.planes).first(clipping.box_faces);
+  glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi(-lo);
+  bool outside = false;
+  for (const ClipPlane& face : faces) {
+    double most = -std::numeric_limits<double>::infinity();
+    for (int corner = 0; corner < 8; ++corner) {
+      glm::dvec3 index;
+      for (int axis = 0; axis < 3; ++axis)
+        index[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
+      const glm::dvec3 world = volume.worldOf(index);
+      lo = glm::min(lo, world);
+      hi = glm::max(hi, world);
+      most = std::max(most, glm::dot(face.normal, world) + face.offset);
+    }
+    outside = outside || most < 0;
+  }
+  if (!outside) return;
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("--world-region (worldRegion of a job): holds nothing of the volume, which is from {:.6g},{:.6g},"
+                  "{:.6g} to {:.6g},{:.6g},{:.6g} in world units; --region takes voxels",
+                  lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
 }
 
 ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span) {

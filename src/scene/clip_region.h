@@ -39,6 +39,9 @@ struct Clipping {
 /// The planes that show a box of the world, its faces included. requires: lo below hi along each axis.
 std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi);
 
+/// throws: Error kUsage where the box of the world (Clipping::box_faces) holds nothing of the volume.
+void requireWorldBox(const Clipping& clipping, const VolumeGeometry& volume);
+
 class ClipRegion {
  public:
   enum class Overlap { kOutside, kCut, kInside };

@@ -1,5 +1,7 @@
 #include "scene/frame_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 #include <variant>
@@ -8,6 +10,7 @@
 #include "scene/auto_samples.h"
 #include "scene/framing.h"
 #include "scene/presets.h"
+#include "scene/series_look.h"
 #include "scene/transfer_function_fade.h"
 
 namespace kiln {
@@ -30,10 +33,27 @@ VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
   return boxAround(volumes);
 }
 
+std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
+  if (!job.series) return manifests;
+  std::vector<const Manifest*> out;
+  for (const Manifest& look : job.series->volumes) out.push_back(&look);
+  for (std::size_t i = 0; i < manifests.size(); ++i) {
+    const bool labels = manifests[i]->volume_class == VolumeClass::kLabels;
+    if (labels != (out.at(i)->volume_class == VolumeClass::kLabels))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a time series: this frame's volume holds {}, and its first frame's {}; "
+                              "convert all with --labels, or none",
+                              labels ? "labels" : "amounts", labels ? "amounts" : "labels"));
+  }
+  return out;
+}
+
 }  // namespace
 
 SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests)
-    : job_(job), manifests_(std::move(manifests)), geometry_(boxOfAll(manifests_)) {
+    : job_(job), manifests_(std::move(manifests)), looks_(looksOf(job, manifests_)), geometry_(boxOfAll(looks_)) {
+  requireWorldBox(job.picture.clipping, geometry_);
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
   PictureOptions still = job.picture;
   const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
                        const Manifest& manifest) {
@@ -42,11 +62,11 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
     functions_.push_back(std::move(out));
   };
-  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, manifest());
+  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front());
   for (std::size_t i = 0; i < job.volumes.size(); ++i) {
     const VolumeOptions& volume = job.volumes[i];
     still.window = volume.window;
-    add(volume.functions, volume.transfer_function, *manifests_[i]);
+    add(volume.functions, volume.transfer_function, *looks_[i]);
   }
 }
 
@@ -105,7 +125,7 @@ FrameScene SceneOfJob::at(int frame) const {
   for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
     const VolumeOptions& volume = job_.volumes[i];
     VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading), volume.clipping,
-                      manifests_[i]->index_checksum};
+                      manifests_[i]->world_per_own, manifests_[i]->index_checksum};
     scene.shading.lights = out.picture.shading.lights;
     scene.clipping.planes.insert(scene.clipping.planes.end(), common.begin(), common.end());
     out.volumes.push_back(std::move(scene));

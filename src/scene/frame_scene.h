@@ -13,6 +13,7 @@ struct VolumeScene {
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;       // with what cuts all of them
+  double world_per_own;    // lengths of the picture's world per length of the volume's own, which the function is in
   Hash128 index_checksum;  // what the volume holds
 };
 
@@ -34,7 +35,8 @@ class SceneOfJob {
  public:
   /// requires: both outlive this. throws: Error where a transfer function cannot be read or used.
   SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
-  /// Of several volumes, `manifests` are theirs, and a framing is of the box around all.
+  /// Of several volumes, `manifests` are theirs, and a framing is of the box around all. Of a time series
+  /// (RenderJob::series), framing and transfer functions are those of all its frames.
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
@@ -56,8 +58,9 @@ class SceneOfJob {
 
   const RenderJob& job_;
   const std::vector<const Manifest*> manifests_;
-  const VolumeGeometry geometry_;     // of the box around all
-  std::vector<Functions> functions_;  // of each volume
+  std::vector<const Manifest*> looks_;  // what each volume is framed and coloured as: itself, or its series
+  const VolumeGeometry geometry_;       // of the box around all of those
+  std::vector<Functions> functions_;    // of each volume
 };
 
 }  // namespace kiln

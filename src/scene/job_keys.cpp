@@ -62,6 +62,7 @@ constexpr JobKey kRootKeys[] = {
 
 constexpr JobKey kVolumeKeys[] = {
     {"volume", R"({"$ref": "text", "description": "a store, or a volume file"})"},
+    {"labels", R"({"type": "boolean", "description": "a volume file's values are labels"})"},
     {"transferFunction",
      R"({"description": "a preset, a file, the function itself, or keyframes of these",
          "anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}, {"$ref": "functionKeyframes"}]})"},
@@ -229,7 +230,9 @@ constexpr JobKey kOutputKeys[] = {
 };
 
 constexpr JobKey kVideoKeys[] = {
-    {"rate", R"({"type": "number", "minimum": 0.1, "maximum": 1000, "description": "frames a second"})"},
+    {"rate",
+     R"({"type": ["number", "string"], "minimum": 0.1, "maximum": 1000, "pattern": "^[0-9]+([.][0-9]+|/[0-9]+)?$",
+                 "description": "frames a second: 25, 23.976 or \"24000/1001\""})"},
 };
 
 }  // namespace

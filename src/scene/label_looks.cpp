@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/srgb.h"
+#include "base/text.h"
 
 namespace kiln {
 namespace {
@@ -162,6 +163,28 @@ std::string unknownLabelsText(const std::vector<TransferFunction>& functions, co
   if (unknown > 8) list += fmt::format(" and {} more", unknown - 8);
   return fmt::format("label{} {} {} in the volume and not among those given: nothing is drawn there",
                      unknown == 1 ? "" : "s", list, unknown == 1 ? "is" : "are");
+}
+
+std::string likelyLabelsText(const Manifest& manifest) {
+  // Measurements of 8 bits have more values than this, unless they are masks, which labels draw as well.
+  constexpr std::size_t kMostLikely = 48;
+  if (manifest.volume_class != VolumeClass::kUnknown || isFloating(manifest.type) || manifest.range.empty() ||
+      manifest.range.lo < 0)
+    return {};
+  const std::vector<std::string>& files = manifest.source.files;
+  const bool said = std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    return lowered(file).ends_with(".seg.nrrd") || lowered(file).ends_with(".seg.nhdr");
+  });
+  const auto& counts = manifest.histogram.counts;
+  const auto different =
+      static_cast<std::size_t>(std::count_if(counts.begin(), counts.end(), [](std::uint64_t n) { return n > 0; }));
+  const bool each_has_bin = manifest.range.hi - manifest.range.lo < static_cast<double>(counts.size());
+  if (!said && (!each_has_bin || different > kMostLikely || different < 2)) return {};
+  return fmt::format(
+      "its values, {}, look like labels and are drawn as amounts; --labels FILE draws labels (a store is converted "
+      "with "
+      "--labels), and a transfer function (--add-tf) says that they are amounts",
+      said ? "of a segmentation" : fmt::format("{} whole numbers", different));
 }
 
 }  // namespace kiln

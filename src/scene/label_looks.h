@@ -38,6 +38,10 @@ std::optional<std::vector<LabelCount>> labelsOf(const Manifest& manifest);
 /// nobody knows.
 std::string unknownLabelsText(const std::vector<TransferFunction>& functions, const Manifest& manifest);
 
+/// A sentence where the volume's values are drawn as amounts and look like labels: whole numbers, few of them, or a
+/// file that says so (3D Slicer's .seg.nrrd). Empty where they do not.
+std::string likelyLabelsText(const Manifest& manifest);
+
 /// throws: Error kUsage where the function is of labels and the volume is not, or the other way round, where a window
 /// would stretch labels, or where they are too large to be drawn.
 void requireFitting(const TransferFunction& function, bool has_window, const Manifest& manifest);

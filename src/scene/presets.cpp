@@ -136,7 +136,7 @@ TransferFunction fog(const Manifest& manifest) {
 }
 
 TransferFunction levelSet(const Manifest& manifest) {
-  const double spacing = manifest.geometry().meanSpacing();
+  const double spacing = manifest.ownMeanSpacing();
   return {0, {{0, kSolid, 1}, {0.5 * spacing, kSolid, 0}}};
 }
 

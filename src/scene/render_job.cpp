@@ -50,6 +50,7 @@ void readVolumes(const JobObject& root, RenderJob& job) {
     const auto name = object.text("volume", "the name of a store or volume file");
     if (!name) object.complain("volume", "is missing; each of several volumes names its store or volume file");
     volume.volume = besideJob(*name, root.path());
+    volume.labels = object.flag("labels").value_or(false);
     readTransferFunction(object, volume.transfer_function, volume.functions);
     volume.window = windowFrom(object);
     if (const auto shading = object.object("shading")) volume.shading = shadingFrom(*shading);
@@ -129,6 +130,20 @@ void readSpeed(const JobObject& root, SpeedOptions& speed) {
   speed.tile_px = static_cast<int>(root.integer("tile", 0, 65536).value_or(speed.tile_px));
 }
 
+// A number, or a text such as "24000/1001".
+std::optional<FrameRate> rateFrom(const JobObject& video) {
+  std::string text;
+  if (video.isText("rate"))
+    text = *video.text("rate", kFrameRateForms);
+  else if (const auto number = video.number("rate", kFrameRateForms, [](double v) { return v > 0; }))
+    text = fmt::format("{}", *number);
+  else
+    return std::nullopt;
+  const std::optional<FrameRate> rate = frameRateFrom(text);
+  if (!rate) video.refuse("rate", kFrameRateForms);
+  return rate;
+}
+
 void readOutput(const JobObject& root, OutputOptions& output) {
   if (const auto path = root.text("output", "a file name")) putOutput(besideJob(*path, root.path()), output);
   const auto files = root.objects("outputs", "a list of files [{path, content}, …]");
@@ -142,9 +157,7 @@ void readOutput(const JobObject& root, OutputOptions& output) {
   }
   if (const auto video = root.object("video")) {
     video->requireKnown(job_keys::kVideo);
-    const auto legal_rate = [](double v) { return v >= 0.1 && v <= 1000; };
-    output.video.rate =
-        video->number("rate", "a number of frames a second from 0.1 to 1000", legal_rate).value_or(output.video.rate);
+    output.video.rate = rateFrom(*video).value_or(output.video.rate);
   }
   if (const auto exr = root.object("exr")) {
     exr->requireKnown(job_keys::kExr);

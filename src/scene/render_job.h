@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "scene/camera.h"
 #include "scene/camera_spec.h"
 #include "scene/clip_region.h"
+#include "scene/frame_rate.h"
 #include "scene/framing.h"
 #include "scene/sampling.h"
 #include "scene/shading.h"
@@ -155,8 +157,8 @@ struct OutputFile {
 
 /// Frames one after the other in a file that another program makes, which must be there.
 struct VideoOptions {
-  std::filesystem::path path;     // .mp4, .mov, .mkv or .webm; empty for none
-  double rate = 24;               // frames a second
+  std::filesystem::path path;  // .mp4, .mov, .mkv or .webm; empty for none
+  FrameRate rate;
   std::filesystem::path encoder;  // the program: ffmpeg, or what takes its arguments
 };
 
@@ -185,12 +187,15 @@ void putOutput(const std::filesystem::path& path, OutputOptions& output);
 /// lights, planes that cut all, level, interpolation, distance of samples.
 struct VolumeOptions {
   std::filesystem::path volume;
+  bool labels = false;  // a foreign file's values are labels, as `kiln convert --labels` has it
   TransferFunctionChoice transfer_function = std::string("auto");
   std::vector<Key<TransferFunctionChoice>> functions;  // if there are any, instead
   std::optional<Window> window;
   std::optional<Shading> shading;  // else the picture's; its lights say nothing
   Clipping clipping;               // of this one alone
 };
+
+struct SeriesLook;
 
 /// How ranks share a job: frames one by one, or tiles of frames, as it reads fewer bytes (kAuto); tiles or frames
 /// always; or bricks, of which each rank draws its own of every frame.
@@ -210,6 +215,9 @@ struct RenderJob {
   bool share_reads = true;  // of ranks that share tiles or frames: each brick file is read by one of them for all
   OutputOptions output;
   std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
+  /// Of a time series, what all its frames are framed and coloured as; else each frame is by its own volumes. Not part
+  /// of a job's text.
+  std::shared_ptr<const SeriesLook> series;
 };
 
 /// Whether anything changes from frame to frame.

@@ -50,6 +50,12 @@ double TransferFunction::gradientFactor(double gradient) const {
   return std::lerp(below.factor, upper->factor, (gradient - below.gradient) / (upper->gradient - below.gradient));
 }
 
+TransferFunction inWorld(TransferFunction function, double world_per_own) {
+  function.unit *= world_per_own;
+  for (GradientPoint& point : function.gradient_opacity) point.gradient /= world_per_own;
+  return function;
+}
+
 double extinctionOf(double opacity, double unit) {
   // The clamp keeps a fully opaque point finite (DESIGN.md §6).
   return -std::log1p(-std::min(opacity, 0.9999)) / unit;

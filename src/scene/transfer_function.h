@@ -36,7 +36,8 @@ struct LabelLook {
 };
 
 struct TransferFunction {
-  /// The length that `opacity` is per. unit: world; 0 means the volume's mean spacing.
+  /// The length that `opacity` is per. unit: the volume's own world, so that a volume has the same optical depth beside
+  /// volumes of another unit (`inWorld` converts); 0 means the volume's mean spacing.
   double unit = 0;
   /// Sorted by value; several points may share a value (a step: the last of them holds from there on).
   std::vector<TransferPoint> points;
@@ -59,6 +60,9 @@ struct TransferFunction {
   bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
 };
+
+/// The function with its lengths in a world that has `world_per_own` lengths per length of the volume's own.
+TransferFunction inWorld(TransferFunction function, double world_per_own);
 
 /// Opacity per `unit` as extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
 double extinctionOf(double opacity, double unit);

@@ -101,7 +101,7 @@ TransferFunction resolve(const TransferFunctionChoice& choice, const std::option
   }
   requireFitting(out, window.has_value(), manifest);
   if (window) fitInto(*window, out.points);
-  out.unit = out.unitIn(manifest.geometry().meanSpacing());
+  out.unit = out.unitIn(manifest.ownMeanSpacing());
   return out;
 }
 

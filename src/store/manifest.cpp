@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "grid/pyramid.h"
+#include "grid/shared_world.h"
 #include "store/minmax_octree.h"
 
 namespace kiln {
@@ -231,6 +232,17 @@ void requireChecksum(const std::string& text, const std::filesystem::path& path)
 }
 
 }  // namespace
+
+void Manifest::placeIn(const VolumeGeometry& world) {
+  const WorldChange change = worldChange(geometry(), world);
+  assumption = assumptionText(geometry(), world);
+  for (LevelInfo& level : levels) {
+    level.geometry.world_from_index = change.of(level.geometry.world_from_index);
+    level.geometry.frame = world.frame;
+    level.geometry.unit = world.unit;
+  }
+  world_per_own *= change.lengths.of(1);
+}
 
 bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange& range) {
   if (volume_class != VolumeClass::kLabels || range.empty()) return false;

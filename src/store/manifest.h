@@ -60,6 +60,17 @@ struct Manifest {
   Hash128 index_checksum;
 
   const VolumeGeometry& geometry() const { return levels.front().geometry; }
+
+  /// Lengths of the world per length of the volume's own world. Not part of the file: 1, but of a volume that `placeIn`
+  /// has scaled.
+  double world_per_own = 1;
+  /// A sentence on what `placeIn` took for the same because it is unknown; empty where all is known.
+  std::string assumption;
+  /// The mean spacing in the volume's own unit, whatever world it is placed in.
+  double ownMeanSpacing() const { return geometry().meanSpacing() / world_per_own; }
+  /// Moves the volume, all levels of it, into the frame and unit of `world` (grid/shared_world.h). Changes no bit of
+  /// the geometry where both are the same already.
+  void placeIn(const VolumeGeometry& world);
 };
 
 /// The most labels that are counted one by one.

@@ -19,6 +19,9 @@ class StoreReader {
 
   const std::filesystem::path& path() const { return directory_; }
   const Manifest& manifest() const { return manifest_; }
+  /// Moves the volume into the frame and unit of a picture's world, as Manifest::placeIn. requires: no other thread
+  /// reads from the store.
+  void placeIn(const VolumeGeometry& world) { manifest_.placeIn(world); }
   const BrickIndex& index() const { return index_; }
   /// throws: Error kUsage where the store has no such level.
   void requireLevel(int level) const;

@@ -210,7 +210,7 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   EXPECT_NE(done({"render", in("job.json"), "-o", in("v.mp4"), "--rate", "12.5", "--resume"}).out.find("3 kept"),
             std::string::npos);
   EXPECT_FALSE(fs::exists(in("v.mp4.frames")));
-  EXPECT_NE(readTextFile(in("arguments")).find("-pix_fmt rgb24 -s 40x36 -r 12.5 -i - -an"), std::string::npos);
+  EXPECT_NE(readTextFile(in("arguments")).find("-pix_fmt rgb24 -s 40x36 -r 25/2 -i - -an"), std::string::npos);
   const std::vector<std::byte> video = readFile(in("v.mp4"));
   ASSERT_EQ(video.size(), 3u * 40 * 36 * 3);
   // The frames of a job that writes pictures, too, are those of the pictures.
@@ -254,6 +254,37 @@ TEST_F(SequenceCli, Video_ByTheInstalledFfmpeg_HasEveryFrame) {
     ASSERT_EQ(std::system(command.c_str()), 0) << video;
     EXPECT_EQ(readTextFile(in("probed")), "40,36,25/2,5\n") << video;
   }
+}
+
+// Known because NTSC's rates are 1000/1001 of whole rates; ffprobe reads the video's header.
+TEST_F(SequenceCli, NtscRates_areExactInTheVideo) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1 && ffprobe -version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "ffmpeg or ffprobe is not installed";
+  const auto rateOf = [&](const std::string& video) {
+    const std::string probe =
+        "ffprobe -v error -show_entries stream=r_frame_rate -of csv=p=0 '" + in(video) + "' > '" + in("rate") + "'";
+    EXPECT_EQ(std::system(probe.c_str()), 0);
+    return readTextFile(in("rate"));
+  };
+  const std::pair<const char*, const char*> rates[] = {
+      {"23.976", "24000/1001\n"}, {"24000/1001", "24000/1001\n"}, {"29.97", "30000/1001\n"}, {"25", "25/1\n"}};
+  for (const auto& [given, exact] : rates) {
+    EXPECT_NE(done({"render", in("h.kiln"), "-o", in("v.mp4"), "--turntable", "2", "--size", "16x16", "--rate", given})
+                  .out.find("2 frames, "),
+              std::string::npos);
+    EXPECT_EQ(rateOf("v.mp4"), exact) << given;
+    fs::remove(in("v.mp4"));
+  }
+  for (const char* rate : {"\"60000/1001\"", "59.94"}) {
+    writeTurn(2, fmt::format(R"("video": {{"rate": {}}},)", rate));
+    done({"render", in("job.json"), "-o", in("j.mp4")});
+    EXPECT_EQ(rateOf("j.mp4"), "60000/1001\n") << rate;
+    fs::remove(in("j.mp4"));
+  }
+  writeTurn(2, R"("video": {"rate": "24/0"},)");
+  refused({"render", in("job.json"), "-o", in("j.mp4")}, 2, "video.rate: expected frames a second from 0.1 to 1000");
+  refused({"render", in("h.kiln"), "-o", in("v.mp4"), "--turntable", "2", "--rate", "fast"}, 2,
+          "--rate: expected frames a second from 0.1 to 1000, such as 25, 23.976, 29.97 or 24000/1001, found 'fast'");
 }
 
 // An encoder that hangs is not waited for once somebody interrupts.

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "cluster/shared_lists.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
 #include "find_program.h"
@@ -16,12 +17,15 @@
 #include "render/render_job_run.h"
 #include "render/sequence.h"
 #include "render/sequence_frames.h"
+#include "render/series_volumes.h"
+#include "say.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
 #include "scene_arguments.h"
 #include "sequence_report.h"
 #include "source_arguments.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
@@ -34,13 +38,14 @@ struct RenderArguments {
   std::optional<double> interocular, convergence, fov, height, azimuth, elevation, zoom, threshold, sample_distance;
   std::optional<unsigned> threads;
   std::optional<int> png_bits, epsilon, tile, deep_samples;
-  std::vector<std::string> aovs, added, added_tfs;
+  std::vector<std::string> aovs, added, added_tfs, labels;
   std::optional<std::string> distribute, share_reads, store_local;
   std::optional<std::string> frames;
   std::optional<int> turntable;
-  std::optional<double> rate, deep_error;
-  bool nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false, resume = false,
-       checkpoint = false, deep = false;
+  std::optional<std::string> rate;
+  std::optional<double> deep_error;
+  bool strict = false, nodes_only = false, skip_damaged = false, dry_run = false, exr_statistics = false,
+       resume = false, checkpoint = false, deep = false;
   int repeat = 1;
   SceneArguments scene;
   SourceArguments source;
@@ -187,7 +192,11 @@ void applyFrames(const RenderArguments& a, RenderJob& job) {
 void applyVideo(const RenderArguments& a, VideoOptions& video) {
   if (a.rate && video.path.empty())
     throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
-  if (a.rate) video.rate = between(*a.rate, 0.1, 1000, "--rate");
+  if (a.rate) {
+    const std::optional<FrameRate> rate = frameRateFrom(*a.rate);
+    if (!rate) throw Error(ErrorCode::kUsage, fmt::format("--rate: expected {}, found '{}'", kFrameRateForms, *a.rate));
+    video.rate = *rate;
+  }
   if (video.path.empty() || a.dry_run) return;
   video.encoder = findProgram("ffmpeg");
   if (video.encoder.empty())
@@ -239,10 +248,12 @@ void applyOutput(const RenderArguments& a, OutputOptions& output) {
 
 // More volumes beside the job's; what other options say of a volume is of the first.
 void applyVolumes(const RenderArguments& a, RenderJob& job) {
-  if (a.added_tfs.size() > a.added.size())
-    throw Error(ErrorCode::kUsage, fmt::format("--add-tf: {} given for {} volumes of --add; the first is of the first",
-                                               a.added_tfs.size(), a.added.size()));
-  if (job.volumes.empty() && a.added.empty()) return;
+  const std::size_t more = a.added.size() + a.labels.size();
+  if (a.added_tfs.size() > more)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--add-tf: {} given for {} volumes of --add and --labels; the first is of the first",
+                            a.added_tfs.size(), more));
+  if (job.volumes.empty() && more == 0) return;
   if (job.volumes.empty()) makeFirstOfSeveral(job);
   VolumeOptions& first = job.volumes.front();
   if (a.tf) {
@@ -251,9 +262,10 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
   }
   if (a.window) first.window = job.picture.window;
   if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
-  for (std::size_t i = 0; i < a.added.size(); ++i) {
+  for (std::size_t i = 0; i < more; ++i) {
     VolumeOptions volume;
-    volume.volume = a.added[i];
+    volume.labels = i >= a.added.size();
+    volume.volume = volume.labels ? a.labels[i - a.added.size()] : a.added[i];
     if (i < a.added_tfs.size()) volume.transfer_function = transferFunctionNamed(a.added_tfs[i], "--add-tf");
     job.volumes.push_back(std::move(volume));
   }
@@ -301,19 +313,31 @@ RenderJob jobOf(const RenderArguments& a) {
   return job;
 }
 
-// What is said of a foreign file is said of INPUT, not of volumes beside it.
+// Options on how a foreign file is read are INPUT's, not those of volumes beside it; which volumes hold labels.
 class InputOptions {
  public:
   InputOptions(const RenderArguments& a, const RenderJob& job) : options_(a.source.resolve()) {
     const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
-    names_ = {input};
-    for (const int frame : framesOf(job)) names_.insert(pathOfFrame(input, frame));
+    names_ = namesIn(job, input);
+    for (const VolumeOptions& volume : job.volumes) {
+      if (volume.labels) labels_.merge(namesIn(job, volume.volume));
+    }
   }
   SourceOptions of(const fs::path& volume) const { return names_.contains(volume) ? options_ : SourceOptions(); }
+  bool areLabels(const fs::path& volume) const { return labels_.contains(volume); }
 
  private:
+  // The names of a volume in all frames; also of the first frame on the disk, which decides how a series looks.
+  static std::set<fs::path> namesIn(const RenderJob& job, const fs::path& pattern) {
+    std::set<fs::path> out = {pattern};
+    for (const int frame : framesOf(job)) out.insert(pathOfFrame(pattern, frame));
+    if (const std::vector<int> there = framesOnDisk(pattern); !there.empty())
+      out.insert(pathOfFrame(pattern, there.front()));
+    return out;
+  }
+
   SourceOptions options_;
-  std::set<fs::path> names_;  // of each frame
+  std::set<fs::path> names_, labels_;
 };
 
 void requireStatisticsPlace(const RenderArguments& a) {
@@ -333,33 +357,47 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   const DryRun cost = dryRun(job, beside_bytes);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
-    fmt::print("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
-  fmt::print("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n",
-             cost.bricks_total, cost.bricks_interesting, cost.bricks_in_view);
+    say("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
+  say("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n", cost.bricks_total,
+      cost.bricks_interesting, cost.bricks_in_view);
   const FrameMemory& memory = cost.memory;
-  fmt::print("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
-             cost.files_in_view, formatBytes(cost.file_bytes_in_view),
-             memory.band > 0 ? ", once for each band of samples that finds them no longer in memory" : "");
+  say("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
+      cost.files_in_view, formatBytes(cost.file_bytes_in_view),
+      memory.band > 0 ? ", once for each band of samples that finds them no longer in memory" : "");
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
-  fmt::print("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
-             cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
-  if (memory.band > 0) fmt::print("{} of a band of its samples, ", formatBytes(memory.band));
-  if (memory.face > 0) fmt::print("{} of a face that it is made of, ", formatBytes(memory.face));
-  if (memory.deep > 0) fmt::print("{} of deep samples, ", formatBytes(memory.deep));
-  fmt::print("{} of visibility, {} of index, {} to draw with, {}{} {}\n", formatBytes(memory.visibility),
-             formatBytes(memory.index), formatBytes(memory.slabs),
-             memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
-             memory.brickText());
-  fmt::print("             --memory {} is the smallest that works, with {} to draw with\n",
-             roundedUpBytes(memory.smallest()), formatBytes(memory.least_slabs));
+  say("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
+      cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
+  if (memory.band > 0) say("{} of a band of its samples, ", formatBytes(memory.band));
+  if (memory.face > 0) say("{} of a face that it is made of, ", formatBytes(memory.face));
+  if (memory.deep > 0) say("{} of deep samples, ", formatBytes(memory.deep));
+  say("{} of visibility, {} of index, {} to draw with, {}{} {}\n", formatBytes(memory.visibility),
+      formatBytes(memory.index), formatBytes(memory.slabs),
+      memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
+      memory.brickText());
+  say("             --memory {} is the smallest that works, with {} to draw with\n", roundedUpBytes(memory.smallest()),
+      formatBytes(memory.least_slabs));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
-  fmt::print("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
-             a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
-             formatBytes(cost.decoded_bytes_in_view));
+  say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
+      a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left), formatBytes(cost.decoded_bytes_in_view));
 }
 
 std::string countedFrames(const std::vector<int>& frames) {
   return fmt::format("{} frame{} ({})", frames.size(), frames.size() == 1 ? "" : "s", framesText(frames));
+}
+
+// Collective. The warnings of all ranks, on the first.
+std::uint64_t warningsOfAll(Ranks& ranks, const TerminalProgress& progress) {
+  std::uint64_t out = 0;
+  for (const std::uint64_t of_rank : gatherLists(ranks, std::vector<std::uint64_t>{progress.warnings()}))
+    out += of_rank;
+  return out;
+}
+
+void requireNoWarnings(std::uint64_t warnings) {
+  if (warnings > 0)
+    throw Error(ErrorCode::kIo,
+                fmt::format("--strict: the files are written, but {}",
+                            warnings == 1 ? "there was a warning" : fmt::format("there were {} warnings", warnings)));
 }
 
 void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
@@ -367,6 +405,7 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
   try {
     if (context.ranks->first()) requireStatisticsPlace(a);
     const SequenceResult result = runSequence(job, options, context.progress, report);
+    const std::uint64_t warnings = warningsOfAll(*context.ranks, context.progress);
     if (!context.ranks->first()) return;
     if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
     report.finished(job, result);
@@ -376,6 +415,7 @@ void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOpt
                   fmt::format("{} failed; the first: {}; {}the same command with --resume draws what is missing",
                               countedFrames(failed), result.first_failure,
                               failed.size() < framesOf(job).size() ? "the others are there, and " : ""));
+    if (a.strict) requireNoWarnings(warnings);
   } catch (const Error& error) {
     report.ended(error);
     throw;
@@ -387,12 +427,22 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
     throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
   requireStatisticsPlace(a);
   const int frame = framesOf(job).front();
+  job.series = seriesLook(job, options.store_for);
   job = jobAtFrame(job, frame);
   forEachVolume(job, options.store_for);
   job.frames = {frame};
   const RenderStatistics statistics = runRenderJob(job, a.repeat, context.progress).statistics;
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(statistics));
   SequenceReport(context.progress, false).frameDone(job, statistics.frames.back(), 1);
+  if (a.strict) requireNoWarnings(context.progress.warnings());
+}
+
+// throws: Error kUsage where the store is to hold labels and holds amounts.
+fs::path requiredClass(const fs::path& store, bool labels) {
+  if (labels && StoreReader(store).manifest().volume_class != VolumeClass::kLabels)
+    throw Error(ErrorCode::kUsage, store, "--labels",
+                "holds amounts; convert its source with kiln convert --labels, or give it to --add");
+  return store;
 }
 
 void applyProgress(const std::string& kind, TerminalProgress& progress) {
@@ -431,7 +481,8 @@ void run(const RenderArguments& a, Context& context) {
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
     conversion.command = context.command_line;
     conversion.time = timeNow();
-    return storeFor(volume, input.of(volume), conversion, context.progress);
+    conversion.labels = input.areLabels(volume);
+    return requiredClass(storeFor(volume, input.of(volume), conversion, context.progress), conversion.labels);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);
@@ -475,7 +526,14 @@ void addJobOptions(CLI::App& command, RenderArguments& a) {
                   "speak of a volume's values or voxels are INPUT's)")
       ->allow_extra_args(false)
       ->type_name("FILE");
-  command.add_option("--add-tf", a.added_tfs, "transfer function of each --add, in their order; auto if not given")
+  command
+      .add_option("--labels", a.labels,
+                  "a store or volume file of labels in the same picture, in a colour for each label; once for each")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  command
+      .add_option("--add-tf", a.added_tfs,
+                  "transfer function of each --add, then of each --labels, in their order; auto if not given")
       ->allow_extra_args(false)
       ->type_name("TF");
   command.add_option("--frames", a.frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
@@ -486,7 +544,10 @@ void addJobOptions(CLI::App& command, RenderArguments& a) {
   command.add_flag("--checkpoint", a.checkpoint,
                    "draw a long frame in tiles of 512x512 pixels and keep those that are finished in a file beside the "
                    "picture, NAME.tiles, until that is written; with --resume go on from them");
-  command.add_option("--rate", a.rate, "frames a second of a video; 24 if not given")->type_name("FPS");
+  command
+      .add_option("--rate", a.rate,
+                  "frames a second of a video: 25, 23.976 or 24000/1001, which are the same; 24 if not given")
+      ->type_name("FPS");
   command.add_option(
       "--progress", a.progress,
       "how far frames and the job are, with rate and time left: auto (default; a line that is drawn over, where there "
@@ -594,6 +655,10 @@ void addCostOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--memory", a.memory, "the most memory for image, index and bricks; 2G if not given")
       ->type_name("BYTES");
   command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
+  command.add_flag(
+      "--strict", a.strict,
+      "exit with 1 where a warning says that the picture is not what was asked for: it is empty, bricks are "
+      "damaged, or a frame or unit is unknown");
   command.add_flag("--dry-run", a.dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
   command.add_option("--stats", a.stats, "write what the render cost, as JSON")->type_name("FILE");
   command

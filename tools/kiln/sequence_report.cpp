@@ -1,11 +1,14 @@
+
+
 #include "sequence_report.h"
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "base/memory.h"
+#include "render/empty_frame.h"
+#include "say.h"
 #include "scene/frame_list.h"
 #include "source_arguments.h"
 
@@ -18,8 +21,8 @@ void emit(const char* event, const Json& more) {
   Json line = {{"event", event}, {"time", timeNow()}};
   line.update(more);
   // A path need not be UTF-8; JSON must be.
-  fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-  std::fflush(stdout);
+  sayJson(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  flush();
 }
 
 // The files of a frame, in a sentence.
@@ -37,6 +40,11 @@ Json pathsOf(const RenderJob& job, int frame) {
   return out;
 }
 
+// Why the frame shows nothing; null where it shows something.
+Json emptyJson(const FrameStatistics& frame) {
+  return frame.empty == EmptyFrame::kShows ? Json(nullptr) : Json(emptyText(frame.empty));
+}
+
 // "1.2 frames/s", or how long one takes where that says more.
 std::string rateText(double frames, double seconds) {
   if (!(frames > 0) || !(seconds > 0)) return "";
@@ -47,10 +55,14 @@ std::string rateText(double frames, double seconds) {
 }  // namespace
 
 SequenceReport::SequenceReport(TerminalProgress& progress, bool events) : progress_(progress), events_(events) {
+  if (events_) progress_.tellWarnings([](const std::string& sentence) { emit("warning", {{"warning", sentence}}); });
   if (events_) progress_.tell([this](const TerminalProgress::Numbers& numbers) { drawingGoesOn(numbers); });
 }
 
-SequenceReport::~SequenceReport() { progress_.tell({}); }
+SequenceReport::~SequenceReport() {
+  progress_.tell({});
+  progress_.tellWarnings({});
+}
 
 // What goes on beside frames has no event.
 void SequenceReport::drawingGoesOn(const TerminalProgress::Numbers& numbers) const {
@@ -97,6 +109,7 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
                                {"bricks_damaged", frame.bricks_damaged},
                                {"peak_cache_bytes", frame.peak_cache_bytes},
                                {"peak_rss_bytes", frame.peak_rss_bytes},
+                               {"empty", emptyJson(frame)},
                                {"files", pathsOf(job, frame.frame)},
                                {"done", done},
                                {"frames", frames_},
@@ -104,7 +117,7 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   const std::string line = fmt::format(
       "{}: {} x {} pixels{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
-      "cache {}, resident {}\n",
+      "cache {}, resident {}",
       namesOfFiles(job, frame.frame), drawn.width(), drawn.height(),
       frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "", frame.wall_s, frame.bricks_read,
       frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
@@ -113,8 +126,8 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
   if (frames_ == 1)
     only_line_ = line;  // where all went well in the end
   else
-    fmt::print("{}", line);
-  std::fflush(stdout);
+    say("{}\n", line);
+  flush();
   showOverall(done);
 }
 
@@ -122,7 +135,7 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
   ++kept_;
   if (events_)
     return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
-  if (frames_ == 1) only_line_ = namesOfFiles(job, frame) + ": kept; it is there and whole\n";
+  if (frames_ == 1) only_line_ = namesOfFiles(job, frame) + ": kept; it is there and whole";
   showOverall(done);
 }
 
@@ -154,14 +167,14 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
                              {"failed", s.failed},
                              {"video", s.failed.empty() && !video.empty() ? Json(video) : Json(nullptr)},
                              {"seconds", seconds()}});
-  fmt::print("{}", only_line_);
+  if (!only_line_.empty()) say("{}\n", only_line_);
   if (frames_ > 1) {
     const std::string rate = rateText(static_cast<double>(drawn_), seconds());
-    fmt::print("{} frames in {:.1f} s{}: {} drawn, {} kept, {} failed\n", frames_, seconds(),
-               rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size());
+    say("{} frames in {:.1f} s{}: {} drawn, {} kept, {} failed\n", frames_, seconds(),
+        rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size());
   }
   if (!video.empty() && s.failed.empty())
-    fmt::print("{}: {} frames, {} a second\n", video, frames_, job.output.video.rate);
+    say("{}: {} frames, {} a second\n", video, frames_, job.output.video.rate.text());
 }
 
 void SequenceReport::ended(const Error& error) {

@@ -16,7 +16,7 @@ class SequenceReport : public SequenceListener {
  public:
   /// With `events`, all it prints are JSON objects, one a line on stdout, each with "event" and "time" (ISO 8601, UTC):
   /// started, frame_started, frame_progress (a few a second, of a frame that takes longer), frame_done, frame_kept,
-  /// frame_failed, then finished, failed or interrupted.
+  /// frame_failed, warning, then finished, failed or interrupted.
   SequenceReport(TerminalProgress& progress, bool events);
   ~SequenceReport() override;
   SequenceReport(const SequenceReport&) = delete;

@@ -1,0 +1,137 @@
+#include "render/empty_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "scene/frame_list.h"
+
+namespace kiln {
+namespace {
+
+bool showsSomeValue(const TransferFunction& function) {
+  const auto opaque = [](const auto& entry) { return entry.opacity > 0; };
+  if (!function.labels.empty()) return std::any_of(function.labels.begin(), function.labels.end(), opaque);
+  const auto& by_gradient = function.gradient_opacity;
+  return std::any_of(function.points.begin(), function.points.end(), opaque) &&
+         (by_gradient.empty() ||
+          std::any_of(by_gradient.begin(), by_gradient.end(), [](const auto& point) { return point.factor > 0; }));
+}
+
+bool showsSomeOf(const TransferFunction& function, const ValueRange& range) {
+  if (range.empty()) return false;
+  if (!function.labels.empty()) return function.labelsShownIn(range.lo, range.hi);
+  return function.interesting(range.lo) || function.interesting(range.hi) ||
+         std::any_of(function.points.begin(), function.points.end(), [&](const TransferPoint& point) {
+           return point.opacity > 0 && point.value >= range.lo && point.value <= range.hi;
+         });
+}
+
+std::array<glm::dvec3, 8> cornersInView(const VolumeGeometry& volume, const View& view) {
+  std::array<glm::dvec3, 8> out;
+  for (unsigned corner = 0; corner < out.size(); ++corner) {
+    glm::dvec3 index;
+    for (int axis = 0; axis < 3; ++axis)
+      index[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
+    out[corner] = glm::dvec3(view.view_from_world * glm::dvec4(volume.worldOf(index), 1));
+  }
+  return out;
+}
+
+// A panorama sees all round.
+std::optional<EmptyFrame> outOfView(const VolumeGeometry& volume, const FrameRequest& request) {
+  const View& view = request.view;
+  if (view.projection == Projection::kEquirectangular) return std::nullopt;
+  const bool perspective = view.projection == Projection::kPerspective;
+  const std::array<glm::dvec3, 8> corners = cornersInView(volume, view);
+  const auto all = [&](const auto& is_outside) { return std::all_of(corners.begin(), corners.end(), is_outside); };
+  if (perspective && all([](const glm::dvec3& p) { return !(p.z > 0); })) return EmptyFrame::kBehind;
+  const PixelRect pixels = drawnPixels(view.size, request.crop);
+  const double ends[2][2] = {{static_cast<double>(pixels.x0), static_cast<double>(pixels.x1)},
+                             {static_cast<double>(pixels.y0), static_cast<double>(pixels.y1)}};
+  for (int axis = 0; axis < 2; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      // A pixel's border as a plane through the eye, or along the view.
+      const double edge = ends[axis][side < 0 ? 0 : 1] - view.centre_px[axis];
+      const auto beyond = [&](const glm::dvec3& p) {
+        return side * (view.focal_px * p[axis] - edge * (perspective ? p.z : 1)) > 0;
+      };
+      if (all(beyond)) return EmptyFrame::kOutOfView;
+    }
+  }
+  return std::nullopt;
+}
+
+EmptyFrame reasonOf(Mode mode, const TransferFunction& function, const Clipping& clipping, const FrameRequest& request,
+                    const Manifest& volume) {
+  if (mode == Mode::kComposite && !showsSomeValue(function)) return EmptyFrame::kOpacity;
+  if (mode == Mode::kComposite ? !showsSomeOf(function, volume.range) : volume.range.empty())
+    return EmptyFrame::kValues;
+  if (ClipRegion(clipping, volume.geometry()).classify(boxOf(volume.geometry().dims)) == ClipRegion::Overlap::kOutside)
+    return EmptyFrame::kClipped;
+  return outOfView(volume.geometry(), request).value_or(EmptyFrame::kCombined);
+}
+
+}  // namespace
+
+EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request,
+                            const std::vector<const Manifest*>& manifests) {
+  const Mode mode = scene.picture.mode;
+  if (scene.volumes.empty())
+    return reasonOf(mode, scene.transfer_function, scene.picture.clipping, request, *manifests.front());
+  std::optional<EmptyFrame> out;
+  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+    const EmptyFrame why =
+        reasonOf(mode, scene.volumes[i].transfer_function, scene.volumes[i].clipping, request, *manifests[i]);
+    out = !out || *out == why ? why : EmptyFrame::kCombined;
+  }
+  return *out;
+}
+
+// Projected voxels may be NaN: visited voxels alone do not make a picture.
+EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
+                       const std::vector<const Manifest*>& manifests) {
+  const bool composites = scene.picture.mode == Mode::kComposite;
+  if (composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0) return EmptyFrame::kShows;
+  return reasonForNothing(scene, request, manifests);
+}
+
+std::string emptyText(EmptyFrame why) {
+  switch (why) {
+    case EmptyFrame::kShows:
+      break;
+    case EmptyFrame::kOpacity:
+      return "the transfer function has opacity 0 everywhere";
+    case EmptyFrame::kValues:
+      return "the transfer function is transparent for all values of the volume (kiln info shows their range)";
+    case EmptyFrame::kClipped:
+      return "the region, the box of the world or the clip planes leave nothing of the volume";
+    case EmptyFrame::kBehind:
+      return "the volume is behind the eye: the camera looks away from it";
+    case EmptyFrame::kOutOfView:
+      return "the volume is beside the picture, or the crop: the camera looks past it";
+    case EmptyFrame::kCombined:
+      return "what the transfer function shows is clipped away, out of view, or the value of no voxel";
+  }
+  return "something is drawn";
+}
+
+void warnOfEmptyFrames(const std::vector<FrameStatistics>& frames, bool several, Progress& progress) {
+  std::map<EmptyFrame, std::vector<int>> empty;
+  for (const FrameStatistics& frame : frames) {
+    if (frame.empty != EmptyFrame::kShows) empty[frame.empty].push_back(frame.frame);
+  }
+  for (auto& [why, numbers] : empty) {
+    std::sort(numbers.begin(), numbers.end());
+    const std::string which = !several ? "the picture is"
+                              : numbers.size() == 1
+                                  ? fmt::format("frame {} is", numbers.front())
+                                  : fmt::format("{} frames ({}) are", numbers.size(), framesText(numbers));
+    progress.warn(fmt::format("{} empty: {}", which, emptyText(why)));
+  }
+}
+
+}  // namespace kiln

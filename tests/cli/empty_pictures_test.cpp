@@ -1,0 +1,158 @@
+// Empty pictures, and labels drawn as amounts: the picture is written, with a warning. Known because each command hides
+// a visible body.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/file.h"
+#include "output/image_file.h"
+#include "support/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class EmptyPicturesCli : public ToolTest {
+ protected:
+  EmptyPicturesCli() : ToolTest("empty_") {}
+  void SetUp() override { done({"convert", "phantom:head:24x24x24", in("h.kiln")}); }
+
+  std::vector<std::string> with(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", in("h.kiln"), "-o", in("x.exr"), "--size", "24x24"});
+    return more;
+  }
+  void expectEmpty(const std::vector<std::string>& options, const std::string& why) const {
+    const ToolResult result = done(with(options));
+    EXPECT_NE(result.err.find("warning: the picture is empty: "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(why), std::string::npos) << why << " is not in: " << result.err;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
+    EXPECT_TRUE(fs::exists(in("x.exr")));
+    std::vector<std::string> strict = with(options);
+    strict.push_back("--strict");
+    const ToolResult failed = runTool(strict);
+    EXPECT_EQ(failed.exit_code, 1) << failed.err;
+    EXPECT_NE(failed.err.find("--strict: the files are written, but there was a warning"), std::string::npos)
+        << failed.err;
+  }
+};
+
+TEST_F(EmptyPicturesCli, Nothing_isSaidOfAPictureThatShowsSomething) {
+  for (const std::vector<std::string>& options : {std::vector<std::string>{},
+                                                  {"--lattice", "voxel"},
+                                                  {"--lattice", "ray"},
+                                                  {"--mode", "mip"},
+                                                  {"--mode", "average"},
+                                                  {"--projection", "orthographic"},
+                                                  {"--add", in("h.kiln"), "--add-tf", "ct-bone"}}) {
+    std::vector<std::string> command = with(options);
+    command.push_back("--strict");
+    EXPECT_EQ(done(command).err, "") << (options.empty() ? "" : options.back());
+  }
+}
+
+TEST_F(EmptyPicturesCli, EachReason_isNamed) {
+  writeText(in("clear.json"), R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0}]})");
+  writeText(in("beside.json"), R"({"points": [{"value": 30000, "color": [1, 1, 1], "opacity": 0},
+                                              {"value": 30001, "color": [1, 1, 1], "opacity": 1}]})");
+  expectEmpty({"--tf", in("clear.json")}, "opacity 0 everywhere");
+  expectEmpty({"--tf", in("beside.json")}, "transparent for all values of the volume");
+  expectEmpty({"--clip", "0,0,1,-100000"}, "leave nothing of the volume");
+  expectEmpty({"--eye", "0,-1000,0", "--target", "0,-2000,0"}, "looks away from it");
+  expectEmpty({"--eye", "0,-1000,0", "--target", "-1000,-1000,0", "--fov", "20"}, "looks past it");
+  expectEmpty({"--projection", "orthographic", "--eye", "5000,-1000,0", "--target", "5000,0,0", "--height", "10"},
+              "looks past it");
+  expectEmpty({"--clip", "0,0,1,-100000", "--background", "1,1,1"}, "leave nothing of the volume");
+  for (const char* lattice : {"voxel", "ray"})
+    expectEmpty({"--clip", "0,0,1,-100000", "--lattice", lattice}, "leave nothing of the volume");
+  expectEmpty({"--clip", "0,0,1,-100000", "--mode", "mip"}, "leave nothing of the volume");
+  expectEmpty({"--tf", in("clear.json"), "--add", in("h.kiln"), "--add-tf", in("clear.json")}, "opacity 0 everywhere");
+  expectEmpty({"--tf", in("clear.json"), "--add", in("h.kiln"), "--add-tf", in("beside.json")},
+              "clipped away, out of view, or the value of no voxel");
+}
+
+TEST_F(EmptyPicturesCli, WorldBoxBesideTheVolume_isRefusedAsRegionIs) {
+  refused(with({"--region", "1000,1000,1000,1010,1010,1010"}), 2, "holds none of the volume's voxels");
+  refused(with({"--world-region", "5000,5000,5000,5010,5010,5010"}), 2, "--world-region");
+  refused(with({"--world-region", "5000,5000,5000,5010,5010,5010", "--add", in("h.kiln")}), 2, "--world-region");
+  writeText(in("job.json"), R"({"volume": "h.kiln", "worldRegion": [5000, 5000, 5000, 5010, 5010, 5010]})");
+  refused({"render", in("job.json"), "-o", in("x.exr")}, 2, "holds nothing of the volume, which is from ");
+}
+
+// Frames 2 and 3 of four look past the volume, and frame 4 away from it: a warning for each reason.
+TEST_F(EmptyPicturesCli, Sequences_warnOnceWithTheFramesNumbers) {
+  writeText(in("job.json"), R"({"volume": "h.kiln", "output": "f_#.png", "image": {"width": 16, "height": 16},
+      "clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 10000}]},
+                             {"frame": 2, "planes": [{"normal": [0, 0, 1], "offset": -10000}]},
+                             {"frame": 4, "planes": [{"normal": [0, 0, 1], "offset": -10000}]}]}})");
+  const ToolResult result = done({"render", in("job.json"), "--progress", "json"});
+  EXPECT_NE(result.err.find("warning: 3 frames (2-4) are empty: the region"), std::string::npos) << result.err;
+  EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
+  std::istringstream lines(result.out);
+  int warnings = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const Json event = Json::parse(line);
+    if (event["event"] == "warning") {
+      ++warnings;
+      EXPECT_NE(event["warning"].get<std::string>().find("3 frames (2-4) are empty"), std::string::npos);
+    }
+    if (event["event"] == "frame_done") EXPECT_EQ(event["empty"].is_null(), event["frame"] == 1) << line;
+  }
+  EXPECT_EQ(warnings, 1);
+}
+
+TEST_F(EmptyPicturesCli, Ranks_warnAsOneProcessDoes) {
+  if (!canRunRanks()) GTEST_SKIP() << "this build has no MPI, or there is no mpirun";
+  std::vector<std::string> command = with({"--clip", "0,0,1,-100000"});
+  ToolOptions two;
+  two.ranks = 2;
+  const ToolResult result = done(command, two);
+  EXPECT_NE(result.err.find("warning: the picture is empty: the region"), std::string::npos) << result.err;
+  command.push_back("--strict");
+  EXPECT_EQ(runTool(command, two).exit_code, 1);
+}
+
+// Known because a label volume has a colour for each label, unlike amounts.
+TEST_F(EmptyPicturesCli, LabelsBesideAVolume_areDrawnAsLabels) {
+  std::string voxels(24 * 24 * 24, '\0');
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    voxels[i] = static_cast<char>(i / 24 % 24 < 8 ? 0 : i % 24 < 12 ? 1 : 7);
+  writeText(
+      in("l.nrrd"),
+      "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nencoding: raw\nspace: LPS\nspace directions: (12,0,0) "
+      "(0,12,0) (0,0,12)\nspace origin: (-138,-138,1600)\nspace units: \"mm\" \"mm\" \"mm\"\n\n" +
+          voxels);
+  done({"convert", in("l.nrrd"), in("labels.kiln"), "--labels"});
+  done({"convert", in("l.nrrd"), in("amounts.kiln")});
+  const auto drawn = [&](const std::vector<std::string>& options) {
+    const ToolResult result = done(with(options));
+    return std::pair(readImage(in("x.exr")).rgba, result.err);
+  };
+  const auto [right, nothing] = drawn({"--add", in("labels.kiln")});
+  EXPECT_EQ(nothing, "");
+  EXPECT_TRUE(drawn({"--labels", in("labels.kiln")}).first == right);
+  const auto [converted, note] = drawn({"--labels", in("l.nrrd")});
+  EXPECT_TRUE(converted == right);
+  EXPECT_EQ(note.find("warning"), std::string::npos) << note;
+  const auto [amounts, warning] = drawn({"--add", in("amounts.kiln")});
+  EXPECT_FALSE(amounts == right);
+  EXPECT_NE(warning.find("3 whole numbers, look like labels and are drawn as amounts; --labels FILE"),
+            std::string::npos)
+      << warning;
+  // A named function draws amounts, without a warning.
+  EXPECT_EQ(drawn({"--add", in("amounts.kiln"), "--add-tf", "grayscale"}).second, "");
+  refused(with({"--labels", in("amounts.kiln")}), 2, "holds amounts; convert its source with kiln convert --labels");
+  // An earlier store of amounts beside the file, made by a picture, is made anew.
+  fs::remove_all(in("l.nrrd.kiln"));
+  done(with({"--add", in("l.nrrd")}));
+  EXPECT_TRUE(drawn({"--labels", in("l.nrrd")}).first == right);
+  writeText(in("job.json"), R"({"volumes": [{"volume": "h.kiln"}, {"volume": "l.nrrd", "labels": true}],
+                                "output": "x.exr", "image": {"width": 24, "height": 24}})");
+  fs::remove_all(in("l.nrrd.kiln"));
+  done({"render", in("job.json")});
+  EXPECT_TRUE(readImage(in("x.exr")).rgba == right);
+}
+
+}  // namespace
+}  // namespace kiln::test
