@@ -12,7 +12,7 @@ namespace {
 
 // OpenVDB 1.0 writes 218. Compression is a flag of the file from 220 on, and of each grid from 222 on.
 constexpr std::uint32_t kOldest = 218, kCompressedFiles = 220, kCompressedGrids = 222;
-constexpr std::int64_t kMagic = 0x56444220;
+constexpr std::int64_t kVdbMagic = 0x56444220;
 constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
 
 // Values of these types have one length; OpenVDB reads as many bytes whatever the file says.
@@ -62,7 +62,7 @@ std::string VdbLengths::text() {
 }
 
 std::uint64_t VdbLengths::fileHead(std::uint32_t newest) {
-  if (number<std::int64_t>(0) != kMagic) fail(0, "the file does not begin as an OpenVDB file does");
+  if (number<std::int64_t>(0) != kVdbMagic) fail(0, "the file does not begin as an OpenVDB file does");
   version_ = number<std::uint32_t>(kVersionAt);
   if (version_ < kOldest || version_ > newest)
     throw Error(ErrorCode::kUnsupported, file_.path, "",

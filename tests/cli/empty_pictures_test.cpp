@@ -97,7 +97,9 @@ TEST_F(EmptyPicturesCli, Sequences_warnOnceWithTheFramesNumbers) {
       ++warnings;
       EXPECT_NE(event["warning"].get<std::string>().find("3 frames (2-4) are empty"), std::string::npos);
     }
-    if (event["event"] == "frame_done") EXPECT_EQ(event["empty"].is_null(), event["frame"] == 1) << line;
+    if (event["event"] == "frame_done") {
+      EXPECT_EQ(event["empty"].is_null(), event["frame"] == 1) << line;
+    }
   }
   EXPECT_EQ(warnings, 1);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "output/compare.h"
 #include "output/image_file.h"
 #include "support/tool_test.h"
 
@@ -17,7 +18,7 @@ class SharedWorldCli : public ToolTest {
 
   // Writes an NRRD and converts the NRRD to a store.
   std::string volume(const std::string& name, bool labels, const std::string& space, double sign, double scale,
-                     const std::string& unit) const {
+                     const std::string& unit, double origin = 0) const {
     constexpr int n = 24;
     std::string voxels(n * n * n, '\0');
     for (int z = 0; z < n; ++z) {
@@ -33,7 +34,7 @@ class SharedWorldCli : public ToolTest {
               fmt::format("NRRD0005\ntype: uchar\ndimension: 3\nsizes: {0} {0} {0}\nencoding: raw\n{1}\nspace "
                           "directions: ({2},0,0) (0,{2},0) (0,0,{3})\nspace origin: ({4},{5},{6})\n{7}\n",
                           n, space.empty() ? "space dimension: 3" : "space: " + space, sign * scale, scale,
-                          sign * -100 * scale, sign * -50 * scale, 20 * scale,
+                          origin + sign * -100 * scale, origin + sign * -50 * scale, origin + 20 * scale,
                           unit.empty() ? "" : fmt::format("space units: \"{0}\" \"{0}\" \"{0}\"\n", unit)) +
                   voxels);
     std::vector<std::string> convert = {"convert", in(name + ".nrrd"), in(name + ".kiln")};
@@ -60,6 +61,10 @@ class SharedWorldCli : public ToolTest {
                                "front", "--azimuth", "30", "--elevation", "20", "--exr-type", "float"});
     const ToolResult result = done(more);
     return {readImage(in("x.exr")).rgba, result.err};
+  }
+  Image drawnImage(const std::string& first, const std::string& second, const std::vector<std::string>& more) const {
+    drawn(first, second, more);
+    return readImage(in("x.exr"));
   }
 };
 
@@ -126,6 +131,30 @@ TEST_F(SharedWorldCli, MicrometresBesideMillimetres_areTheirLengths) {
   EXPECT_NE(drawn(mm, unitless).said.find("its unit of length is unknown"), std::string::npos);
   const std::string furlongs = volume("furlongs", true, "left-posterior-superior", 1, 1, "furlong");
   EXPECT_NE(drawn(mm, furlongs).said.find("lengths in 'furlong' cannot be converted"), std::string::npos);
+}
+
+// Map coordinates: voxels of a tenth at 4.6 million. Cuts and labels move with the volume.
+TEST_F(SharedWorldCli, LargeOrigins_drawThePicturesOfSmallOrigins) {
+  constexpr double kFar = 4.6e6;
+  const auto at = [&](double origin, const std::string& name) {
+    return std::pair(volume(name + "_v", false, "left-posterior-superior", 1, 0.1, "m", origin),
+                     volume(name + "_l", true, "left-posterior-superior", 1, 0.1, "m", origin));
+  };
+  const auto [near, near_labels] = at(0, "near");
+  const auto [far, far_labels] = at(kFar, "far");
+  // x + y + z is at least -11, which is near the middle.
+  const std::vector<std::string> near_cut = {"--clip", "1,1,1,9"};
+  const std::vector<std::string> far_cut = {"--clip", fmt::format("1,1,1,{:.1f}", 9 - 3 * kFar)};
+  for (const char* projection : {"perspective", "orthographic"}) {
+    const auto with = [&](std::vector<std::string> options) {
+      options.insert(options.end(), {"--projection", projection});
+      return options;
+    };
+    const Image whole = drawnImage(near, near_labels, with({})), cut = drawnImage(near, near_labels, with(near_cut));
+    EXPECT_GT(compareImages(whole, drawnImage(far, far_labels, with({}))).psnr_db, 70) << projection;
+    EXPECT_GT(compareImages(cut, drawnImage(far, far_labels, with(far_cut))).psnr_db, 70) << projection;
+    EXPECT_LT(compareImages(whole, cut).psnr_db, 40) << projection;
+  }
 }
 
 }  // namespace
