@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/file.h"
+#include "support/python.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
 
@@ -43,7 +44,8 @@ TEST(Help, EveryOptionOfRenderIsUsedByATest) {
 
 // A validator of somebody else's reads the README's jobs by our schema.
 TEST(Help, TheReadmesJobsAreOfTheSchema) {
-  if (std::system("python3 -c 'import jsonschema' 2>/dev/null") != 0) GTEST_SKIP() << "python3-jsonschema is not there";
+  const std::string python = pythonWith("jsonschema");
+  if (python.empty()) GTEST_SKIP() << "python3-jsonschema is not installed";
   const fs::path directory = freshDirectory("help_schema");
   writeText(directory / "schema.json", runTool({"schema"}).out);
   writeText(directory / "check.py", R"(
@@ -57,7 +59,7 @@ wrong = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "
          {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"}]
 assert len(jobs) >= 2 and not any(check.is_valid(job) for job in wrong)
 )");
-  const std::string command = "python3 " + (directory / "check.py").string() + " " +
+  const std::string command = python + " " + (directory / "check.py").string() + " " +
                               (directory / "schema.json").string() + " " + KILN_SOURCE_DIR + "/README.md";
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
