@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "frame/brick_walk.h"
+#include "render/empty_frame.h"
 #include "render/opened_job.h"
 #include "render/render_job_run.h"
 #include "render/sequence.h"
@@ -27,6 +28,7 @@ DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
   BrickWalkCounts counts;
   std::set<StoredBrick> bricks;
   FrameScene scene = scenes.at(framesOf(job).front());
+  const FrameScene whole = scene;
   out.samples = scenes.mostSamples();
   for (const PictureOptions& picture : eyesOf(scene.picture)) {
     scene.picture = picture;
@@ -40,6 +42,7 @@ DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
     out.file_bytes_in_view += entry.file_bytes;
     out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
   }
+  if (out.bricks_in_view == 0) out.empty = reasonForNothing(whole, requestOf(whole, job.speed), manifestsOf(opened));
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/frame_memory.h"
+#include "render/statistics.h"
 #include "scene/render_job.h"
 
 namespace kiln {
@@ -19,6 +20,7 @@ struct DryRun {
   std::uint64_t file_bytes_in_view = 0;
   /// What all bricks in view take in memory, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
+  EmptyFrame empty = EmptyFrame::kShows;  // why no brick is in view
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;
 };

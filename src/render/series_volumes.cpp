@@ -14,6 +14,7 @@
 #include "output/image_file.h"
 #include "render/frame_files.h"
 #include "scene/frame_list.h"
+#include "store/read_manifest.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -171,7 +172,7 @@ std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFo
   std::vector<VolumeGeometry> first;
   for (const std::vector<std::string>& of_volume : stores) {
     std::vector<Manifest>& manifests = volumes.emplace_back();
-    for (const std::string& store : of_volume) manifests.push_back(StoreReader(store).manifest());
+    for (const std::string& store : of_volume) manifests.push_back(readManifest(store));
     first.push_back(manifests.front().geometry());
   }
   auto out = std::make_shared<SeriesLook>();

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/large_pages.h"
 #include "base/span.h"
+#include "store/read_manifest.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -57,17 +58,6 @@ Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expe
   return data;
 }
 
-Manifest loadManifest(const fs::path& directory) {
-  const fs::path path = directory / "manifest.json";
-  std::error_code ignored;
-  if (!fs::exists(directory, ignored)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
-  if (!fs::exists(path, ignored)) {
-    throw Error(ErrorCode::kFormat, directory, "manifest.json",
-                "is missing: not a store, or a conversion that did not finish; run kiln convert again");
-  }
-  return parseManifest(readTextFile(path, kLargestManifest), path);
-}
-
 template <class BytesOf>
 std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
   std::uint64_t largest = 0;
@@ -81,7 +71,18 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
 
 }  // namespace
 
-StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(loadManifest(directory)) {
+Manifest readManifest(const fs::path& directory) {
+  const fs::path path = directory / "manifest.json";
+  std::error_code ignored;
+  if (!fs::exists(directory, ignored)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
+  if (!fs::exists(path, ignored)) {
+    throw Error(ErrorCode::kFormat, directory, "manifest.json",
+                "is missing: not a store, or a conversion that did not finish; run kiln convert again");
+  }
+  return parseManifest(readTextFile(path, kLargestManifest), path);
+}
+
+StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(readManifest(directory)) {
   const fs::path path = directory_ / "index.bin";
   const auto data = readChecked<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;

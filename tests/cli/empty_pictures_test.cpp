@@ -33,8 +33,10 @@ class EmptyPicturesCli : public ToolTest {
     strict.push_back("--strict");
     const ToolResult failed = runTool(strict);
     EXPECT_EQ(failed.exit_code, 1) << failed.err;
-    EXPECT_NE(failed.err.find("--strict: the files are written, but there was a warning"), std::string::npos)
-        << failed.err;
+    EXPECT_NE(failed.err.find("--strict: all is done, but there was a warning"), std::string::npos) << failed.err;
+    std::vector<std::string> dry = with(options);
+    dry.push_back("--dry-run");
+    EXPECT_NE(done(dry).err.find(why), std::string::npos) << why;
   }
 };
 

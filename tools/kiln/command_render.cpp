@@ -12,6 +12,7 @@
 #include "convert/foreign_cache.h"
 #include "find_program.h"
 #include "render/dry_run.h"
+#include "render/empty_frame.h"
 #include "render/frame_checkpoint.h"
 #include "render/frame_files.h"
 #include "render/render_job_run.h"
@@ -340,12 +341,20 @@ class InputOptions {
   std::set<fs::path> names_, labels_;
 };
 
+void requireNoWarnings(std::uint64_t warnings) {
+  if (warnings > 0)
+    throw Error(ErrorCode::kIo,
+                fmt::format("--strict: all is done, but {}",
+                            warnings == 1 ? "there was a warning" : fmt::format("there were {} warnings", warnings)));
+}
+
 void requireStatisticsPlace(const RenderArguments& a) {
   if (!a.stats.empty()) FileSystem::real().requirePlaceFor(a.stats);
 }
 
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, std::uint64_t beside_bytes) {
+void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, std::uint64_t beside_bytes,
+             TerminalProgress& progress) {
   requireStatisticsPlace(a);
   const int first = framesOf(job).front();
   const bool series = isSeries(job);
@@ -379,6 +388,8 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
       a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left), formatBytes(cost.decoded_bytes_in_view));
+  if (cost.empty != EmptyFrame::kShows) progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
+  if (a.strict) requireNoWarnings(progress.warnings());
 }
 
 std::string countedFrames(const std::vector<int>& frames) {
@@ -391,13 +402,6 @@ std::uint64_t warningsOfAll(Ranks& ranks, const TerminalProgress& progress) {
   for (const std::uint64_t of_rank : gatherLists(ranks, std::vector<std::uint64_t>{progress.warnings()}))
     out += of_rank;
   return out;
-}
-
-void requireNoWarnings(std::uint64_t warnings) {
-  if (warnings > 0)
-    throw Error(ErrorCode::kIo,
-                fmt::format("--strict: the files are written, but {}",
-                            warnings == 1 ? "there was a warning" : fmt::format("there were {} warnings", warnings)));
 }
 
 void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
@@ -475,7 +479,7 @@ void run(const RenderArguments& a, Context& context) {
                 "numbers");
   if (a.checkpoint) requireCheckpoint(job);
   const InputOptions input(a, job);
-  if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options));
+  if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
