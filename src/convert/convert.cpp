@@ -208,8 +208,10 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   const std::unique_ptr<Ranks> alone = oneRank();
   Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
   const SourceInfo& info = source.info();
+  std::size_t notes = 0;
   if (ranks.first()) {
     for (const std::string& note : info.notes) progress.note(note);
+    notes = info.notes.size();
     if (!ranks.alone() && source.order() == ReadOrder::kForward)
       progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
   }
@@ -236,6 +238,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   } else {
     runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
   }
+  // A compressed stream adds notes at its end.
+  for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(info.notes[notes]);
   if (destination && !destination->leftOld().empty())
     progress.note(destination->leftOld().string() +
                   " is left: a store that somebody kept, or that an interrupted --overwrite was to replace");

@@ -21,7 +21,10 @@ class HalfSource : public VolumeSource {
   ReadOrder order() const override { return exact_->order(); }
   /// Values beyond what a half holds become the nearest that it does; infinities and NaN stay.
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  void finish() override { exact_->finish(); }
+  void finish() override {
+    exact_->finish();
+    info_.notes = exact_->info().notes;
+  }
   std::uint64_t decodeBytes() const override { return exact_->decodeBytes(); }
   void keepDecoded(std::uint64_t bytes) override { exact_->keepDecoded(bytes); }
 

@@ -124,6 +124,23 @@ glm::dvec3 HeaderFields::vector(const HeaderField& field) const {
   return {v[0], v[1], v[2]};
 }
 
+void HeaderFields::dropAxes(std::string_view key, const std::vector<bool>& dropped) {
+  const HeaderField* field = find(key);
+  if (field == nullptr) return;
+  const std::vector<std::string> values = axisValues(field->value);
+  if (values.size() != dropped.size())
+    fail(*field, std::to_string(values.size()) + " values, " + std::to_string(dropped.size()) + " are expected");
+  std::string kept;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!dropped[i]) kept += (kept.empty() ? "" : " ") + values[i];
+  replace(key, std::move(kept));
+}
+
+void HeaderFields::replace(std::string_view key, std::string value) {
+  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const HeaderField& f) { return f.key == key; });
+  found->value = std::move(value);
+}
+
 std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
   const std::string& name = field.value;
   if (words(name).empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
@@ -157,6 +174,22 @@ std::vector<std::string> words(std::string_view text) {
     if (first == std::string_view::npos) break;
     const std::size_t end = std::min(text.find_first_of(" \t\r\v\f", first), text.size());
     out.emplace_back(text.substr(first, end - first));
+    i = end;
+  }
+  return out;
+}
+
+std::vector<std::string> axisValues(std::string_view text) {
+  constexpr const char* kSpace = " \t\r\v\f";
+  std::vector<std::string> out;
+  for (std::size_t i = 0; (i = text.find_first_not_of(kSpace, i)) != std::string_view::npos;) {
+    const char first = text[i];
+    const std::size_t closing = first == '"'   ? text.find('"', i + 1)
+                                : first == '(' ? text.find(')', i + 1)
+                                               : text.find_first_of(kSpace, i);
+    const bool marked = first == '"' || first == '(';
+    const std::size_t end = std::min(marked && closing != std::string_view::npos ? closing + 1 : closing, text.size());
+    out.emplace_back(text.substr(i, end - i));
     i = end;
   }
   return out;

@@ -62,6 +62,12 @@ class HeaderFields {
   std::vector<std::int64_t> integers(const HeaderField& field, std::size_t count) const;
   Extent3 extent(const HeaderField& field) const;
   glm::dvec3 vector(const HeaderField& field) const;
+  /// Takes the values of some axes out of a field that has `dropped.size()` values, one for each axis; where the header
+  /// has no such field, nothing changes. shape: a value is a word, a text in quotation marks or a vector in
+  /// parentheses. throws: Error kFormat where the field has another number of values.
+  void dropAxes(std::string_view key, const std::vector<bool>& dropped);
+  /// Gives a field another value. requires: a field of this key.
+  void replace(std::string_view key, std::string value);
   /// The one file, beside this header, that the field names. throws: Error kNotFound naming both, kFormat for an empty
   /// name, kUnsupported for a list or a series.
   std::filesystem::path dataFile(const HeaderField& field) const;
@@ -73,6 +79,8 @@ class HeaderFields {
 
 std::string trimmed(std::string_view text);
 std::vector<std::string> words(std::string_view text);
+/// Words, texts in quotation marks and vectors in parentheses, each with its marks.
+std::vector<std::string> axisValues(std::string_view text);
 /// The whole of `text` as a number, or empty; "nan" and "inf" are numbers here.
 std::optional<double> doubleOf(std::string_view text);
 std::optional<std::int64_t> integerOf(std::string_view text);

@@ -2,6 +2,7 @@
 // Invariant: `ended_` is set only after zlib has compared the trailer of the last member with what it produced.
 #include "ingest/inflate_stream.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -13,6 +14,11 @@ namespace {
 
 constexpr std::size_t kInputBytes = 1 << 18;
 constexpr std::size_t kSkipBytes = 1 << 16;
+
+// zlib.h: 16 more means the gzip wrapper and nothing else, a negative number none.
+int windowBits(StreamWrapper wrapper) {
+  return wrapper == StreamWrapper::kGzip ? MAX_WBITS + 16 : wrapper == StreamWrapper::kZlib ? MAX_WBITS : -MAX_WBITS;
+}
 
 }  // namespace
 
@@ -33,8 +39,7 @@ InflateStream::InflateStream(File file, std::uint64_t offset_bytes, StreamWrappe
       next_offset_bytes_(offset_bytes),
       wrapper_(wrapper),
       input_(kInputBytes),
-      // zlib.h: adding 16 to the window bits asks for the gzip wrapper and nothing else.
-      decoder_(std::make_unique<Decoder>(wrapper == StreamWrapper::kGzip ? MAX_WBITS + 16 : MAX_WBITS)) {
+      decoder_(std::make_unique<Decoder>(windowBits(wrapper))) {
   if (!decoder_->ready) throw Error(ErrorCode::kIo, file_.path(), "", "no memory for decompression");
 }
 
@@ -68,7 +73,6 @@ void InflateStream::endMember() {
     ++z.next_in;
     --z.avail_in;
   }
-  followed_ = refill();
 }
 
 std::size_t InflateStream::step(std::span<std::byte> out, const std::string& where) {
@@ -117,12 +121,21 @@ void InflateStream::skip(std::uint64_t count, const std::string& where) {
   }
 }
 
-void InflateStream::finish() {
-  std::byte extra[1];
-  if (readSome(extra, "after the last slice") > 0) {
-    fail("after the last slice", "the compressed data hold more voxels than the header's dimensions say");
-  }
-  if (followed_) fail("after the last slice", "other data follow the compressed data");
+std::vector<std::string> InflateStream::finish() {
+  std::vector<std::byte> dropped(kSkipBytes);
+  std::uint64_t beyond = 0;
+  while (const std::size_t got = readSome(dropped, "after the last slice")) beyond += got;
+  std::vector<std::string> notes;
+  const std::string name = file_.path().filename().string();
+  const auto bytes = [](std::uint64_t count) { return fmt::format("{} byte{}", count, count == 1 ? "" : "s"); };
+  if (beyond > 0)
+    notes.push_back(
+        fmt::format("the compressed data of {} hold {} more than the header's dimensions need, which are not "
+                    "read",
+                    name, bytes(beyond)));
+  if (const std::uint64_t rest = file_.size() - (next_offset_bytes_ - decoder_->z.avail_in); rest > 0)
+    notes.push_back(fmt::format("{} of {} are behind the compressed data, and are not read", bytes(rest), name));
+  return notes;
 }
 
 }  // namespace kiln

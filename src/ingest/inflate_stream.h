@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/file.h"
 
 namespace kiln {
 
-enum class StreamWrapper { kGzip, kZlib };
+enum class StreamWrapper { kGzip, kZlib, kNone };
 
 /// Decompresses from `offset_bytes` of `file` to its end. Members of a gzip stream that follow each other are one
 /// stream (RFC 1952 §2.2), and zero bytes after the last are padding, as for gzip(1). cost: kHeldBytes, whatever the
@@ -28,8 +30,9 @@ class InflateStream {
   void read(std::span<std::byte> out, const std::string& where);
   /// Reads `count` bytes and drops them. throws: as read.
   void skip(std::uint64_t count, const std::string& where);
-  /// throws: Error kFormat where the stream goes on, its checksum is wrong, or other data follow it.
-  void finish();
+  /// Reads to the end of the stream, so that its checksum is compared. Returns a sentence for the user where the stream
+  /// goes on behind what was read, or other bytes follow it; else nothing. throws: as readSome.
+  std::vector<std::string> finish();
 
  private:
   struct Decoder;
@@ -44,7 +47,6 @@ class InflateStream {
   std::vector<std::byte> input_;
   std::unique_ptr<Decoder> decoder_;
   bool ended_ = false;
-  bool followed_ = false;
 };
 
 }  // namespace kiln

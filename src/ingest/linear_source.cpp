@@ -160,7 +160,7 @@ void StreamSource::finish() {
     stream_.skip(now * sizeOf(map_.from), place());
     next_voxel_ += now;
   }
-  stream_.finish();
+  for (std::string& note : stream_.finish()) info_.notes.push_back(std::move(note));
 }
 
 }  // namespace

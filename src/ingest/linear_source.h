@@ -22,6 +22,7 @@ struct LinearData {
   double intercept = 0;
 };
 
+/// A compressed source's finish() adds a note to `info().notes` for bytes behind the voxels, which are not read.
 /// throws: Error kFormat where a raw file is too short for the header's dimensions, or sizes overflow; kUnsupported
 /// never.
 std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data);

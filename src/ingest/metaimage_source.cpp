@@ -76,6 +76,37 @@ VoxelType elementType(const HeaderFields& fields) {
               known ? ErrorCode::kUnsupported : ErrorCode::kFormat);
 }
 
+// Takes axes of length 1 out of a header of more than three dimensions, the last ones first. Axis and dimension of the
+// world go together, so that the matrix must not mix them with others.
+void dropUnitAxes(HeaderFields& fields) {
+  constexpr std::int64_t kMostAxes = 10;  // MetaIO's own limit
+  const std::int64_t axes = fields.integers(fields.require("NDims"), 1)[0];
+  if (axes <= 3 || axes > kMostAxes) return;
+  const auto count = static_cast<std::size_t>(axes);
+  const std::vector<std::int64_t> sizes = fields.integers(fields.require("DimSize"), count);
+  std::vector<bool> dropped(count, false);
+  std::size_t left = count;
+  for (std::size_t i = count; i-- > 0 && left > 3;) {
+    dropped[i] = sizes[i] == 1;
+    left -= dropped[i] ? 1 : 0;
+  }
+  if (left > 3) return;
+  for (const char* key : {"DimSize", "ElementSpacing", "ElementSize", "Offset", "CenterOfRotation"})
+    fields.dropAxes(key, dropped);
+  if (const HeaderField* matrix = fields.find("TransformMatrix")) {
+    const std::vector<double> m = fields.doubles(*matrix, count * count);
+    std::vector<bool> dropped_entries(count * count);
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      const std::size_t row = i / count, column = i % count;
+      dropped_entries[i] = dropped[row] || dropped[column];
+      if (dropped[row] != dropped[column] && m[i] != 0)
+        fields.unsupported(*matrix, "mixes an axis of length 1 with the others; give a volume of three dimensions");
+    }
+    fields.dropAxes("TransformMatrix", dropped_entries);
+  }
+  fields.replace("NDims", "3");
+}
+
 void requireScalarMetaImage(const HeaderFields& fields) {
   const HeaderField* object = fields.find("ObjectType");
   if (object && lowered(object->value) != "image") {
@@ -178,7 +209,8 @@ LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
 }  // namespace
 
 std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, const SourceOptions& options) {
-  const Header header = readHeader(File(input));
+  Header header = readHeader(File(input));
+  dropUnitAxes(header.fields);
   requireScalarMetaImage(header.fields);
   SourceInfo info;
   info.format = "MetaImage";

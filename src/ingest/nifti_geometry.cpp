@@ -77,25 +77,55 @@ std::string unitOf(const NiftiHeader& header) {
   }
 }
 
+// The lengths of a voxel. The format wants positive numbers: a sign is a known mistake of writers and means nothing,
+// and 0 stands for a length that the writer did not know.
+glm::dvec3 spacingOf(const NiftiHeader& header, std::vector<std::string>& notes) {
+  glm::dvec3 out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis) + 1;
+    const double found = header.f32(kPixdim + 4 * i);
+    out[axis] = std::abs(found);
+    if (std::isfinite(found) && found != 0) continue;
+    out[axis] = 1;
+    notes.push_back(fmt::format("pixdim[{}] is {}; a spacing of 1 is taken", i, found));
+  }
+  return out;
+}
+
+bool isInvertible(const glm::dmat4& affine) {
+  try {
+    requireInvertible(affine, "");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
-VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options) {
+VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options, std::vector<std::string>& notes) {
   VolumeGeometry out;
   out.dims = dimsOf(header);
   out.unit = unitOf(header);
-  // The format wants lengths; a sign in them is a known mistake of writers, and means nothing.
-  const glm::dvec3 spacing(std::abs(header.f32(kPixdim + 4)), std::abs(header.f32(kPixdim + 8)),
-                           std::abs(header.f32(kPixdim + 12)));
-  const bool rows = header.i16(kSformCode) > 0, quaternion = header.i16(kQformCode) > 0;
+  bool rows = header.i16(kSformCode) > 0;
+  const bool quaternion = header.i16(kQformCode) > 0;
+  const glm::dmat4 sform = rowsAffine(header);
+  // An sform whose code is set but whose rows are empty says nothing; a damaged one beside no qform is an error.
+  const bool empty = sform == glm::dmat4(glm::dvec4(0), glm::dvec4(0), glm::dvec4(0), glm::dvec4(0, 0, 0, 1));
+  if (rows && !isInvertible(sform) && (quaternion || empty)) {
+    rows = false;
+    notes.push_back(fmt::format("its sform {}; {}", empty ? "is empty" : "has no volume",
+                                quaternion ? "the qform is taken" : "the spacing alone is taken"));
+  }
   if (rows || quaternion) {
     if (options.spacing) {
       throw Error(ErrorCode::kUsage, header.path(), "",
                   "says where its voxels are; --spacing is for files that do not");
     }
-    out.world_from_index = rows ? rowsAffine(header) : quaternionAffine(header, spacing);
+    out.world_from_index = rows ? sform : quaternionAffine(header, spacingOf(header, notes));
     out.frame = PatientFrame::kRas;
   } else {
-    out.world_from_index = glm::scale(glm::dmat4(1.0), options.spacing.value_or(spacing));
+    out.world_from_index = glm::scale(glm::dmat4(1.0), options.spacing ? *options.spacing : spacingOf(header, notes));
   }
   requireInvertible(out.world_from_index, header.path().string());
   return out;

@@ -6,9 +6,10 @@
 
 namespace kiln {
 
-/// The geometry that the header gives, with the spacing of `options` where it gives no affine.
+/// The geometry that the header gives, with the spacing of `options` where it gives no affine. `notes` gets a sentence
+/// for each value that is taken instead of an impossible one: a spacing that is not above 0, an sform without volume.
 /// throws: Error kFormat, kUnsupported (other than one volume of three dimensions), kUsage where --spacing does not
 /// apply.
-VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options);
+VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options, std::vector<std::string>& notes);
 
 }  // namespace kiln

@@ -181,7 +181,7 @@ std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptio
 
   SourceInfo info;
   info.format = "NIfTI-1";
-  info.geometry = niftiGeometry(header, options);
+  info.geometry = niftiGeometry(header, options, info.notes);
 
   LinearData data;
   data.stored_type = info.type = typeOf(header);

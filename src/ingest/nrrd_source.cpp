@@ -1,5 +1,7 @@
 // NRRD 1 to 5, attached (.nrrd) or with the data beside the header (.nhdr): which scalar the voxels are, and which
 // bytes of which file. Source: teem.sourceforge.net/nrrd/format.html.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
@@ -41,6 +43,53 @@ VoxelType typeOf(const HeaderFields& fields) {
                        "64-bit integers (" + inQuotes(type) + ") are not read; convert them to double or 32 bits");
   }
   fields.fail(field, inQuotes(field.value) + " is not a NRRD type");
+}
+
+// Whether a NRRD axis of this kind and direction is not one of space; empty where the header has no such field.
+bool isOutsideSpace(const std::string& kind, const std::string& direction) {
+  return direction == "none" ||
+         !(kind.empty() || kind == "domain" || kind == "space" || kind == "???" || kind == "none");
+}
+
+// Takes axes of length 1 out of a header of more than three dimensions: one component or one time. Axes that are not of
+// space go first, then the last ones; more dimensions than three stay where other lengths do.
+void dropUnitAxes(HeaderFields& fields) {
+  constexpr std::int64_t kMostAxes = 16;  // NRRD_DIM_MAX of the format's own library
+  const std::int64_t axes = fields.integers(fields.require("dimension"), 1)[0];
+  if (axes <= 3 || axes > kMostAxes) return;
+  const auto count = static_cast<std::size_t>(axes);
+  const std::vector<std::int64_t> sizes = fields.integers(fields.require("sizes"), count);
+  const auto valuesOf = [&](const char* key) {
+    const HeaderField* field = fields.find(key);
+    std::vector<std::string> out = field ? axisValues(lowered(field->value)) : std::vector<std::string>();
+    out.resize(count);
+    return out;
+  };
+  const std::vector<std::string> kinds = valuesOf("kinds"), directions = valuesOf("space directions");
+  std::vector<bool> dropped(count, false);
+  std::size_t left = count;
+  for (const bool in_space : {false, true}) {
+    for (std::size_t i = count; i-- > 0 && left > 3;) {
+      if (dropped[i] || sizes[i] != 1 || isOutsideSpace(kinds[i], directions[i]) == in_space) continue;
+      dropped[i] = true;
+      --left;
+    }
+  }
+  if (left > 3) return;
+  for (const char* key : {"sizes", "spacings", "thicknesses", "axis mins", "axis maxs", "centers", "kinds", "labels",
+                          "units", "space directions"})
+    fields.dropAxes(key, dropped);
+  fields.replace("dimension", "3");
+}
+
+// Colours without kinds look like a volume a few voxels wide.
+std::string noteOfNarrow(const HeaderFields& fields, const Extent3& dims) {
+  const bool narrow = dims.x >= 2 && dims.x <= 4 && dims.y >= 16 && dims.z >= 16;
+  if (!narrow || fields.find("kinds") || fields.find("space directions")) return "";
+  return fmt::format(
+      "the first axis is taken as {} voxels of space; if it holds colours or vectors, its header lacks the "
+      "field kinds, and the volume is wrong",
+      dims.x);
 }
 
 void requireScalarNrrd(const HeaderFields& fields) {
@@ -140,12 +189,15 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
 }  // namespace
 
 std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
-  const NrrdHeader header = readNrrdHeader(File(input));
+  NrrdHeader header = readNrrdHeader(File(input));
+  dropUnitAxes(header.fields);
   requireScalarNrrd(header.fields);
   SourceInfo info;
   info.format = "NRRD";
   info.type = typeOf(header.fields);
   info.geometry = nrrdGeometry(header.fields, options);
+  if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
+    info.notes.push_back(std::move(note));
   const LinearData data = dataOf(header, info.geometry.dims, info.type);
   return openDescribed(input, std::move(info), data);
 }

@@ -113,6 +113,48 @@ TEST(IngestMetaImage, EveryCutIsNoticedAndFlipsAreHarmless) {
   expectBitFlipsAreHarmless(files, "c.mhd", detached, detached.size(), in("c.mhd"), 124);
 }
 
+// Known: the same voxels and axes as of the header of three dimensions; the fourth is a time of its own.
+TEST(IngestMetaImage, FourDimensionsWithAnAxisOfLength1_areTheVolume) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 131);
+  const auto written = [&](const std::string& fields) {
+    return files.write("n.mha",
+                       "ObjectType = Image\n" + fields +
+                           "ElementType = MET_SHORT\nBinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" +
+                           volume.stored(true));
+  };
+  const std::string last =
+      "NDims = 4\nDimSize = 5 4 3 1\nElementSpacing = 1 2 3 9\nOffset = 1 2 3 9\nCenterOfRotation = 0 0 0 0\n"
+      "TransformMatrix = 0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1\n";
+  expectReadsBack(volume, written(last), 132);
+  const glm::dmat4 affine = {{0, 1, 0, 0}, {2, 0, 0, 0}, {0, 0, 3, 0}, {1, 2, 3, 1}};
+  EXPECT_TRUE(openSource(written(last))->info().geometry.world_from_index == affine);
+  expectReadsBack(volume, written("NDims = 4\nDimSize = 1 5 4 3\n"), 133);
+  expectReadsBack(volume, written("NDims = 5\nDimSize = 5 4 3 1 1\nElementSpacing = 1 2 3 1 1\n"), 134);
+  expectRefused(written("NDims = 4\nDimSize = 5 2 2 3\n"), ErrorCode::kUnsupported, "4-D");
+  expectRefused(written("NDims = 4\nDimSize = 5 4 3 1\nElementSpacing = 1 2 3\n"), ErrorCode::kFormat,
+                "4 are expected");
+  expectRefused(written("NDims = 4\nDimSize = 5 4 3 1\nTransformMatrix = 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n"),
+                ErrorCode::kUnsupported, "mixes");
+}
+
+// Known: the stream's length and one byte more; CompressedDataSize is the stream's own.
+TEST(IngestMetaImage, ByteBehindCompressedDataSize_isNoted) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 135);
+  const std::string stream = zlibbed(volume.stored(true));
+  const std::string header = metaImageHeader(
+      volume, true,
+      "CompressedData = True\nCompressedDataSize = " + std::to_string(stream.size()) + "\nElementDataFile = LOCAL\n");
+  const auto source = openSource(files.write("a.mha", header + stream + "x"));
+  std::vector<std::byte> voxels(volume.voxels.size());
+  source->read(boxOf(volume.dims), voxels);
+  EXPECT_TRUE(voxels == volume.voxels);
+  source->finish();
+  EXPECT_EQ(source->info().notes,
+            std::vector<std::string>{"1 byte of a.mha are behind the compressed data, and are not read"});
+}
+
 TEST(IngestMetaImage, RealFileAgreesWithItsNrrdHeader) {
   // Known: the two headers describe the same bytes.
   if (realData("raw/brainsmall_128x128x84_u8.mhd").empty()) GTEST_SKIP() << "../shared/data is not here";

@@ -156,6 +156,34 @@ TEST_F(Nifti, SformIsTheMatrixAndComesBeforeQform) {
   EXPECT_THROW(openNifti(directory_ / "a.nii", options), Error);
 }
 
+// Writers that do not know a spacing leave 0; those that do not know an affine leave its code or its rows.
+TEST_F(Nifti, ImpossibleSpacingOrSform_isReplacedAndNoted) {
+  NiftiHeader h;
+  h.pixdim = {0, 2, 0, std::numeric_limits<float>::quiet_NaN()};
+  auto source = open(h);
+  EXPECT_EQ(source->info().geometry.worldOf({1, 1, 1}), glm::dvec3(2, 1, 1));
+  ASSERT_EQ(source->info().notes.size(), 2u);
+  EXPECT_EQ(source->info().notes[0], "pixdim[2] is 0; a spacing of 1 is taken");
+  SourceOptions options;
+  options.spacing = glm::dvec3(7, 8, 9);
+  EXPECT_TRUE(openNifti(directory_ / "a.nii", options)->info().notes.empty());
+
+  h = {};
+  h.sform_code = 1;  // its rows are zeros
+  source = open(h);
+  EXPECT_EQ(source->info().geometry.frame, PatientFrame::kUnknown);
+  EXPECT_EQ(source->info().notes, std::vector<std::string>{"its sform is empty; the spacing alone is taken"});
+  h.qform_code = 1;
+  h.pixdim = {1, 2, 3, 4};
+  h.quatern = {0, 0, 0, 10, 20, 30};
+  source = open(h);
+  EXPECT_EQ(source->info().geometry.frame, PatientFrame::kRas);
+  EXPECT_EQ(source->info().geometry.worldOf({1, 1, 1}), glm::dvec3(12, 23, 34));
+  EXPECT_EQ(source->info().notes, std::vector<std::string>{"its sform is empty; the qform is taken"});
+  h.srow = {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};
+  EXPECT_EQ(open(h)->info().notes, std::vector<std::string>{"its sform has no volume; the qform is taken"});
+}
+
 // A quarter turn about z takes x to y and y to -x: b = c = 0, d = sin 45°. A half turn about x is b = 1.
 TEST_F(Nifti, QformTurnsAndMirrors) {
   NiftiHeader h;
@@ -243,7 +271,7 @@ TEST_F(Nifti, HostileNumbersAreFormatErrors) {
   NiftiHeader h;
   h.dim = {3, 32767, 32767, 32767};
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);
-  h = {}, h.sform_code = 1;  // a matrix of zeros
+  h = {}, h.sform_code = 1, h.srow = {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};  // two axes are one
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);
   h = {}, h.qform_code = 1, h.quatern[0] = nan;
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);

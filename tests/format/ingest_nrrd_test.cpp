@@ -128,8 +128,8 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   refused("type: uchar\ndimension: 3\nsizes: 999 999 999\nencoding: gzip\n", ErrorCode::kFormat, "997002999");
 }
 
-TEST(IngestNrrd, StreamsOfTheWrongLengthAreNoticed) {
-  // Known: one voxel too few, one too many, a wrong checksum, a tail; each is one change to a good file.
+TEST(IngestNrrd, StreamsThatAreCutOrDamagedAreRefused) {
+  // Known: one voxel too few, a wrong checksum; each is one change to a good file.
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 81);
   const std::string head = nrrdHeader(volume, false, "encoding: gzip\n\n"), bytes = volume.stored(false);
@@ -137,11 +137,90 @@ TEST(IngestNrrd, StreamsOfTheWrongLengthAreNoticed) {
     expectRefused(files.write("s.nrrd", head + stream), ErrorCode::kFormat, part);
   };
   refused(gzipped(bytes.substr(1)), "slice 2");
-  refused(gzipped(bytes + "x"), "more voxels");
-  refused(gzipped(bytes) + "tail", "other data follow");
   std::string wrong = gzipped(bytes);
   wrong[wrong.size() - 8] ^= 1;
   refused(wrong, "damaged");
+}
+
+// As of raw files: the voxels are whole, and the user is told what is not read. The checksum still counts.
+TEST(IngestNrrd, BytesBehindCompressedVoxels_areNoted) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 82);
+  const std::string head = nrrdHeader(volume, false, "encoding: gzip\n\n"), bytes = volume.stored(false);
+  const auto notesOf = [&](const std::string& stream) {
+    const auto source = openSource(files.write("s.nrrd", head + stream));
+    std::vector<std::byte> voxels(volume.voxels.size());
+    source->read(boxOf(volume.dims), voxels);
+    EXPECT_TRUE(voxels == volume.voxels);
+    source->finish();
+    return source->info().notes;
+  };
+  using Notes = std::vector<std::string>;
+  EXPECT_EQ(notesOf(gzipped(bytes)), Notes());
+  EXPECT_EQ(notesOf(gzipped(bytes) + std::string(9, '\0')), Notes()) << "zeros are padding, as for gzip";
+  EXPECT_EQ(notesOf(gzipped(bytes) + "t"), Notes{"1 byte of s.nrrd are behind the compressed data, and are not read"});
+  EXPECT_EQ(notesOf(gzipped(bytes + std::string(100'000, 'x'))),
+            Notes{"the compressed data of s.nrrd hold 100000 bytes more than the header's dimensions need, which are "
+                  "not read"});
+  std::string wrong = gzipped(bytes + "x");
+  wrong[wrong.size() - 8] ^= 1;
+  expectRefused(files.write("s.nrrd", head + wrong), ErrorCode::kFormat, "damaged");
+}
+
+// Known: the same voxels and axes as of the header of three dimensions; one component, one time, or both.
+TEST(IngestNrrd, MoreThanThreeDimensionsWithAxesOfLength1_areTheVolume) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 83);
+  const glm::dmat4 affine = {{1, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 3, 0}, {1, 2, 3, 1}};
+  const std::string start = "NRRD0005\ntype: int16\nendian: big\n";
+  const auto written = [&](const std::string& header, const std::string& encoding) {
+    const std::string bytes = volume.stored(true);
+    return files.write(
+        "n.nrrd", start + header + "encoding: " + encoding + "\n\n" + (encoding == "raw" ? bytes : gzipped(bytes)));
+  };
+  const std::string headers[] = {
+      "dimension: 4\nsizes: 1 5 4 3\nkinds: list domain domain domain\nspace: LPS\n"
+      "space directions: none (1,0,0) (0,2,0) (0,0,3)\nspace origin: (1,2,3)\n",
+      "dimension: 4\nsizes: 5 4 3 1\nspace: LPS\nspace directions: (1, 0, 0) (0,2,0) (0,0,3) none\n"
+      "space origin: (1,2,3)\n",
+      "dimension: 4\nsizes: 5 4 3 1\nspacings: 1 2 3 nan\naxis mins: 1 2 3 0\ncenters: node node node cell\n"
+      "units: \"mm\" \"mm\" \"mm\" \"s\"\nlabels: \"x\" \"the y\" \"z\" \"(t\"\nkinds: space space space time\n",
+      "dimension: 5\nsizes: 1 5 4 3 1\nkinds: vector domain domain domain time\nspacings: nan 1 2 3 40\n"
+      "axis mins: nan 1 2 3 nan\n"};
+  for (const std::string& header : headers) {
+    SCOPED_TRACE(header);
+    for (const char* encoding : {"raw", "gzip"}) {
+      const auto path = written(header, encoding);
+      expectReadsBack(volume, path, 84);
+      expectAffine(openSource(path)->info(), affine);
+    }
+  }
+  EXPECT_EQ(openSource(written(headers[2], "raw"))->info().geometry.unit, "mm");
+  // A slice: which of two axes of length 1 is not of space, the kinds say.
+  const auto slice = written("dimension: 4\nsizes: 1 60 1 1\nkinds: list domain domain domain\n", "raw");
+  EXPECT_EQ(openSource(slice)->info().geometry.dims, (Extent3{60, 1, 1}));
+  expectRefused(written("dimension: 4\nsizes: 2 5 2 3\n", "raw"), ErrorCode::kUnsupported, "4-D");
+  expectRefused(written("dimension: 4\nsizes: 1 5 4 3\nspacings: 1 2 3\n", "raw"), ErrorCode::kFormat,
+                "4 are expected");
+  for (const std::string& header : headers) {
+    const std::string whole = start + header + "encoding: raw\n\n";
+    expectNoCutGoesUnnoticed(volume, files, "c.nrrd", whole + volume.stored(true), files.directory() / "c.nrrd");
+    expectBitFlipsAreHarmless(files, "c.nrrd", whole + volume.stored(true), whole.size(), files.directory() / "c.nrrd",
+                              85);
+  }
+}
+
+TEST(IngestNrrd, NarrowFirstAxisWithoutKinds_isNoted) {
+  const ForeignFiles files;
+  const auto notes = [&](const std::string& more) {
+    return openSource(files.write("c.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 20 20\nencoding: raw\n" +
+                                                more + "\n" + std::string(1200, 'x')))
+        ->info()
+        .notes;
+  };
+  ASSERT_EQ(notes("").size(), 1u);
+  EXPECT_NE(notes("")[0].find("colours"), std::string::npos);
+  EXPECT_TRUE(notes("kinds: domain domain domain\n").empty());
 }
 
 // A header of another, smaller volume: nothing is wrong with its bytes.
