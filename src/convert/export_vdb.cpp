@@ -14,6 +14,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/memory.h"
 #include "grid/openvdb_glue.h"
 
 namespace kiln {
@@ -68,8 +69,9 @@ class GridFiller {
  public:
   using Value = typename Grid::ValueType;
 
-  GridFiller(const Manifest& manifest, const Placement& place)
-      : level_set_(manifest.volume_class == VolumeClass::kLevelSet),
+  GridFiller(const Manifest& manifest, const Placement& place, std::uint64_t memory_bytes)
+      : memory_bytes_(memory_bytes),
+        level_set_(manifest.volume_class == VolumeClass::kLevelSet),
         background_(static_cast<Value>(manifest.background)),
         place_(place),
         grid_(newGrid<Grid>(background_)) {
@@ -106,6 +108,18 @@ class GridFiller {
     }
   }
 
+  // To be called for each brick that is not constant, before it is taken. The tree is measured only where its bound,
+  // all voxels of all bricks, goes beyond the memory.
+  void charge(const VoxelBox& brick, const fs::path& out) {
+    held_bytes_ += static_cast<std::uint64_t>(brick.count()) * (sizeof(Value) + 1);
+    if (held_bytes_ <= memory_bytes_) return;
+    held_bytes_ = grid_->memUsage();
+    if (held_bytes_ <= memory_bytes_) return;
+    throw Error(ErrorCode::kBudget, out, "",
+                fmt::format("the grid takes more than the {} of --memory; give more, or export a coarser level",
+                            formatBytes(memory_bytes_)));
+  }
+
   typename Grid::Ptr finish() {
     // Only nodes of one value and state, compared exactly; but == takes -0 for 0 and would lose it.
     if (!signed_zero_) grid_->pruneGrid(0);
@@ -127,16 +141,19 @@ class GridFiller {
     if constexpr (std::is_same_v<Value, float>) half_ = half_ && survivesHalf(value);
   }
 
+  std::uint64_t memory_bytes_;
   bool level_set_;
   Value background_;
   const Placement& place_;
   typename Grid::Ptr grid_;
+  std::uint64_t held_bytes_ = 0;
   bool half_ = true, signed_zero_ = false;
 };
 
 template <class T, class Grid>
-openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, Progress& progress) {
-  GridFiller<T, Grid> filler(store.manifest(), place);
+openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, const fs::path& out,
+                              std::uint64_t memory_bytes, Progress& progress) {
+  GridFiller<T, Grid> filler(store.manifest(), place, memory_bytes);
   const Extent3 lattice = store.level(level).bricks;
   const auto bricks = static_cast<std::uint64_t>(lattice.count());
   for (std::uint64_t i = 0; i < bricks; ++i) {
@@ -146,6 +163,7 @@ openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placeme
     if (entry.constant) {
       filler.fill(store.frame(key).core(), entry.core.lo);
     } else {
+      filler.charge(store.frame(key).core(), out);
       filler.take(store.read(key));
     }
     progress.advance("exporting", "bricks", i + 1, bricks);
@@ -184,7 +202,7 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
 }  // namespace
 
 ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out, Progress& progress, FileSystem& disk,
-                       bool overwrite) {
+                       bool overwrite, std::uint64_t memory_bytes) {
   std::error_code ignored;
   if (!overwrite && fs::exists(out, ignored)) {
     throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
@@ -198,8 +216,8 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
         // Labels are names: whole numbers, of the one kind that is read again.
         if (store.manifest().volume_class == VolumeClass::kLabels)
-          return gridOf<T, openvdb::Int32Grid>(store, level, place, progress);
-        return gridOf<T, GridFor<T>>(store, level, place, progress);
+          return gridOf<T, openvdb::Int32Grid>(store, level, place, out, memory_bytes, progress);
+        return gridOf<T, GridFor<T>>(store, level, place, out, memory_bytes, progress);
       });
   ExportReport report;
   report.voxels = grid->activeVoxelCount();

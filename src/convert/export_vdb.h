@@ -26,8 +26,10 @@ struct ExportReport {
 /// store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported (a volume beyond
 /// OpenVDB's coordinates, voxels too small for its transforms), kNoSpace, kIo, kCancelled, and what StoreReader::read
 /// throws; nothing is then left at `out`, and what was there before is untouched. The file is on the disk before it
-/// gets its name. cost: the whole grid is held in memory in its sparse form, bricks equal to the background free.
+/// gets its name. cost: the whole grid is held in memory in its sparse form, bricks equal to the background free;
+/// kBudget where it takes more than `memory_bytes`.
 ExportReport exportVdb(const StoreReader& store, int level, const std::filesystem::path& out, Progress& progress,
-                       FileSystem& disk = FileSystem::real(), bool overwrite = false);
+                       FileSystem& disk = FileSystem::real(), bool overwrite = false,
+                       std::uint64_t memory_bytes = UINT64_MAX);
 
 }  // namespace kiln

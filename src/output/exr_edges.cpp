@@ -6,6 +6,7 @@
 #include <ImfDeepScanLineOutputPart.h>
 #include <ImfPartType.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -17,7 +18,9 @@ namespace {
 
 constexpr std::size_t kCoverage = 4;
 // A slab is at least a hundredth of a pixel thick, and no picture needs a row of more.
-constexpr std::size_t kMostOfARow = std::size_t{1} << 26;
+constexpr std::uint64_t kMostOfARow = std::uint64_t{1} << 26;
+// OpenEXR's and our copy of a sample's numbers, of which a deep picture has six.
+constexpr std::uint64_t kSampleBytes = 2 * 6 * sizeof(float);
 
 DeepRow rowOf(int width) {
   DeepRow out(width);
@@ -26,9 +29,14 @@ DeepRow rowOf(int width) {
   return out;
 }
 
+void requireSamples(const DeepRow& row, std::uint64_t memory_bytes) {
+  if (row.samples() > std::min(kMostOfARow, memory_bytes / kSampleBytes))
+    throw std::runtime_error("a row of a deep part claims too many samples");
+}
+
 // Calls f(y, row) for each row, from top to bottom, y counted from the data window's first.
 template <class F>
-void forEachRow(Imf::MultiPartInputFile& file, int part, F f) {
+void forEachRow(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes, F f) {
   Imf::DeepScanLineInputPart in(file, part);
   const Imath::Box2i window = in.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
@@ -37,7 +45,7 @@ void forEachRow(Imf::MultiPartInputFile& file, int part, F f) {
   in.setFrameBuffer(row.frameBuffer(window.min.x));
   for (int y = window.min.y; y <= window.max.y; ++y) {
     in.readPixelSampleCounts(y, y);
-    if (row.samples() > kMostOfARow) throw std::runtime_error("a row of a deep part claims too many samples");
+    requireSamples(row, memory_bytes);
     row.layOut();
     in.readPixels(y, y);
     f(y - window.min.y, row);
@@ -76,7 +84,8 @@ void writeEdges(const EdgeLayers& edges, Imf::MultiPartOutputFile& file, int par
   }
 }
 
-std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, int height) {
+std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, int height,
+                                      std::uint64_t memory_bytes) {
   for (int part = 0; part < file.parts(); ++part) {
     const Imf::Header& header = file.header(part);
     if (!header.hasName() || header.name() != kEdgesPart || !header.hasType() || header.type() != Imf::DEEPSCANLINE)
@@ -86,7 +95,11 @@ std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, 
         std::int64_t{window.max.y} - window.min.y + 1 != height)
       throw std::runtime_error("the part 'edges' has other pixels than the picture");
     auto out = std::make_shared<EdgeLayers>(PixelRect{0, 0, width, height});
-    forEachRow(file, part, [&](int y, DeepRow& row) {
+    std::uint64_t layers = 0;
+    forEachRow(file, part, memory_bytes, [&](int y, DeepRow& row) {
+      layers += row.samples();
+      if (layers > memory_bytes / (2 * sizeof(EdgeLayer)))
+        throw std::runtime_error("the part 'edges' has more layers than there is memory for");
       std::size_t place = 0;
       for (int x = 0; x < width; ++x) {
         for (unsigned i = 0; i < row.counts()[static_cast<std::size_t>(x)]; ++i, ++place) {
@@ -101,8 +114,19 @@ std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, 
   return nullptr;
 }
 
-void checkDeepPart(Imf::MultiPartInputFile& file, int part) {
-  forEachRow(file, part, [](int /*y*/, DeepRow& /*row*/) {});
+void requireRowsWithin(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes) {
+  Imf::DeepScanLineInputPart in(file, part);
+  const Imath::Box2i window = in.header().dataWindow();
+  DeepRow row = rowOf(window.max.x - window.min.x + 1);
+  in.setFrameBuffer(row.frameBuffer(window.min.x));
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    in.readPixelSampleCounts(y, y);
+    requireSamples(row, memory_bytes);
+  }
+}
+
+void checkDeepPart(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes) {
+  forEachRow(file, part, memory_bytes, [](int /*y*/, DeepRow& /*row*/) {});
 }
 
 }  // namespace kiln

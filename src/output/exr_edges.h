@@ -18,10 +18,14 @@ inline constexpr const char* kEdgesPart = "edges";
 Imf::Header edgesHeader(Imf::Header flat);
 /// The part of that number. throws: what OpenEXR throws.
 void writeEdges(const EdgeLayers& edges, Imf::MultiPartOutputFile& file, int part);
-/// Of pixels counted from the data window's first; null where the file has no such part. throws: what OpenEXR throws,
-/// std::runtime_error, also where the part is not of `width` × `height` pixels.
-std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, int height);
-/// Reads every sample of a deep part. throws: as readEdges.
-void checkDeepPart(Imf::MultiPartInputFile& file, int part);
+/// The layers of pixels counted from the data window's first; null where the file has no such part. throws: what
+/// OpenEXR throws, std::runtime_error, also where the part is not of `width` × `height` pixels, or has more layers than
+/// `memory_bytes` hold.
+std::shared_ptr<EdgeLayers> readEdges(Imf::MultiPartInputFile& file, int width, int height, std::uint64_t memory_bytes);
+/// throws: std::runtime_error where a row of a deep part has more samples than `memory_bytes` hold; what OpenEXR
+/// throws.
+void requireRowsWithin(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes);
+/// Reads every sample of a deep part, a row at a time in at most `memory_bytes`. throws: as readEdges.
+void checkDeepPart(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes);
 
 }  // namespace kiln

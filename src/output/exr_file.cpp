@@ -15,7 +15,6 @@
 #include <ImfOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
-#include <ImfStringAttribute.h>
 #include <half.h>
 
 #include <algorithm>
@@ -24,7 +23,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "output/exr_edges.h"
+#include "output/exr_head.h"
 #include "output/exr_parts.h"
+#include "output/image_memory.h"
 
 namespace kiln {
 namespace {
@@ -221,6 +222,26 @@ void readAll(File& file) {
   for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
 }
 
+// The buffers of all parts, which OpenEXR may make at once.
+std::uint64_t bytesOfParts(const std::vector<ExrPart>& head) {
+  std::uint64_t out = 0;
+  for (const ExrPart& part : head) out += part.buffer_bytes;
+  return out;
+}
+
+// The picture of a part with so many planes.
+std::uint64_t bytesOfImage(const ExrPart& part, std::size_t planes) {
+  return static_cast<std::uint64_t>(part.width * part.height) * sizeof(float) * (4 + planes);
+}
+
+// A deep file is read as a flat picture, and OpenEXR holds all samples of a row.
+void requireDeepRows(std::span<const std::byte> data, std::uint64_t memory_bytes) {
+  MemoryReader stream(data);
+  Imf::MultiPartInputFile parts(stream, 0);
+  if (parts.header(0).hasType() && parts.header(0).type() == Imf::DEEPSCANLINE)
+    requireRowsWithin(parts, 0, memory_bytes);
+}
+
 }  // namespace
 
 bool looksLikeExr(std::span<const std::byte> data) {
@@ -272,8 +293,12 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
 }
 
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path, std::span<const std::string> planes,
-                bool edges) {
+                bool edges, std::uint64_t memory_bytes) {
+  const std::vector<ExrPart> head = readExrHead(exrBytesOf(data), path);
+  const std::uint64_t needed = bytesOfParts(head) + bytesOfImage(head.front(), planes.size());
+  requireMemory(needed, memory_bytes, path);
   return reading(path, [&] {
+    requireDeepRows(data, memory_bytes - needed);
     MemoryReader stream(data);
     Imf::InputFile file(stream, 0);
     Image image = readRows(file, data.size(), path);
@@ -281,20 +306,22 @@ Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& pa
     if (edges) {
       MemoryReader again(data);
       Imf::MultiPartInputFile parts(again, 0);
-      image.edges = readEdges(parts, image.width, image.height);
+      image.edges = readEdges(parts, image.width, image.height, memory_bytes - needed);
     }
     return image;
   });
 }
 
-void checkExr(std::span<const std::byte> data, const std::filesystem::path& path) {
+void checkExr(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const std::uint64_t needed = bytesOfParts(readExrHead(exrBytesOf(data), path));
+  requireMemory(needed, memory_bytes, path);
   reading(path, [&] {
     MemoryReader stream(data);
     Imf::MultiPartInputFile parts(stream, 0);
     if (parts.parts() > 1) {
       for (int i = 0; i < parts.parts(); ++i) {
         if (parts.header(i).type() == Imf::DEEPSCANLINE) {
-          checkDeepPart(parts, i);
+          checkDeepPart(parts, i, memory_bytes - needed);
           continue;
         }
         Imf::InputPart part(parts, i);
@@ -302,24 +329,16 @@ void checkExr(std::span<const std::byte> data, const std::filesystem::path& path
       }
       return;
     }
-    // Deep samples are read as a flat picture.
+    requireDeepRows(data, memory_bytes - needed);
     MemoryReader again(data);
     Imf::InputFile file(again, 0);
     readAll(file);
   });
 }
 
-std::map<std::string, std::string> decodeExrText(std::span<const std::byte> data, const std::filesystem::path& path) {
-  return reading(path, [&] {
-    MemoryReader stream(data);
-    const Imf::InputFile file(stream, 0);
-    std::map<std::string, std::string> text;
-    for (auto entry = file.header().begin(); entry != file.header().end(); ++entry) {
-      const auto* attribute = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
-      if (attribute) text[entry.name()] = attribute->value();
-    }
-    return text;
-  });
+std::map<std::string, std::string> readExrText(const File& file) {
+  const ExrBytes bytes = {file.size(), [&file](std::uint64_t at, std::span<std::byte> out) { file.readAt(at, out); }};
+  return readExrHead(bytes, file.path()).front().text;
 }
 
 }  // namespace kiln

@@ -27,12 +27,15 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
                                       const std::filesystem::path& path);
 
 /// The data window of the first part, with the planes that are named, and the layers of edges where they are asked for
-/// and there. throws: Error kFormat, kUnsupported, naming `path`.
+/// and there, in at most `memory_bytes` beside `data`. throws: Error kFormat, kUnsupported, kBudget, naming `path`.
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
-                std::span<const std::string> planes = {}, bool edges = false);
+                std::span<const std::string> planes = {}, bool edges = false,
+                std::uint64_t memory_bytes = kUnlimitedBytes);
 /// Reads every channel of every row of every part. throws: Error kFormat where a part of the file is damaged or
-/// missing.
-void checkExr(std::span<const std::byte> data, const std::filesystem::path& path);
-std::map<std::string, std::string> decodeExrText(std::span<const std::byte> data, const std::filesystem::path& path);
+/// missing; kBudget.
+void checkExr(std::span<const std::byte> data, const std::filesystem::path& path,
+              std::uint64_t memory_bytes = kUnlimitedBytes);
+/// The string attributes of the first part. cost: reads the headers alone. throws: Error kFormat, kUnsupported.
+std::map<std::string, std::string> readExrText(const File& file);
 
 }  // namespace kiln

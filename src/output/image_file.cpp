@@ -1,11 +1,15 @@
 #include "output/image_file.h"
 
+#include <fmt/format.h>
+
 #include <cassert>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "output/exr_deep.h"
 #include "output/exr_file.h"
+#include "output/image_memory.h"
 #include "output/png_file.h"
 
 namespace kiln {
@@ -41,26 +45,52 @@ void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, c
   disk.writeAtomic(path, encodeDeepExr(samples, metadata, options, path));
 }
 
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, bool edges) {
-  const std::vector<std::byte> data = readFile(path);
-  if (looksLikeExr(data)) return decodeExr(data, path, planes, edges);
+namespace {
+
+Error notAPicture(const std::filesystem::path& path) {
+  return Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+}
+
+// The whole file, which must leave memory for its picture.
+std::vector<std::byte> readWithin(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  requireMemory(File(path).size(), memory_bytes, path);
+  return readFile(path);
+}
+
+}  // namespace
+
+void requireMemory(std::uint64_t needed, std::uint64_t allowed, const std::filesystem::path& path) {
+  if (needed <= allowed) return;
+  throw Error(ErrorCode::kBudget, path, "",
+              fmt::format("reading it takes {} of memory, and {} are left; give --memory {} more", formatBytes(needed),
+                          formatBytes(allowed), roundedUpBytes(needed - allowed)));
+}
+
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, bool edges,
+                std::uint64_t memory_bytes) {
+  const std::vector<std::byte> data = readWithin(path, memory_bytes);
+  const std::uint64_t left = memory_bytes - data.size();
+  if (looksLikeExr(data)) return decodeExr(data, path, planes, edges, left);
   if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
-  if (looksLikePng(data)) return decodePng(data, path);
-  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+  if (looksLikePng(data)) return decodePng(data, path, left);
+  throw notAPicture(path);
 }
 
-void checkImage(const std::filesystem::path& path) {
-  const std::vector<std::byte> data = readFile(path);
-  if (looksLikeExr(data)) return checkExr(data, path);
-  if (!looksLikePng(data)) throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
-  decodePng(data, path);
+void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const std::vector<std::byte> data = readWithin(path, memory_bytes);
+  const std::uint64_t left = memory_bytes - data.size();
+  if (looksLikeExr(data)) return checkExr(data, path, left);
+  if (looksLikePng(data)) return checkPng(data, path, left);
+  throw notAPicture(path);
 }
 
-std::map<std::string, std::string> readImageText(const std::filesystem::path& path) {
-  const std::vector<std::byte> data = readFile(path);
-  if (looksLikeExr(data)) return decodeExrText(data, path);
-  if (looksLikePng(data)) return decodePngText(data, path);
-  throw Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+std::map<std::string, std::string> readImageText(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const File file(path);
+  std::vector<std::byte> first(8);
+  first.resize(file.readSomeAt(0, first));
+  if (looksLikeExr(first)) return readExrText(file);
+  if (looksLikePng(first)) return decodePngText(readWithin(path, memory_bytes), path, memory_bytes - file.size());
+  throw notAPicture(path);
 }
 
 }  // namespace kiln

@@ -2,6 +2,7 @@
 // not at all.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <map>
@@ -71,14 +72,20 @@ bool isExrPath(const std::filesystem::path& path);
 /// For a check before long work.
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
 
-/// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; which, its first
-/// bytes say. Of a deep EXR, its samples laid over one another. `edges`: with the layers of a partial image, where the
-/// file has them.
-/// throws: Error kFormat, kNotFound, kUnsupported.
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {}, bool edges = false);
+/// No limit for what reading a picture takes.
+inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;
+
+/// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; the first bytes
+/// say which format it is. Of a deep EXR, the samples are laid over one another. `edges`: with the layers of a partial
+/// image, where the file has them. `memory_bytes` holds the file, the picture and what unpacks it.
+/// throws: Error kFormat, kNotFound, kUnsupported; kBudget, with the memory that suffices, before it is taken.
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {}, bool edges = false,
+                std::uint64_t memory_bytes = kUnlimitedBytes);
 /// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
-void checkImage(const std::filesystem::path& path);
-/// The string attributes of an EXR, the texts of a PNG. throws: as readImage.
-std::map<std::string, std::string> readImageText(const std::filesystem::path& path);
+void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes = kUnlimitedBytes);
+/// The string attributes of an EXR, the texts of a PNG in front of the pixels. cost: reads no pixels. throws: as
+/// readImage.
+std::map<std::string, std::string> readImageText(const std::filesystem::path& path,
+                                                 std::uint64_t memory_bytes = kUnlimitedBytes);
 
 }  // namespace kiln

@@ -10,11 +10,13 @@
 #include <csetjmp>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/pixel_rect.h"
 #include "base/srgb.h"
+#include "output/image_memory.h"
 
 namespace kiln {
 namespace {
@@ -157,11 +159,14 @@ bool readLayout(png_structp png, png_infop info, Layout* layout) noexcept {
   return true;
 }
 
-bool readAll(png_structp png, const Layout& layout, png_byte* pixels) noexcept {
+bool readRow(png_structp png, png_byte* row) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
-  for (int pass = 0; pass < layout.passes; ++pass) {
-    for (png_uint_32 y = 0; y < layout.height; ++y) png_read_row(png, pixels + y * layout.row_bytes, nullptr);
-  }
+  png_read_row(png, row, nullptr);
+  return true;
+}
+
+bool readEnd(png_structp png) noexcept {
+  if (setjmp(png_jmpbuf(png))) return false;
   png_read_end(png, nullptr);
   return true;
 }
@@ -182,38 +187,111 @@ std::vector<png_text> pngTexts(const std::map<std::string, std::string>& text) {
   return out;
 }
 
-Image imageFrom(const Layout& layout, const std::vector<png_byte>& samples) {
-  const std::size_t largest = layout.bits == 16 ? 65535 : 255;
-  std::vector<float> linear(largest + 1);
-  for (std::size_t v = 0; v <= largest; ++v) {
-    linear[v] = static_cast<float>(linearFromSrgb(static_cast<double>(v) / static_cast<double>(largest)));
+// Samples of 8 or 16 bits to linear premultiplied light.
+class RowConverter {
+ public:
+  explicit RowConverter(int bits) : bits_(bits), linear_((std::size_t{1} << bits)) {
+    for (std::size_t v = 0; v < linear_.size(); ++v)
+      linear_[v] = static_cast<float>(linearFromSrgb(static_cast<double>(v) / static_cast<double>(linear_.size() - 1)));
   }
-  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
-  const auto sample = [&](std::size_t i) -> std::size_t {
-    return layout.bits == 16 ? samples[2 * i] * std::size_t{256} + samples[2 * i + 1] : samples[i];
-  };
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    const float alpha = static_cast<float>(sample(i + 3)) / static_cast<float>(largest);
-    for (std::size_t channel = 0; channel < 3; ++channel) image.rgba[i + channel] = linear[sample(i + channel)] * alpha;
-    image.rgba[i + 3] = alpha;
+  void convert(const png_byte* row, int width, float* rgba) const {
+    const auto sample = [&](std::size_t i) -> std::size_t {
+      return bits_ == 16 ? row[2 * i] * std::size_t{256} + row[2 * i + 1] : row[i];
+    };
+    const auto largest = static_cast<float>(linear_.size() - 1);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(width) * 4; i += 4) {
+      const float alpha = static_cast<float>(sample(i + 3)) / largest;
+      for (std::size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = linear_[sample(i + channel)] * alpha;
+      rgba[i + 3] = alpha;
+    }
   }
-  return image;
-}
+
+ private:
+  int bits_;
+  std::vector<float> linear_;
+};
 
 Error notPng(const std::filesystem::path& path, const std::string& why) {
   return Error(ErrorCode::kFormat, path, "", "cannot be read as PNG: " + why);
 }
 
-// Reads all in front of the pixels. throws: Error kFormat.
-Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path) {
+// Chunks in front of the pixels that libpng unpacks, each up to the memory that it is given. Source: PNG 1.2, 3.2.
+struct Head {
+  std::uint64_t packed_chunks = 0;  // profiles and compressed texts
+  std::uint64_t texts = 0;          // compressed or not
+  std::uint64_t longest = 0;        // of a chunk. unit: bytes
+  std::uint64_t bytes = 0;          // up to the first chunk of pixels
+};
+
+// throws: Error kFormat where a chunk goes beyond the file.
+Head readHead(std::span<const std::byte> data, const std::filesystem::path& path) {
+  constexpr std::size_t kSignature = 8, kFrame = 12;  // a chunk has its length, its type and a checksum
+  Head out;
+  for (std::size_t at = kSignature; data.size() - at >= kFrame;) {
+    std::uint64_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::to_integer<std::uint64_t>(data[at + i]);
+    const std::string_view type(reinterpret_cast<const char*>(&data[at + 4]), 4);
+    out.bytes = at;
+    if (type == "IDAT") break;
+    if (length > data.size() - at - kFrame)
+      throw notPng(path, "its chunk '" + std::string(type) + "' goes beyond the file");
+    if (type == "zTXt" || type == "iTXt" || type == "iCCP") ++out.packed_chunks;
+    if (type == "zTXt" || type == "iTXt" || type == "tEXt") ++out.texts;
+    out.longest = std::max(out.longest, length);
+    at += kFrame + length;
+  }
+  return out;
+}
+
+// Reads all in front of the pixels. throws: Error kFormat, kBudget.
+Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path,
+             std::uint64_t memory_bytes) {
+  // A text is in memory as it is stored, unpacked, and as libpng and we keep it.
+  constexpr std::uint64_t kCopies = 4, kMostChunkBytes = std::uint64_t{1} << 28;
+  if (!looksLikePng(data)) throw notPng(path, "it does not begin as a PNG does");
+  const Head head = readHead(data, path);
+  requireMemory(kCopies * head.bytes, memory_bytes, path);
+  // A chunk of its own length is paid for; libpng refuses longer ones than the limit, and leaves out what unpacks to
+  // more.
+  const std::uint64_t share =
+      (memory_bytes - kCopies * head.bytes) / (kCopies * std::max<std::uint64_t>(head.packed_chunks, 1));
+  const std::uint64_t each = std::max(std::clamp<std::uint64_t>(share, 1, kMostChunkBytes), head.longest + 1);
   reader.data = data;
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.messages, onError, onWarning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) throw notPng(path, "libpng could not be started");
   png_set_read_fn(reader.png, &reader, onRead);
+  png_set_chunk_malloc_max(reader.png, static_cast<png_alloc_size_t>(each));
   Layout layout;
   if (!readLayout(reader.png, reader.info, &layout)) throw notPng(path, reader.messages.text);
   return layout;
+}
+
+// Calls f(y, samples) for each row of the picture, from top to bottom, RGBA of layout.bits each. Interlaced files are
+// held in memory whole.
+template <class F>
+void forEachRow(Reader& reader, const Layout& layout, const std::filesystem::path& path, F&& f) {
+  const bool interlaced = layout.passes > 1;
+  std::vector<png_byte> samples(layout.row_bytes * (interlaced ? layout.height : 1));
+  for (int pass = 0; pass < layout.passes; ++pass) {
+    for (png_uint_32 y = 0; y < layout.height; ++y) {
+      png_byte* const row = samples.data() + (interlaced ? y * layout.row_bytes : 0);
+      if (!readRow(reader.png, row)) throw notPng(path, reader.messages.text);
+      if (pass + 1 == layout.passes) f(y, row);
+    }
+  }
+  if (!readEnd(reader.png)) throw notPng(path, reader.messages.text);
+}
+
+// The samples that forEachRow holds.
+std::uint64_t bytesOfRows(const Layout& layout) {
+  return std::uint64_t{layout.row_bytes} * (layout.passes > 1 ? layout.height : 1);
+}
+
+void requirePlausible(const Layout& layout, std::span<const std::byte> data, const std::filesystem::path& path) {
+  if (std::uint64_t{layout.stored_row_bytes} * layout.height <= kLargestRatio * data.size()) return;
+  throw notPng(path, "its header promises " + std::to_string(layout.width) + "x" + std::to_string(layout.height) +
+                         " pixels, more than a file of " + std::to_string(data.size()) + " bytes can hold");
 }
 
 }  // namespace
@@ -251,27 +329,41 @@ std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesy
   return std::move(writer.out);
 }
 
-std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path) {
+std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path,
+                                                 std::uint64_t memory_bytes) {
   Reader reader;
-  begin(reader, data, path);
+  begin(reader, data, path, memory_bytes);
   png_textp texts = nullptr;
   const int count = png_get_text(reader.png, reader.info, &texts, nullptr);
+  if (const std::uint64_t all = readHead(data, path).texts; static_cast<std::uint64_t>(count) < all)
+    throw Error(ErrorCode::kBudget, path, "",
+                std::to_string(all - static_cast<std::uint64_t>(count)) + " of its " + std::to_string(all) +
+                    " texts are damaged, or unpack to more than the memory that is left; give more by --memory");
   std::map<std::string, std::string> out;
   for (int i = 0; i < count; ++i) out[texts[i].key] = texts[i].text;
   return out;
 }
 
-Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path) {
+Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
   Reader reader;
-  const Layout layout = begin(reader, data, path);
-  const auto refuse = [&](const std::string& why) { return notPng(path, why); };
-  if (std::uint64_t{layout.stored_row_bytes} * layout.height > kLargestRatio * data.size()) {
-    throw refuse("its header promises " + std::to_string(layout.width) + "x" + std::to_string(layout.height) +
-                 " pixels, more than a file of " + std::to_string(data.size()) + " bytes can hold");
-  }
-  std::vector<png_byte> samples(layout.row_bytes * layout.height);
-  if (!readAll(reader.png, layout, samples.data())) throw refuse(reader.messages.text);
-  return imageFrom(layout, samples);
+  const Layout layout = begin(reader, data, path, memory_bytes);
+  requirePlausible(layout, data, path);
+  const std::uint64_t pixels = std::uint64_t{layout.width} * layout.height;
+  requireMemory(pixels * 4 * sizeof(float) + bytesOfRows(layout), memory_bytes, path);
+  const RowConverter converter(layout.bits);
+  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
+  forEachRow(reader, layout, path, [&](png_uint_32 y, const png_byte* row) {
+    converter.convert(row, image.width, image.pixel(0, static_cast<int>(y)));
+  });
+  return image;
+}
+
+void checkPng(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  Reader reader;
+  const Layout layout = begin(reader, data, path, memory_bytes);
+  requirePlausible(layout, data, path);
+  requireMemory(bytesOfRows(layout), memory_bytes, path);
+  forEachRow(reader, layout, path, [](png_uint_32, const png_byte*) {});
 }
 
 }  // namespace kiln

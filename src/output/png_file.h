@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -20,10 +21,17 @@ bool looksLikePng(std::span<const std::byte> data);
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
                                  const std::map<std::string, std::string>& text = {});
 
-/// The texts in front of the pixels. throws: Error kFormat naming `path`.
-std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path);
+/// The texts in front of the pixels, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget naming
+/// `path`.
+std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path,
+                                                 std::uint64_t memory_bytes = UINT64_MAX);
 
-/// Any PNG, its values taken as sRGB. throws: Error kFormat naming `path`.
-Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path);
+/// Any PNG, its values taken as sRGB, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget naming
+/// `path`.
+Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path,
+                std::uint64_t memory_bytes = UINT64_MAX);
+/// Reads the file to its end and keeps nothing. throws: as decodePng.
+void checkPng(std::span<const std::byte> data, const std::filesystem::path& path,
+              std::uint64_t memory_bytes = UINT64_MAX);
 
 }  // namespace kiln

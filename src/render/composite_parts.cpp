@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "output/image_memory.h"
 #include "render/background.h"
 #include "render/part_order.h"
 #include "scene/render_job.h"
@@ -35,8 +36,8 @@ VolumeGeometry geometryOf(const ordered_json& volume) {
   return out;
 }
 
-Part partFrom(const fs::path& path) {
-  const std::map<std::string, std::string> text = readImageText(path);
+Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
+  const std::map<std::string, std::string> text = readImageText(path, memory_bytes);
   const auto of = [&](const char* name) -> const std::string& {
     const auto found = text.find(name);
     if (found != text.end()) return found->second;
@@ -134,11 +135,11 @@ std::string partOriginText(const Manifest& volume) {
   return out.dump();
 }
 
-CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress) {
+CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress, std::uint64_t memory_bytes) {
   if (paths.empty()) throw Error(ErrorCode::kUsage, "there are no partial images to composite");
   std::vector<Part> parts;
   for (const fs::path& path : paths) {
-    parts.push_back(partFrom(path));
+    parts.push_back(partFrom(path, memory_bytes));
     requireSameScene(parts.front(), parts.back());
   }
   requireDisjoint(parts);
@@ -148,6 +149,10 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const View view = resolve(camera, picture.stereo, picture.size);
   const PixelRect pixels = drawnPixels(picture.size, picture.crop);
   CompositedParts out;
+  // The picture is made beside its pixels once no part is in memory any more.
+  const std::uint64_t made_bytes = static_cast<std::uint64_t>(pixels.count()) * sizeof(PartPixel);
+  requireMemory(made_bytes + static_cast<std::uint64_t>(pixels.count()) * 4 * sizeof(float), memory_bytes,
+                parts.front().path);
   std::vector<PartPixel> made(pixels.count());
   const std::vector<std::string> planes = {kCoveragePlane};
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
@@ -157,7 +162,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");
-    const Image image = readImage(part.path, planes, true);
+    const Image image = readImage(part.path, planes, true, memory_bytes - made_bytes);
     if (image.width != pixels.width() || image.height != pixels.height())
       throw Error(
           ErrorCode::kFormat, part.path, "dataWindow",

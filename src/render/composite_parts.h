@@ -29,7 +29,9 @@ struct CompositedParts {
 /// The picture that the parts make, within rounding and what the opacity threshold leaves open: over one another, front
 /// to back, then over the background. cost: memory for two pictures. throws: Error kUsage where there are no parts or
 /// two of them do not belong together: of other volumes, cameras, sizes or looks, with a common voxel, or without an
-/// order; kUnsupported for a file that is no partial image; else as readImage; kCancelled.
-CompositedParts compositeParts(const std::vector<std::filesystem::path>& parts, Progress& progress);
+/// order; kUnsupported for a file that is no partial image; kBudget where `memory_bytes` do not hold the picture beside
+/// one of the parts; else as readImage; kCancelled.
+CompositedParts compositeParts(const std::vector<std::filesystem::path>& parts, Progress& progress,
+                               std::uint64_t memory_bytes = kUnlimitedBytes);
 
 }  // namespace kiln

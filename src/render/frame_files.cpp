@@ -226,11 +226,11 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreR
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store) {
   std::map<std::string, std::string> text;
   try {
-    text = readImageText(file.path);
+    text = readImageText(file.path, job.speed.memory_bytes);
     if (const auto hash = text.find(kHashKey);
         hash != text.end() && hash->second == contentHash(job, file, scene, store)) {
       if (text.contains(ImageMetadata::kDamagedBricks) && !job.picture.skip_damaged) return FoundFile::kDamaged;
-      checkImage(file.path);
+      checkImage(file.path, job.speed.memory_bytes);
       return FoundFile::kWhole;
     }
   } catch (const Error& error) {

@@ -120,7 +120,7 @@ void SequenceFrames::makeVideo() const {
   if (video.path.empty()) return;
   std::vector<fs::path> pictures;
   for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
-  writeVideo(pictures, video, progress_);
+  writeVideo(pictures, video, job_.speed.memory_bytes, progress_);
   if (!keepsFramesForVideo(job_)) return;
   // The folder goes, too, unless somebody has put something there.
   for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);

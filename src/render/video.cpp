@@ -49,17 +49,18 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
   return out;
 }
 
-void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, Progress& progress) {
+void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, std::uint64_t memory_bytes,
+                Progress& progress) {
   const fs::path place = behindLinks(options.path), temporary = temporaryFor(place);
   FileSystem& disk = FileSystem::real();
   disk.replaceBy(temporary, place, [&] {
-    Image image = readImage(pictures.front());
+    Image image = readImage(pictures.front(), {}, false, memory_bytes);
     const int width = image.width, height = image.height;
     FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
     const auto waiting = [&] { progress.throwIfCancelled("making the video"); };
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       waiting();
-      if (i > 0) image = readImage(pictures[i]);
+      if (i > 0) image = readImage(pictures[i], {}, false, memory_bytes);
       if (image.width != width || image.height != height)
         throw Error(ErrorCode::kUsage, pictures[i], "",
                     fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,

@@ -8,6 +8,7 @@
 #include <ImfInputFile.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "output/exr_file.h"
 #include "output/png_file.h"
 #include "scene/job_names.h"
@@ -308,6 +310,94 @@ TEST_F(ImageFile, FlippedBitsAreSurvived) {
       }
       data[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
     }
+  }
+}
+
+// Bytes in front of an EXR's or a PNG's pixels as numbers of some GiB: an error in one line, or a picture, in little
+// memory. OpenEXR would clear as many bytes as a length says, and libpng unpack a text of them.
+TEST_F(ImageFile, HostileLengths_takeLittleMemory) {
+  const std::uint64_t before = peakResidentBytes();
+  Image parts = somePicture(23, 40);
+  parts.edges = std::make_shared<EdgeLayers>(PixelRect{0, 0, 23, 40});
+  const std::vector<std::byte> files[] = {encodeExr(somePicture(23, 40), withText(), {}, "a"),
+                                          encodeExr(parts, withText(), {}, "a"),
+                                          encodePng(somePicture(23, 40), 8, "a", withText().text)};
+  for (const std::vector<std::byte>& whole : files) {
+    for (std::size_t at = 4; at + 4 < std::min<std::size_t>(whole.size(), 1400); at += test::casesOf(3u, 11u)) {
+      std::vector<std::byte> data = whole;
+      const std::uint32_t length = at % 2 == 0 ? 0x7ffffff0 : 0x00007fff;
+      std::memcpy(&data[at], &length, sizeof length);
+      FileSystem::real().writeAtomic(folder_ / "hostile", data);
+      for (int how = 0; how < 3; ++how) {
+        try {
+          if (how == 0) readImage(folder_ / "hostile", {}, true, 256u << 20);
+          if (how == 1) checkImage(folder_ / "hostile", 256u << 20);
+          if (how == 2) readImageText(folder_ / "hostile", 256u << 20);
+        } catch (const Error& error) {
+          EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+        }
+      }
+    }
+  }
+  if (!test::kSanitized) {
+    EXPECT_LT(peakResidentBytes() - before, 320u << 20);
+  }
+}
+
+// One bit a pixel, all alike: 33 million pixels in 36 KB, half a GiB as floats. The text unpacks to 7 MB.
+TEST_F(ImageFile, SmallPngOfManyPixels_isHeldAgainstMemory) {
+  const auto big = [](std::uint32_t v) {
+    std::string out;
+    for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(v >> shift & 255);
+    return out;
+  };
+  const auto chunk = [&](const std::string& type, const std::string& data) {
+    const std::string body = type + data;
+    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+    return big(static_cast<std::uint32_t>(data.size())) + body + big(static_cast<std::uint32_t>(crc));
+  };
+  const auto packed = [](const std::string& bytes) {
+    std::string out(compressBound(bytes.size()), '\0');
+    uLongf size = out.size();
+    compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(),
+              9);
+    out.resize(size);
+    return out;
+  };
+  constexpr std::uint32_t kSide = 5792;
+  const std::string head =
+      std::string("\x89PNG\r\n\x1a\n") + chunk("IHDR", big(kSide) + big(kSide) + std::string("\1\0\0\0\0", 5));
+  const std::string text = chunk("zTXt", std::string("a\0\0", 3) + packed(std::string(7'000'000, ' ')));
+  const std::string end =
+      chunk("IDAT", packed(std::string((kSide / 8 + 1) * std::size_t{kSide}, '\0'))) + chunk("IEND", "");
+  const auto write = [&](const std::string& bytes) {
+    FileSystem::real().writeAtomic(folder_ / "a.png", std::string_view(bytes));
+    return folder_ / "a.png";
+  };
+  const fs::path many = write(head + end);
+  EXPECT_LT(fs::file_size(many), 40'000u);
+  EXPECT_NE(errorOf([&] { readImage(many, {}, false, 64u << 20); }, ErrorCode::kBudget).find("give --memory"),
+            std::string::npos);
+  checkImage(many, 8u << 20);  // row by row
+  std::string texts;
+  for (int i = 0; i < 40; ++i) texts += text;
+  const std::uint64_t before = peakResidentBytes();
+  const fs::path bombs = write(head + texts + end);
+  EXPECT_NE(errorOf([&] { readImageText(bombs, 16u << 20); }, ErrorCode::kBudget).find("40 of its 40 texts"),
+            std::string::npos);
+  if (!test::kSanitized) {
+    EXPECT_LT(peakResidentBytes() - before, 64u << 20);
+  }
+  EXPECT_EQ(readImageText(write(head + text + end)).at("a").size(), 7'000'000u);
+}
+
+TEST_F(ImageFile, Reading_needsTheMemoryThatItSays) {
+  writeImage(somePicture(640, 480), {}, {}, folder_ / "a.exr");
+  writeImage(somePicture(640, 480), {}, {}, folder_ / "a.png");
+  for (const char* name : {"a.exr", "a.png"}) {
+    errorOf([&] { readImage(folder_ / name, {}, false, 640 * 480 * 16); }, ErrorCode::kBudget);
+    EXPECT_EQ(readImage(folder_ / name, {}, false, 16u << 20).width, 640);
+    errorOf([&] { readImage(folder_ / name, {}, false, 100); }, ErrorCode::kBudget);
   }
 }
 

@@ -3,16 +3,19 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/memory.h"
 #include "commands.h"
 #include "output/compare.h"
 #include "output/image_file.h"
+#include "output/image_memory.h"
 #include "say.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 namespace {
 
 struct CompareArguments {
-  std::string a, b, output;
+  std::string a, b, output, memory = kDefaultMemory;
   bool json = false;
 };
 
@@ -21,11 +24,14 @@ void run(const CompareArguments& arguments) {
     requireImagePath(arguments.output);
     FileSystem::real().requirePlaceFor(arguments.output);
   }
-  const Image a = readImage(arguments.a);
-  const Image b = readImage(arguments.b);
+  const std::uint64_t memory_bytes = parseBytes(arguments.memory, "--memory");
+  const Image a = readImage(arguments.a, {}, false, memory_bytes);
+  const std::uint64_t picture_bytes = a.rgba.size() * sizeof(float);
+  const Image b = readImage(arguments.b, {}, false, memory_bytes - picture_bytes);
   if (a.width != b.width || a.height != b.height)
     throw Error(ErrorCode::kUsage, arguments.b, "",
                 fmt::format("is {} x {} pixels, but {} is {} x {}", b.width, b.height, arguments.a, a.width, a.height));
+  if (!arguments.output.empty()) requireMemory(3 * picture_bytes, memory_bytes, arguments.output);
   const ImageDifference d = compareImages(a, b);
   if (!arguments.output.empty()) writeImage(differenceImage(a, b), {}, {}, arguments.output);
   if (arguments.json) {
@@ -62,6 +68,7 @@ void addCompare(CLI::App& app, Context& context) {
   command->add_option("-o,--output", a->output,
                       "the difference as a picture, in the colours of Lee and Ihm's Figure 11");
   command->add_flag("--json", a->json, "for programs");
+  addMemory(*command, a->memory, "both pictures and their difference")->capture_default_str();
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
 }
 

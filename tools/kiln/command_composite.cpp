@@ -2,10 +2,12 @@
 
 #include <system_error>
 
+#include "base/memory.h"
 #include "commands.h"
 #include "render/composite_parts.h"
 #include "say.h"
 #include "scene/job_names.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
@@ -13,7 +15,7 @@ namespace {
 
 struct CompositeArguments {
   std::vector<std::string> parts;
-  std::string output, exr_type = "half", exr_compression = "zip";
+  std::string output, exr_type = "half", exr_compression = "zip", memory = kDefaultMemory;
   int png_bits = 8;
 };
 
@@ -25,7 +27,8 @@ void run(const CompositeArguments& a, Context& context) {
     if (fs::equivalent(part, a.output, ignored))
       throw Error(ErrorCode::kUsage, a.output, "", "is one of the parts; name another picture");
   }
-  const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress);
+  const CompositedParts made =
+      compositeParts({a.parts.begin(), a.parts.end()}, context.progress, parseBytes(a.memory, "--memory"));
   writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);
   context.progress.clear();
   if (made.volume_share < 1)
@@ -48,6 +51,7 @@ void addComposite(CLI::App& app, Context& context) {
       ->add_option("--compression", a->exr_compression,
                    fmt::format("of an EXR: {}; zip if not given", fmt::join(kExrCompressionNames, ", ")))
       ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
+  addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
   command->add_option("--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

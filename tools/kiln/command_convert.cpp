@@ -19,7 +19,7 @@ namespace kiln::tool {
 namespace {
 
 struct ConvertArguments {
-  std::string input, output, memory = "2G";
+  std::string input, output, memory = kDefaultMemory;
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
   bool overwrite = false, resume = false, half = false, labels = false, dry_run = false;
@@ -149,9 +149,7 @@ void addConvert(CLI::App& app, Context& context) {
                    "phantom:body:XxYxZ, head, brain or engine")
       ->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
-  command->add_option("--memory", a->memory, "the most memory for buffers; under mpirun of each rank")
-      ->capture_default_str()
-      ->type_name("BYTES");
+  addMemory(*command, a->memory, "buffers; under mpirun of each rank")->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0))
       ->capture_default_str();

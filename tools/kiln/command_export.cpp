@@ -3,12 +3,13 @@
 #include "commands.h"
 #include "convert/export_vdb.h"
 #include "say.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 namespace {
 
 struct ExportArguments {
-  std::string store, output;
+  std::string store, output, memory = kDefaultMemory;
   int level = 0;
   bool overwrite = false;
 };
@@ -18,7 +19,8 @@ void run(const ExportArguments& a, Context& context) {
     throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
   const StoreReader store(a.store);
   store.requireLevel(a.level);
-  const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite);
+  const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite,
+                                        parseBytes(a.memory, "--memory"));
   context.progress.clear();
   say("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
 }
@@ -32,6 +34,7 @@ void addExport(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("OUT", a->output, "the .vdb to write")->required();
   command->add_option("--level", a->level, "0 is finest")->capture_default_str();
+  addMemory(*command, a->memory, "the grid and a brick")->capture_default_str();
   command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

@@ -13,6 +13,7 @@
 #include "output/image_file.h"
 #include "say.h"
 #include "scene/label_looks.h"
+#include "source_arguments.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -139,8 +140,8 @@ void printForPeople(const StoreReader& store) {
 }
 
 // What Kiln writes into its pictures, the job last: it is long.
-void printPicture(const fs::path& path) {
-  std::map<std::string, std::string> texts = readImageText(path);
+void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
+  std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
   const std::string job = std::exchange(texts[ImageMetadata::kJob], {});
   say("picture      {}\n", path.string());
   for (const auto& [name, text] : texts) {
@@ -153,8 +154,8 @@ void printPicture(const fs::path& path) {
 }
 
 // As `kiln render` takes it, once it is in a file.
-std::string jobOfPicture(const fs::path& path) {
-  const std::map<std::string, std::string> texts = readImageText(path);
+std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
+  const std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
   const auto job = texts.find(ImageMetadata::kJob);
   if (job == texts.end())
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
@@ -167,19 +168,22 @@ std::string jobOfPicture(const fs::path& path) {
 void addInfo(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
+  auto memory = std::make_shared<std::string>(kDefaultMemory);
   CLI::App* command = app.add_subcommand("info", "say what a store holds, or how a picture was made");
   command->add_option("STORE", *path, "the store; or a picture that Kiln drew")->required();
   command->add_flag("--json", *json,
                     "for programs: a store's manifest, and what it takes on disk; a picture's job, which kiln render "
                     "draws again");
-  command->callback([path, json, &context] {
-    context.action = [path, json] {
+  addMemory(*command, *memory, "the texts of a picture")->capture_default_str();
+  command->callback([path, json, memory, &context] {
+    context.action = [path, json, memory] {
+      const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {
         if (*json)
-          sayJson(jobOfPicture(*path));
+          sayJson(jobOfPicture(*path, memory_bytes));
         else
-          printPicture(*path);
+          printPicture(*path, memory_bytes);
         return;
       }
       const StoreReader store(*path);  // checks before anything is printed

@@ -656,8 +656,7 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
 }
 
 void addCostOptions(CLI::App& command, RenderArguments& a) {
-  command.add_option("--memory", a.memory, "the most memory for image, index and bricks; 2G if not given")
-      ->type_name("BYTES");
+  addMemory(command, a.memory, fmt::format("image, index and bricks; {} if not given", kDefaultMemory));
   command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
   command.add_flag(
       "--strict", a.strict,

@@ -12,7 +12,7 @@ namespace kiln::tool {
 namespace {
 
 struct SliceArguments {
-  std::string store, output, axis = "z", window, memory = "2G";
+  std::string store, output, axis = "z", window, memory = kDefaultMemory;
   int level = 0;
   std::optional<std::int64_t> index;
 };
@@ -46,9 +46,7 @@ void addSlice(CLI::App& app, Context& context) {
   command->add_option("--level", a->level, "0 is finest")->capture_default_str();
   command->add_option("--index", a->index, "the slice, in voxels of the level; the middle one if not given");
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
-  command->add_option("--memory", a->memory, "the most memory, for the picture and a brick")
-      ->capture_default_str()
-      ->type_name("BYTES");
+  addMemory(*command, a->memory, "the picture and a brick")->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

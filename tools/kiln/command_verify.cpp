@@ -18,7 +18,7 @@ namespace kiln::tool {
 namespace {
 
 struct VerifyArguments {
-  std::string store, memory = "2G";
+  std::string store, memory = kDefaultMemory;
   unsigned threads = 0;
 };
 
@@ -55,7 +55,7 @@ void addVerify(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "verify", "check every file of a store against its checksum, and every octree against its voxels");
   command->add_option("STORE", a->store, "the store")->required();
-  command->add_option("--memory", a->memory, "the most memory for bricks")->capture_default_str()->type_name("BYTES");
+  addMemory(*command, a->memory, "bricks")->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0))
       ->capture_default_str();

@@ -22,6 +22,14 @@ struct SourceArguments {
 
 void addSourceArguments(CLI::App& command, SourceArguments& arguments);
 
+/// The option --memory. `text` is a std::string, whose value is the default, or a std::optional where a job has one.
+/// `holds` ends the sentence "the most memory, for …".
+template <class Text>
+CLI::Option* addMemory(CLI::App& command, Text& text, const std::string& holds) {
+  return command.add_option("--memory", text, "the most memory, for " + holds)->type_name("BYTES");
+}
+inline constexpr const char* kDefaultMemory = "2G";
+
 /// The finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".
 std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected);
 /// Three numbers "a,b,c". throws: Error kUsage naming `option`.
