@@ -1,9 +1,15 @@
 #include "convert/destination.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
 #include <system_error>
+#include <vector>
 
 #include "base/error.h"
 #include "convert/journal.h"
+#include "ingest/header_text.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -42,12 +48,29 @@ bool holdsOthers(const fs::path& directory) {
   return static_cast<bool>(error);
 }
 
+// Files that a desktop leaves in every folder that it shows; nobody keeps anything in them.
+bool isDroppedByDesktop(const fs::path& name) {
+  static const std::set<std::string> kNames = {".DS_Store", ".directory", ".localized", "Thumbs.db", "desktop.ini"};
+  return kNames.contains(name.string()) || name.string().starts_with("._");
+}
+
+// The names in a directory that are no store's, in alphabetical order.
+std::vector<std::string> strangersIn(const fs::path& directory) {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(directory, error)) {
+    const fs::path name = entry.path().filename();
+    if (!isNameInStore(name) && !isDroppedByDesktop(name)) out.push_back(name.string());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 // True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
 bool holdsOnlyAStore(const fs::path& directory) {
   std::error_code error;
   if (!fs::is_directory(directory, error)) return false;
-  for (const auto& entry : fs::directory_iterator(directory, error))
-    if (!isNameInStore(entry.path().filename())) return false;
+  if (!strangersIn(directory).empty()) return false;
   return !error && (isStore(directory) || isUnfinished(directory) || !holdsOthers(directory));
 }
 
@@ -77,8 +100,15 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
                                    : "is there already; name another output or give --overwrite");
   }
   if (!holdsOnlyAStore(out_)) {
+    const std::vector<std::string> strangers = isStore(out_) ? strangersIn(out_) : std::vector<std::string>();
     throw Error(ErrorCode::kExists, out_, "",
-                "is not a store, so it is neither replaced nor gone on with; name another output");
+                strangers.empty()
+                    ? "is not a store, so it is neither replaced nor gone on with; name another output"
+                    : fmt::format("holds {}{} beside the store, so it is not replaced; move {} away, or name another "
+                                  "output",
+                                  inQuotes(strangers.front()),
+                                  strangers.size() == 1 ? "" : fmt::format(" and {} more", strangers.size() - 1),
+                                  strangers.size() == 1 ? "this file" : "these files"));
   }
   if (resume && isUnfinished(out_)) return;
   if (!overwrite) {

@@ -433,6 +433,11 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
   EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kExists);
   EXPECT_TRUE(fs::exists(out / "thesis.txt"));
+  try {
+    convert(other, out, options(How::kOverwrite), silent);
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("holds 'thesis.txt' beside the store"), std::string::npos) << error.what();
+  }
   fs::remove(out / "thesis.txt");
   EXPECT_TRUE(holds(out, oldVolume()));
   // Nor is a store that has the name to which the old one is moved meanwhile; what is left of one is.
@@ -445,6 +450,19 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_EQ(codeOf(out, true), ErrorCode::kCancelled) << "which means that it succeeded";
   EXPECT_TRUE(holds(out, volume));
   EXPECT_FALSE(fs::exists(kept));
+}
+
+// Known because desktops write these into every folder that they show, and nobody keeps anything in them.
+TEST(ConvertStopped, FilesOfADesktopInAStore_areReplacedWithIt) {
+  const fs::path out = makeStore(oldVolume(), "fault_desktop", kBrickSize);
+  for (const char* name : {".DS_Store", "Thumbs.db", "desktop.ini", "._manifest.json"})
+    FileSystem::real().writeFile(out / name, {}, WriteMode::kUnsynced);
+  const DenseVolume volume = newVolume();
+  DenseSource other(volume);
+  Progress silent;
+  convert(other, out, options(How::kOverwrite), silent);
+  EXPECT_TRUE(holds(out, volume));
+  EXPECT_FALSE(fs::exists(out / ".DS_Store"));
 }
 
 // Known because bricks are whole when the journal says so, whatever fails after them.
