@@ -15,7 +15,7 @@ constexpr std::uint32_t kOldest = 218, kCompressedFiles = 220, kCompressedGrids 
 constexpr std::int64_t kVdbMagic = 0x56444220;
 constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
 
-// Values of these types have one length; OpenVDB reads as many bytes whatever the file says.
+// The length of a value of a type with one length. OpenVDB reads that many bytes whatever the file says.
 std::uint32_t bytesOfType(const std::string& type) {
   static const std::map<std::string, std::uint32_t, std::less<>> kBytes = {
       {"bool", 1},    {"float", 4},  {"double", 8}, {"int32", 4},  {"int64", 8},  {"mat4s", 64},
@@ -102,7 +102,7 @@ void VdbLengths::delayedLoad(std::uint64_t end) {
   packedNumbers(take<std::uint32_t>(), 1, leaves, end);
   const auto sizes = take<std::uint32_t>();
   if (sizes != kNoSizes) packedNumbers(sizes, 8, leaves, end);
-  // OpenVDB takes what is left for a part of the value that it does not know, counted from its end.
+  // OpenVDB skips the rest of the value, and would count a negative rest as 4 GiB.
   if (at_ > end) fail(begin, "the list of leaves is longer than the value that holds it");
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace kiln {
 namespace {
@@ -39,24 +40,102 @@ class Codestream {
   std::vector<char> bytes_;
 };
 
-// Of JPEG and JPEG-LS: the frame header is behind others, each with its length.
-std::optional<FrameSize> jpegSize(const Codestream& s) {
-  for (std::size_t at = 2; s.has(at, 4) && s.byte(at) == 0xff;) {
-    const int marker = s.byte(at + 1);
-    if (marker == 0xff) {  // filled up
-      ++at;
-      continue;
+// A JPEG or JPEG-LS stream, walked from its first marker to its first scan. GDCM ends the process on some streams whose
+// segments are damaged. Source: ITU-T T.81, B.2; T.87, C.1.
+class JpegWalk {
+ public:
+  JpegWalk(const Codestream& stream, const std::string& syntax) : s_(stream), syntax_(syntax) {}
+
+  /// What is wrong; empty where the segments are sound. Then `size` is the frame's.
+  std::string fault() {
+    std::size_t at = 2;
+    while (true) {
+      while (s_.has(at, 2) && s_.byte(at) == 0xff && s_.byte(at + 1) == 0xff) ++at;  // filled up
+      if (!s_.has(at, 4)) return "ends in front of its pixels";
+      const int marker = s_.byte(at + 1);
+      if (s_.byte(at) != 0xff || marker < 0xc0 || isBare(marker))
+        return fmt::format("has bytes at {} that are no segment of JPEG", at);
+      const std::uint64_t length = s_.big(at + 2, 2);
+      if (length < 2 || !s_.has(at + 2, length)) return fmt::format("ends within its segment at byte {}", at);
+      const std::size_t body = at + 4, bytes = static_cast<std::size_t>(length) - 2;
+      if (std::string wrong = segmentFault(marker, body, bytes); !wrong.empty()) return wrong;
+      if (marker == kScan) return size ? "" : "has no frame in front of its pixels";
+      at += 2 + static_cast<std::size_t>(length);
     }
-    const bool tables = marker == 0xc4 || marker == 0xc8 || marker == 0xcc;
-    if ((marker >= 0xc0 && marker <= 0xcf && !tables) || marker == 0xf7) {
-      if (!s.has(at, 10)) return std::nullopt;
-      return FrameSize{s.big(at + 7, 2), s.big(at + 5, 2), s.byte(at + 4), s.byte(at + 9)};
-    }
-    if (marker == 0xda || marker == 0xd9) return std::nullopt;  // pixels, or the end
-    at += 2 + s.big(at + 2, 2);
   }
-  return std::nullopt;
-}
+  std::optional<FrameSize> size;
+
+ private:
+  static constexpr int kTables = 0xc4, kScan = 0xda, kLosslessFrame = 0xc3, kLsFrame = 0xf7;
+
+  // Markers without a segment: restarts, begin and end of an image.
+  static bool isBare(int marker) { return marker >= 0xd0 && marker <= 0xd9; }
+  static bool isFrame(int marker) {
+    const bool tables = marker == kTables || marker == 0xc8 || marker == 0xcc;
+    return (marker >= 0xc0 && marker <= 0xcf && !tables) || marker == kLsFrame;
+  }
+
+  // Whether the frame is of the family of the file's transfer syntax: JPEG-LS, or JPEG in one scan, with or without
+  // loss.
+  bool isOfSyntax(int marker) const {
+    const bool ls = syntax_.ends_with(".80") || syntax_.ends_with(".81");
+    return ls ? marker == kLsFrame : marker == 0xc0 || marker == 0xc1 || marker == kLosslessFrame;
+  }
+
+  std::string segmentFault(int marker, std::size_t body, std::size_t bytes) {
+    if (isFrame(marker)) return frameFault(marker, body, bytes);
+    if (marker == kTables) return tableFault(body, bytes);
+    if (marker == kScan) return scanFault(body, bytes);
+    return "";
+  }
+
+  std::string frameFault(int marker, std::size_t body, std::size_t bytes) {
+    constexpr std::size_t kHead = 6, kComponent = 3;
+    if (size) return "has two frames";
+    if (bytes < kHead || bytes != kHead + kComponent * static_cast<std::size_t>(s_.byte(body + 5)))
+      return "has a frame header of the wrong length";
+    if (!isOfSyntax(marker))
+      return fmt::format("has a frame of kind {:x}, which is not that of its transfer syntax", marker);
+    size = FrameSize{s_.big(body + 3, 2), s_.big(body + 1, 2), s_.byte(body), s_.byte(body + 5)};
+    lossless_ = marker == kLosslessFrame;
+    return "";
+  }
+
+  // Huffman tables: class and number, how many codes there are of each length, and their values.
+  std::string tableFault(std::size_t at, std::size_t bytes) const {
+    constexpr std::size_t kHead = 17;
+    const std::size_t end = at + bytes;
+    while (at < end) {
+      if (end - at < kHead) return "has a Huffman table that is cut short";
+      std::size_t codes = 0, room = 1;  // how many codes of a length are left
+      for (std::size_t i = 1; i < kHead; ++i) {
+        const auto of_length = static_cast<std::size_t>(s_.byte(at + i));
+        room = 2 * room;
+        if (of_length > room) return "has a Huffman table with more codes than there can be";
+        room -= of_length;
+        codes += of_length;
+      }
+      const int which = s_.byte(at);
+      if ((which >> 4) > 1 || (which & 15) > 3 || codes > 256 || codes > end - at - kHead)
+        return "has a Huffman table that is none";
+      at += kHead + codes;
+    }
+    return "";
+  }
+
+  std::string scanFault(std::size_t body, std::size_t bytes) const {
+    constexpr std::size_t kOfOneComponent = 6;
+    if (bytes != kOfOneComponent || s_.byte(body) != 1) return "has a scan of more than one component";
+    const int first = s_.byte(body + 3), shift = s_.byte(body + 5) & 15;
+    if (lossless_ && size && (first < 1 || first > 7 || shift >= size->bits))
+      return fmt::format("is predicted by rule {} and shifted by {} bits, which lossless JPEG has not", first, shift);
+    return "";
+  }
+
+  const Codestream& s_;
+  const std::string& syntax_;
+  bool lossless_ = false;
+};
 
 std::optional<FrameSize> jpeg2000Size(const Codestream& s) {
   constexpr std::uint64_t kBoxes = 0x6a502020;  // "jP  ", of files that are more than DICOM asks for
@@ -117,7 +196,16 @@ std::string codestreamFault(const DicomPixels& pixels, const std::vector<std::ve
   const Codestream s(fragments);
   if (pixels.transfer_syntax == kRunLengths) return runLengthFault(pixels, s);
   if (!s.has(0, 4)) return fmt::format("has {} bytes", s.size());
-  const std::optional<FrameSize> found = s.big(0, 2) == 0xffd8 ? jpegSize(s) : jpeg2000Size(s);
+  std::optional<FrameSize> found;
+  const bool jpeg2000 = pixels.transfer_syntax.ends_with(".90") || pixels.transfer_syntax.ends_with(".91");
+  if (jpeg2000) {
+    found = jpeg2000Size(s);
+  } else {
+    if (s.big(0, 2) != 0xffd8) return "does not begin as JPEG does";
+    JpegWalk walk(s, pixels.transfer_syntax);
+    if (std::string fault = walk.fault(); !fault.empty()) return fault;
+    found = walk.size;
+  }
   if (!found) return "does not say how large it is";
   const bool same = found->columns == static_cast<std::uint64_t>(pixels.columns) &&
                     found->rows == static_cast<std::uint64_t>(pixels.rows) && found->components == 1 &&

@@ -17,7 +17,9 @@ namespace kiln {
 namespace {
 
 constexpr DicomTag kItemEnd = 0xfffee00d;
-constexpr DicomTag kPixelData = 0x7fe00010, kTransferSyntax = 0x00020010;
+constexpr DicomTag kPixelData = 0x7fe00010, kFloatPixelData = 0x7fe00008, kDoublePixelData = 0x7fe00009,
+                   kTransferSyntax = 0x00020010;
+constexpr const char* kDeflated = "1.2.840.10008.1.2.1.99";
 constexpr std::uint32_t kUndefined = 0xffffffff;
 constexpr std::uint64_t kMaxValueBytes = 1 << 16;
 constexpr int kMaxDepth = 32;
@@ -30,18 +32,26 @@ struct Head {
 
 class Parser {
  public:
-  Parser(const File& file, const std::vector<DicomTag>& wanted) : cursor_(file, 132), wanted_(wanted) {
+  // The elements begin at `begin`: behind preamble and magic, or at 0 without them.
+  Parser(const File& file, std::uint64_t begin, const std::vector<DicomTag>& wanted)
+      : cursor_(file, begin), wanted_(wanted) {
     std::sort(wanted_.begin(), wanted_.end());
   }
 
   DicomFile run() {
     out_.transfer_syntax = metaSyntax();
-    if (out_.transfer_syntax == "1.2.840.10008.1.2.1.99") return out_;  // what follows is one compressed stream
-    out_.big_endian = cursor_.big_endian = out_.transfer_syntax == "1.2.840.10008.1.2.2";
-    const bool implicit = out_.transfer_syntax == "1.2.840.10008.1.2" || out_.transfer_syntax.empty();
-    while (cursor_.left() > 0) {
+    if (out_.transfer_syntax == kDeflated) {
+      out_.deflated_offset_bytes = cursor_.at();
+      cursor_.inflate();
+    }
+    out_.big_endian = cursor_.big_endian =
+        out_.transfer_syntax == "1.2.840.10008.1.2.2" || (out_.transfer_syntax.empty() && beginsBigEndian());
+    const bool implicit =
+        out_.transfer_syntax == "1.2.840.10008.1.2" || (out_.transfer_syntax.empty() && !beginsExplicit());
+    while (cursor_.more()) {
       const Head head = readHead(implicit);
-      if (head.tag == kPixelData) {
+      out_.float_pixels = head.tag == kFloatPixelData || head.tag == kDoublePixelData;
+      if (head.tag == kPixelData || out_.float_pixels) {
         out_.pixels_offset_bytes = cursor_.at();
         out_.pixels_representation = head.representation;
         if (head.length != kUndefined) out_.pixels_bytes = head.length;
@@ -53,6 +63,17 @@ class Parser {
   }
 
  private:
+  // Files without a syntax of their own: whether the first group is 0x0008 in big-endian order, and whether the first
+  // element has a value representation.
+  bool beginsBigEndian() const { return cursor_.left() >= 2 && DicomBytes(cursor_).integer(2) == 0x0800; }
+  bool beginsExplicit() const {
+    if (cursor_.left() < 6) return false;
+    DicomBytes ahead = cursor_;
+    ahead.skip(4);
+    const std::string text = ahead.text(2);
+    return std::all_of(text.begin(), text.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  }
+
   // The group of the file's own description is explicit and little-endian whatever follows.
   std::string metaSyntax() {
     std::string syntax;
@@ -205,10 +226,11 @@ std::optional<int> DicomSet::number(DicomTag tag) const {
 }
 
 DicomFile readDicomElements(const File& file, const std::vector<DicomTag>& wanted) {
-  std::string magic(4, '\0');
-  const std::size_t got = file.readSomeAt(128, std::as_writable_bytes(std::span(magic)));
-  if (got < 4 || magic != "DICM") throw Error(ErrorCode::kFormat, file.path(), "byte 128", "is not a DICOM file");
-  return Parser(file, wanted).run();
+  std::string first(512, '\0');
+  first.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(first))));
+  if (!looksLikeDicom(first)) throw Error(ErrorCode::kFormat, file.path(), "byte 128", "is not a DICOM file");
+  const bool magic = first.size() >= 132 && first.substr(128, 4) == "DICM";
+  return Parser(file, magic ? 132 : 0, wanted).run();
 }
 
 }  // namespace kiln

@@ -42,7 +42,12 @@ struct DicomFile {
   std::string transfer_syntax;
   bool big_endian = false;
   DicomSet set;
-  /// Just behind the tag, the representation and the length of the pixel data; 0 where there is none.
+  /// Where the deflated stream begins, which holds all elements but the first group; 0 where there is none.
+  std::uint64_t deflated_offset_bytes = 0;
+  /// The pixels are 32- or 64-bit floats, under tags of their own.
+  bool float_pixels = false;
+  /// In the inflated elements where there are such. Just behind the tag, the representation and the length of the pixel
+  /// data; 0 where there is none.
   std::uint64_t pixels_offset_bytes = 0;
   /// Empty where the pixels are in fragments, whose number is not known.
   std::optional<std::uint64_t> pixels_bytes;
@@ -52,7 +57,8 @@ struct DicomFile {
 
 /// Reads up to the pixel data and keeps the elements of `wanted`, in sequences of `wanted`, too.
 /// throws: Error kFormat with the byte and the element where the file is not DICOM, is cut short or contradicts itself;
-/// kUnsupported for a file that is deflated as a whole; kIo. cost: reads little more than the elements' heads.
+/// kIo. cost: reads little more than the elements' heads; a file that is deflated as a whole is unpacked up to its
+/// pixels.
 DicomFile readDicomElements(const File& file, const std::vector<DicomTag>& wanted);
 
 }  // namespace kiln

@@ -98,7 +98,8 @@ void placeFrames(const DicomSet& top, std::vector<DicomFrame>& frames) {
 }
 
 std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
-  constexpr std::array kPlain = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", ""};
+  constexpr std::array kPlain = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.1.99",
+                                 "1.2.840.10008.1.2.2", ""};
   // Run lengths, then JPEG, JPEG-LS and JPEG 2000 in the kinds that hold one image.
   constexpr std::array kPacked = {"1.2.840.10008.1.2.5",    "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51",
                                   "1.2.840.10008.1.2.4.57", "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.80",
@@ -108,6 +109,9 @@ std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
   };
   const int samples = file.set.number(kSamples).value_or(1);
   const std::string photometric = file.set.text(kPhotometric);
+  if (file.float_pixels) return "holds its pixels as floats, which are not read";
+  if (file.deflated_offset_bytes > 0 && !file.pixels_bytes)
+    return "is deflated, and its pixels are compressed once more";
   if (photometric == "PALETTE COLOR") return "holds indices into a palette of colours, not one value a pixel";
   if (samples != 1) return fmt::format("holds {} samples a pixel ({}); Kiln reads one", samples, inQuotes(photometric));
   if (pixels.bits_allocated != 8 && pixels.bits_allocated != 16 && pixels.bits_allocated != 32) {
@@ -152,13 +156,19 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
   }
   out.big_endian = file.big_endian;
   out.packed = !file.pixels_bytes.has_value();
+  out.deflated_offset_bytes = file.deflated_offset_bytes;
   out.offset_bytes = file.pixels_offset_bytes;
   out.transfer_syntax = file.transfer_syntax;
   return out;
 }
 
 void requirePixels(const DicomPixels& pixels, const DicomFile& parsed, const File& file) {
-  const std::uint64_t room = file.size() - pixels.offset_bytes, said = parsed.pixels_bytes.value_or(room);
+  // No deflate stream expands more (zlib's technical notes, "Maximum Compression Factor").
+  constexpr std::uint64_t kMaxExpansion = 1032;
+  const std::uint64_t room = pixels.deflated_offset_bytes > 0
+                                 ? kMaxExpansion * (file.size() - pixels.deflated_offset_bytes)
+                                 : file.size() - pixels.offset_bytes;
+  const std::uint64_t said = parsed.pixels_bytes.value_or(room);
   const auto count = static_cast<std::uint64_t>(pixels.frames);
   // A compressed frame has the tag and the length of an item at least.
   if (pixels.packed ? count <= room / 8 : count <= std::min(room, said) / pixels.frameBytes()) return;
@@ -191,6 +201,7 @@ DicomHeader readDicomHeader(const fs::path& path) {
   out.modality = parsed.set.text(kModality);
   out.instance = integerOf(trimmed(parsed.set.text(kInstance)));
   out.has_pixels = parsed.pixels_offset_bytes > 0;
+  out.is_image = parsed.set.find(kRows) != nullptr;
   if (!out.has_pixels) return out;
   out.pixels = pixelsOf(parsed, path);
   out.refusal = refusalOf(parsed, out.pixels);

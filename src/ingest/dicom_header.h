@@ -20,9 +20,10 @@ struct DicomPixels {
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
   bool big_endian = false;
-  /// Compressed: a frame is decoded as one. Else frames lie at the offset, x fastest.
+  /// Compressed: a frame is decoded as one. Else frames lie at the offset, x fastest, in the file or, where
+  /// `deflated_offset_bytes` is not 0, in the elements that the stream from there on inflates to.
   bool packed = false;
-  std::uint64_t offset_bytes = 0;
+  std::uint64_t offset_bytes = 0, deflated_offset_bytes = 0;
   /// The unique identifier of the encoding.
   std::string transfer_syntax;
 
@@ -54,6 +55,8 @@ struct DicomHeader {
   std::optional<std::int64_t> instance;
   /// False for reports, structures and a DICOMDIR.
   bool has_pixels = false;
+  /// Whether the header describes an image, though its pixels may be missing.
+  bool is_image = false;
   /// Why the pixels are not read ("holds RGB colours"); empty where they are.
   std::string refusal;
   DicomPixels pixels;

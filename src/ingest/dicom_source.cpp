@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "ingest/block_cache.h"
+#include "ingest/dicom_bytes.h"
 #include "ingest/dicom_decode.h"
 #include "ingest/dicom_series.h"
 #include "ingest/formats.h"
@@ -62,10 +63,14 @@ class DicomSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // The compressed bytes, GDCM's copy of them, and the pixels; what is compressed may be as long.
+  // The compressed bytes, GDCM's copy of them, and the pixels; compressed bytes may be as long as the pixels. Of a
+  // deflated file, the pixels and the stream.
   std::uint64_t decodeBytes() const override {
-    const bool any = std::any_of(files_.begin(), files_.end(), [](const DicomHeader& h) { return h.pixels.packed; });
-    return any ? 3 * files_.front().pixels.frameBytes() : 0;
+    const auto any = [&](auto test) { return std::any_of(files_.begin(), files_.end(), test); };
+    const std::uint64_t frame_bytes = files_.front().pixels.frameBytes();
+    if (any([](const DicomHeader& h) { return h.pixels.packed; })) return 3 * frame_bytes;
+    const bool deflated = any([](const DicomHeader& h) { return h.pixels.deflated_offset_bytes > 0; });
+    return deflated ? frame_bytes + InflateStream::kHeldBytes : 0;
   }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
@@ -81,9 +86,28 @@ class DicomSource : public VolumeSource {
   SourceInfo info_;
   std::vector<DicomHeader> files_;
   std::vector<DicomSlice> slices_;
+  std::vector<std::byte> inflatedFrame(const DicomSlice& slice);
+
+  static constexpr std::size_t kIdleStreams = 16;  // of InflateStream::kHeldBytes each
+
   HandlePool<File> open_;
+  HandlePool<DicomInflated> inflated_{kIdleStreams};
   BlockCache cache_;
 };
+
+// Frames of one file are read in their order where that is possible: the stream goes on where the last frame ended.
+std::vector<std::byte> DicomSource::inflatedFrame(const DicomSlice& slice) {
+  const DicomHeader& header = files_[slice.file];
+  const DicomPixels& pixels = header.pixels;
+  std::vector<std::byte> out(static_cast<std::size_t>(pixels.frameBytes()));
+  const auto stream = inflated_.take(
+      slice.file, [&] { return std::make_unique<DicomInflated>(header.path, pixels.deflated_offset_bytes); });
+  const std::uint64_t at = pixels.offset_bytes + static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes();
+  if (stream->readSomeAt(at, out) < out.size())
+    throw Error(ErrorCode::kFormat, header.path, fmt::format("frame {}", slice.frame + 1),
+                "the deflated elements end before its last pixel; the file is cut short or its header is wrong");
+  return out;
+}
 
 // The stored values of a part of one slice.
 void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
@@ -96,15 +120,18 @@ void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   const auto rows = static_cast<std::uint64_t>(in_slice.extent().y);
   const std::uint64_t row = static_cast<std::uint64_t>(in_slice.extent().x) * size;
   const auto count = static_cast<std::size_t>(in_slice.count());
-  if (pixels.packed) {
-    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&] { return decodeDicomFrame(header, slice.frame); });
+  if (pixels.packed || pixels.deflated_offset_bytes > 0) {
+    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&] {
+      return pixels.packed ? decodeDicomFrame(header, slice.frame) : inflatedFrame(slice);
+    });
     for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, frame_values->data() + first + y * line, row);
   } else {
     const auto file = open_.take(slice.file, [&] { return std::make_unique<File>(header.path); });
     const std::uint64_t offset = pixels.offset_bytes + static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes();
     gatherRows(*file, offset + first, rows, row, line, out);
-    if (size > 1 && pixels.big_endian != (std::endian::native == std::endian::big)) swapBytes(out, count, size);
   }
+  if (!pixels.packed && size > 1 && pixels.big_endian != (std::endian::native == std::endian::big))
+    swapBytes(out, count, size);
   if (pixels.bits_stored == pixels.bits_allocated) return;
   withVoxelType(stored(), [&]<class T>(std::type_identity<T>) {
     if constexpr (std::is_integral_v<T>) {

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "ingest/dicom_directory.h"
 #include "ingest/formats.h"
 #include "ingest/header_text.h"
 #include "ingest/inflate_stream.h"
@@ -225,6 +226,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     case Format::kTiff:
       return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
     case Format::kDicom:
+      // The list of a CD stands for the folder that it lies in.
+      if (isDicomDirectory(input)) return openDirectory(input.has_parent_path() ? input.parent_path() : ".", options);
       return openDicom({input, SliceFormat::kDicom, {input}, {}}, options);
     case Format::kUnknown:
     case Format::kForeign:

@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "ingest/dicom_bytes.h"
+#include "ingest/dicom_directory.h"
 #include "ingest/header_text.h"
 
 namespace kiln {
@@ -35,7 +37,7 @@ bool isThere(const fs::path& path) {
 
 SliceFormat formatOf(const fs::path& path) {
   if (!isThere(path)) return SliceFormat::kNone;
-  std::string bytes(132, '\0');
+  std::string bytes(512, '\0');
   const File file(path);
   bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
   return sliceFormatOf(bytes);
@@ -65,14 +67,32 @@ std::vector<fs::path> filesIn(const fs::path& directory) {
   return out;
 }
 
+// All folders below a directory, in natural order of their paths. Links to folders are not followed.
+std::vector<fs::path> foldersBelow(const fs::path& directory) {
+  std::error_code error;
+  std::vector<fs::path> out;
+  fs::recursive_directory_iterator entries(directory, error);
+  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
+    std::error_code unknown;
+    if (entries->path().filename().string().starts_with('.'))
+      entries.disable_recursion_pending();
+    else if (!entries->is_symlink(unknown) && entries->is_directory(unknown))
+      out.push_back(entries->path());
+  }
+  if (error) throw systemError(error.value(), directory, "listing the directory");
+  std::sort(out.begin(), out.end(),
+            [](const fs::path& a, const fs::path& b) { return naturallyBefore(a.string(), b.string()); });
+  return out;
+}
+
 }  // namespace
 
 SliceFormat sliceFormatOf(std::string_view bytes) {
+  if (bytes.size() >= 132 && bytes.substr(128, 4) == "DICM") return SliceFormat::kDicom;
   for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
     if (bytes.starts_with(magic)) return SliceFormat::kTiff;
   }
-  const bool dicom = bytes.size() >= 132 && bytes.substr(128, 4) == "DICM";
-  return dicom ? SliceFormat::kDicom : SliceFormat::kNone;
+  return looksLikeDicom(bytes) ? SliceFormat::kDicom : SliceFormat::kNone;
 }
 
 bool naturallyBefore(std::string_view a, std::string_view b) {
@@ -93,9 +113,26 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 
 SliceFiles slicesIn(const fs::path& directory) {
   std::vector<fs::path> tiff, dicom, other;
-  for (const fs::path& path : filesIn(directory)) {
-    const SliceFormat format = formatOf(path);
-    (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+  const auto add = [&](const fs::path& folder) {
+    for (const fs::path& path : filesIn(folder)) {
+      const SliceFormat format = formatOf(path);
+      (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+    }
+  };
+  add(directory);
+  std::string missing;
+  const auto list = std::find_if(dicom.begin(), dicom.end(), isDicomDirectory);
+  const bool listed = list != dicom.end();
+  if (listed) {
+    missing = missingOf(*list);
+    dicom.erase(list);
+  }
+  if (listed || (tiff.empty() && dicom.empty())) {
+    for (const fs::path& folder : foldersBelow(directory)) add(folder);
+    if (!tiff.empty() && dicom.empty())
+      throw Error(ErrorCode::kUnsupported, directory, "",
+                  "a directory without slices, but there are TIFF files in " + tiff.front().parent_path().string() +
+                      "; name the folder that holds the slices of one volume");
   }
   const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::kUnsupported, directory, "", what); };
   if (!tiff.empty() && !dicom.empty()) {
@@ -122,6 +159,7 @@ SliceFiles slicesIn(const fs::path& directory) {
         fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
                     out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
   }
+  if (!missing.empty()) out.notes.push_back(missing);
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");
   return out;
 }

@@ -9,7 +9,8 @@ namespace kiln {
 
 enum class SliceFormat { kNone, kTiff, kDicom };
 
-/// What the first bytes of a file say it is. shape: 132 bytes are enough.
+/// What the first bytes of a file say it is: DICM at byte 128 comes before a TIFF header at byte 0, which such a file
+/// may have for viewers. shape: 512 bytes are enough.
 SliceFormat sliceFormatOf(std::string_view first_bytes);
 
 /// True where `a` comes before `b` as people count: slice2 before slice10. Names that differ in leading zeros only are
@@ -27,7 +28,8 @@ struct SliceFiles {
   std::vector<std::string> notes;
 };
 
-/// The slices in `directory`, by what its files hold; directories in it, and names that begin with a dot, do not count.
+/// The slices in `directory`, by what its files hold; names that begin with a dot do not count. Folders in it are
+/// searched, for DICOM only, where it has a DICOMDIR or no slices of its own.
 /// throws: Error kUnsupported where there are none, or of both formats; kIo.
 SliceFiles slicesIn(const std::filesystem::path& directory);
 

@@ -2,6 +2,7 @@
 // were written here; the affine of a slice's corner is its position, to the last bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -147,15 +148,97 @@ TEST_F(DicomSeries, SlicesThatAreNotAlikeAreNamed) {
   other = spec, other.position = "";
   files_.write("scout", slice(other, 9));
   expectError(ErrorCode::kFormat, "'scout' has no position");
-  other = spec, other.columns = 4;
-  files_.write("scout", slice(other, 9));
-  expectError(ErrorCode::kFormat, "scout: is 4 x 4 of i16, but a is 5 x 4 of i16");
   other = spec, other.is_signed = false;
   files_.write("scout", slice(other, 9));
   expectError(ErrorCode::kFormat, "scout: is 5 x 4 of u16");
   other = spec, other.orientation = "1\\0\\0\\1\\0\\0";
   files_.write("a", slice(other, 9)), files_.write("b", slice(other, 9)), files_.write("scout", slice(other, 9));
   expectError(ErrorCode::kFormat, "'a': the orientation is not two unit vectors");
+}
+
+// A screenshot, a localizer and a report in the series itself, a presentation state beside it: the volume is what most
+// slices are, and each other object is named with its reason.
+TEST_F(DicomSeries, OtherObjectsOfASeries_arePassedOverWithTheirReason) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}});
+  DicomSpec other;
+  other.columns = 4, other.position = "0\\0\\9";
+  files_.write("localizer", slice(other, 9));
+  other = {}, other.samples = 3, other.photometric = "RGB", other.modality = "SC";
+  files_.write("screen", slice(other, 9));
+  other = {}, other.pixels = other.image = false, other.modality = "SR";
+  files_.write("report", dicomFile(other));
+  other.series = "1.2.77", other.modality = "PR";
+  files_.write("state", dicomFile(other));
+  EXPECT_EQ(order(), (std::vector{0, 1, 2}));
+  const std::vector<std::string> expected = {
+      "passed over 'report' (SR) and 1 more: has no pixel data",
+      "passed over 'screen' (SC): holds 3 samples a pixel ('RGB'); Kiln reads one",
+      "passed over 'localizer' (CT): is 4 x 4 pixels where 3 slices of its series are 5 x 4"};
+  std::vector<std::string> found = open()->info().notes;
+  EXPECT_TRUE(std::is_permutation(found.begin(), found.end(), expected.begin(), expected.end()))
+      << testing::PrintToString(found);
+  // A slice whose pixels are missing is no other object.
+  other = {}, other.pixels = false, other.position = "0\\0\\6";
+  files_.write("d", dicomFile(other));
+  expectError(ErrorCode::kFormat, "d: has no pixel data, but is of the series");
+}
+
+// Which of two sizes is the volume nobody can tell.
+TEST_F(DicomSeries, AsManySlicesOfTwoSizes_areAnError) {
+  writeAt({{0, 0, 0}});
+  DicomSpec other;
+  other.columns = 4, other.position = "0\\0\\2";
+  files_.write("b", slice(other, 9));
+  expectError(ErrorCode::kFormat, "1 slice of 4 x 4 pixels and as many of 5 x 4");
+}
+
+// A CD: a list and folders in folders; the list, or the folder that holds it, stands for all series.
+TEST_F(DicomSeries, DicomdirAndNestedFolders_listTheirSeries) {
+  const auto write = [&](const std::string& folder, const DicomSpec& spec, int number) {
+    fs::create_directories(files_.directory() / folder);
+    files_.write(folder + "/" + std::to_string(number), slice(spec, number));
+  };
+  DicomSpec head, chest;
+  head.series = "1.2.10", chest.series = "1.2.11", chest.description = "chest";
+  for (int i = 0; i < 3; ++i) {
+    head.position = chest.position = "0\\0\\" + std::to_string(2 * i);
+    write("disc/P1/S1", head, i);
+    write("disc/P1/S2", chest, i + 5);
+  }
+  const fs::path disc = files_.directory() / "disc";
+  const std::string list =
+      "holds 2 series; choose one with --series: 1.2.10 (CT 'a series', 3 slices), 1.2.11 (CT 'chest', 3 slices)";
+  SourceOptions options;
+  options.series = "1.2.11";
+  const auto expectChest = [&](const fs::path& input, std::size_t notes) {
+    expectRefused(input, ErrorCode::kUsage, list);
+    const auto source = openSource(input, options);
+    EXPECT_EQ(readWhole(*source)[0], std::byte{5});
+    EXPECT_EQ(source->info().geometry.dims.z, 3);
+    EXPECT_EQ(source->info().notes.size(), notes) << testing::PrintToString(source->info().notes);
+  };
+  expectChest(disc, 1);
+  files_.write("disc/DICOMDIR", dicomDirectory({"P1\\S1\\0", "p1\\s1\\1", "P1\\S2\\5"}));
+  std::error_code ignored;
+  fs::remove(disc / "P1/S1/1", ignored);
+  options.series = "1.2.10", options.allow_irregular = true;
+  const std::vector<std::string> notes = openSource(disc / "DICOMDIR", options)->info().notes;
+  EXPECT_NE(std::find(notes.begin(), notes.end(), "DICOMDIR lists 1 file that is not there: 'p1/s1/1'"), notes.end())
+      << testing::PrintToString(notes);
+  head.position = "0\\0\\2";
+  write("disc/P1/S1", head, 1);
+  options.series = "1.2.11", options.allow_irregular = false;
+  files_.write("disc/DICOMDIR", dicomDirectory({"P1\\S1\\0", "P1\\S2\\5"}));
+  expectChest(disc / "DICOMDIR", 1);
+  expectChest(disc, 1);
+  // Slices of a folder's own come first, and TIFF slices are not searched for.
+  head.position = "0\\0\\0", head.series = "1.2.12";
+  files_.write("one.dcm", slice(head, 9));
+  EXPECT_EQ(openSource(files_.directory())->info().geometry.dims.z, 1);
+  const ForeignFiles tiffs;
+  fs::create_directories(tiffs.directory() / "a");
+  tiffs.write("a/s1.tif", std::string("II*\0", 4));
+  expectRefused(tiffs.directory(), ErrorCode::kUnsupported, "name the folder that holds the slices");
 }
 
 TEST_F(DicomSeries, SeveralSeriesAreListedAndOneIsChosen) {

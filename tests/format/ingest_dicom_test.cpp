@@ -44,8 +44,8 @@ void writeSlices(const ForeignFiles& files, const ForeignVolume& volume, DicomSy
 
 TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
   std::uint64_t seed = 1;
-  for (const DicomSyntax syntax :
-       {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle, DicomSyntax::kExplicitBig}) {
+  for (const DicomSyntax syntax : {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle,
+                                   DicomSyntax::kExplicitBig, DicomSyntax::kDeflated}) {
     for (const VoxelType type : kTypes) {
       SCOPED_TRACE(testing::Message() << nameOf(type) << " syntax " << static_cast<int>(syntax));
       const ForeignFiles files;
@@ -57,6 +57,65 @@ TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
       expectReadsBack(volume, path, seed++);
     }
   }
+}
+
+// Known: the same elements behind another preamble, or, as in old archives, behind none.
+TEST(IngestDicom, PreambleOfATiffOrNone_isReadAsDicom) {
+  const ForeignVolume volume = randomVolume(kSeriesDims, VoxelType::i16, 40);
+  for (const DicomPreamble preamble : {DicomPreamble::kTiff, DicomPreamble::kNone}) {
+    for (const DicomSyntax syntax :
+         {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle, DicomSyntax::kExplicitBig}) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(preamble) << " " << static_cast<int>(syntax));
+      const ForeignFiles files;
+      for (std::int64_t z = 0; z < volume.dims.z; ++z) {
+        DicomSpec spec = specOf(volume, z, 1, syntax);
+        spec.preamble = preamble;
+        files.write("s" + std::to_string(z), dicomFile(spec));
+      }
+      expectReadsBack(volume, files.directory(), 41);
+      DicomSpec spec = specOf(volume, 0, static_cast<int>(volume.dims.z), syntax);
+      spec.preamble = preamble;
+      const ForeignFiles one;
+      expectReadsBack(volume, one.write("all.dcm", dicomFile(spec)), 42);
+    }
+  }
+}
+
+// Old magic, no DICOM: bytes that begin as an element does, and go on as none.
+TEST(IngestDicom, RawBytesThatBeginLikeAnElement_areNotDicom) {
+  const ForeignFiles files;
+  for (const std::string& bytes :
+       {std::string("\x08\0\0\0\4\0\0\0", 8) + std::string(600, '\x11'),
+        std::string("\x08\0\5\0", 4) + "CS" + std::string(600, '\x22'), std::string(8, '\0')})
+    expectRefused(files.write("a.raw", bytes), ErrorCode::kUsage, "not a format that is known");
+}
+
+// Damaged in front of its first frame, where GDCM ends the process: segments are walked before it gets them.
+TEST(IngestDicom, JpegSegmentsThatAreDamaged_areErrors) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({24, 20, 1}, VoxelType::u16, 43);
+  const auto path = files.write("a.dcm", dicomFile(specOf(volume, 0, 1, {})));
+  compressDicom(path, DicomCodec::kJpegLossless);
+  const std::string whole = bytesOf(path);
+  const std::size_t begin = whole.find("\xff\xd8\xff"), scan = whole.find("\xff\xda", begin);
+  ASSERT_NE(scan, std::string::npos);
+  for (std::size_t at = begin; at < scan + 10; ++at) {
+    for (const int bit : {0, 3, 5, 7}) {
+      std::string damaged = whole;
+      damaged[at] ^= static_cast<char>(1 << bit);
+      files.write("a.dcm", damaged);
+      testing::internal::CaptureStderr();
+      try {
+        readWhole(*openSource(path));
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kFormat) << error.what();
+      }
+      testing::internal::GetCapturedStderr();
+    }
+  }
+  std::string marker = whole;
+  marker[begin + 3] = 0;
+  expectRefused(files.write("a.dcm", marker), ErrorCode::kFormat, "that are no segment of JPEG");
 }
 
 TEST(IngestDicom, CompressedFramesAreDecoded) {
@@ -298,9 +357,10 @@ TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
 
 TEST(IngestDicom, EveryTruncationIsAnErrorOrTheData) {
   const ForeignVolume volume = randomVolume({32, 20, 2}, VoxelType::u16, 20);
-  for (const int codec : {-1, 0, 1, 2, 3}) {
+  for (const int codec : {-2, -1, 0, 1, 2, 3}) {
     const ForeignFiles files;
-    const auto path = files.write("a.dcm", dicomFile(specOf(volume, 0, 2, {})));
+    const DicomSyntax syntax = codec == -2 ? DicomSyntax::kDeflated : DicomSyntax::kExplicitLittle;
+    const auto path = files.write("a.dcm", dicomFile(specOf(volume, 0, 2, syntax)));
     if (codec >= 0) compressDicom(path, static_cast<DicomCodec>(codec));
     const std::string whole = bytesOf(path);
     testing::internal::CaptureStderr();
@@ -328,6 +388,9 @@ TEST(IngestDicom, FlippedBitsNeverCrash) {
   const auto path = files.write("a.dcm", dicomFile(spec));
   const std::string plain = bytesOf(path);
   expectBitFlipsAreHarmless(files, "a.dcm", plain, plain.size(), path, 21);
+  spec.syntax = DicomSyntax::kDeflated;
+  const std::string deflated = dicomFile(spec);
+  expectBitFlipsAreHarmless(files, "a.dcm", deflated, deflated.size(), path, 22);
   compressDicom(path, DicomCodec::kRle);
   const std::string packed = bytesOf(path);
   std::mt19937_64 random(22);

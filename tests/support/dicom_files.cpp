@@ -7,13 +7,16 @@
 
 #include <cstdint>
 
+#include "support/foreign_files.h"
+
 namespace kiln::test {
 namespace {
 
 // Elements one after the other, in one of the three encodings.
 class Elements {
  public:
-  explicit Elements(DicomSyntax syntax) : syntax_(syntax) {}
+  explicit Elements(DicomSyntax syntax)
+      : syntax_(syntax == DicomSyntax::kDeflated ? DicomSyntax::kExplicitLittle : syntax) {}
 
   void text(std::uint16_t group, std::uint16_t element, const char* vr, std::string value) {
     if (value.empty()) return;
@@ -65,8 +68,10 @@ class Elements {
   std::string bytes_;
 };
 
-std::string metaHeader(DicomSyntax syntax) {
-  constexpr const char* kUids[] = {"1.2.840.10008.1.2.1", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2"};
+std::string metaHeader(DicomSyntax syntax, DicomPreamble preamble) {
+  if (preamble == DicomPreamble::kNone) return "";
+  constexpr const char* kUids[] = {"1.2.840.10008.1.2.1", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2",
+                                   "1.2.840.10008.1.2.1.99"};
   Elements meta(DicomSyntax::kExplicitLittle);
   meta.add(2, 1, "OB", std::string("\0\1", 2));
   meta.text(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2");
@@ -78,7 +83,9 @@ std::string metaHeader(DicomSyntax syntax) {
   std::string bytes;
   for (int i = 0; i < 4; ++i) bytes += static_cast<char>(n >> (8 * i) & 0xff);
   length.add(2, 0, "UL", bytes);
-  return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes();
+  std::string first(128, '\0');
+  if (preamble == DicomPreamble::kTiff) first.replace(0, 8, std::string("II*\0\x08\0\0\0", 8));
+  return first + "DICM" + length.bytes() + meta.bytes();
 }
 
 void addFunctionalGroups(Elements& out, const DicomSpec& spec) {
@@ -125,8 +132,10 @@ std::string dicomFile(const DicomSpec& spec) {
   out.number(0x28, 0x02, spec.samples);
   out.text(0x28, 0x04, "CS", spec.photometric);
   if (spec.frames != 1) out.text(0x28, 0x08, "IS", std::to_string(spec.frames));
-  out.number(0x28, 0x10, spec.rows);
-  out.number(0x28, 0x11, spec.columns);
+  if (spec.image) {
+    out.number(0x28, 0x10, spec.rows);
+    out.number(0x28, 0x11, spec.columns);
+  }
   if (!grouped) out.text(0x28, 0x30, "DS", spec.spacing);
   out.number(0x28, 0x100, spec.bits_allocated);
   out.number(0x28, 0x101, spec.bits_stored);
@@ -145,7 +154,21 @@ std::string dicomFile(const DicomSpec& spec) {
     const std::string padding(spec.pixel_bytes.size() % 2, '\0');
     pixels.add(0x7fe0, 0x10, spec.bits_allocated == 8 ? "OB" : "OW", spec.pixel_bytes + padding);
   }
-  return metaHeader(spec.syntax) + out.bytes() + spec.elements + pixels.bytes();
+  const std::string elements = out.bytes() + spec.elements + pixels.bytes();
+  return metaHeader(spec.syntax, spec.preamble) +
+         (spec.syntax == DicomSyntax::kDeflated ? deflatedAlone(elements) : elements);
+}
+
+std::string dicomDirectory(const std::vector<std::string>& files) {
+  Elements out(DicomSyntax::kExplicitLittle);
+  std::vector<Elements> records;
+  for (const std::string& file : files) {
+    Elements& record = records.emplace_back(DicomSyntax::kExplicitLittle);
+    record.text(4, 0x1430, "CS", "IMAGE");
+    record.text(4, 0x1500, "CS", file);
+  }
+  out.sequence(4, 0x1220, records);
+  return metaHeader(DicomSyntax::kExplicitLittle, DicomPreamble::kZeros) + out.bytes();
 }
 
 void compressDicom(const std::filesystem::path& path, DicomCodec codec) {

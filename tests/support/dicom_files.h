@@ -8,13 +8,16 @@
 
 namespace kiln::test {
 
-enum class DicomSyntax { kExplicitLittle, kImplicitLittle, kExplicitBig };
+enum class DicomSyntax { kExplicitLittle, kImplicitLittle, kExplicitBig, kDeflated };
+/// What is in front of the elements: 128 zeros or the head of a TIFF, then DICM and the first group; or nothing at all.
+enum class DicomPreamble { kZeros, kTiff, kNone };
 enum class DicomCodec { kRle, kJpegLossless, kJpegLs, kJpeg2000 };
 
 /// What tests vary; the default is a CT slice of 5 x 4 signed 16-bit pixels at the origin. Numbers that DICOM writes as
 /// text are text; empty ones are left out.
 struct DicomSpec {
   DicomSyntax syntax = DicomSyntax::kExplicitLittle;
+  DicomPreamble preamble = DicomPreamble::kZeros;
   int columns = 5, rows = 4, frames = 1;
   int bits_allocated = 16, bits_stored = 16, high_bit = -1;  // -1: stored - 1
   bool is_signed = true;
@@ -25,6 +28,7 @@ struct DicomSpec {
   /// Of each frame, in functional groups, the other attributes being shared by all.
   std::vector<std::string> frame_positions;
   bool pixels = true;
+  bool image = true;  // false: without rows and columns, as reports are
   bool modality_lut = false;
   /// Of a dose grid.
   std::string frame_offsets, dose_scaling;
@@ -36,6 +40,9 @@ struct DicomSpec {
 
 /// The bytes of the file.
 std::string dicomFile(const DicomSpec& spec);
+
+/// The list of a CD that names these files, each as FOLDER\\FILE.
+std::string dicomDirectory(const std::vector<std::string>& files);
 
 /// Rewrites the file at `path` with its pixels compressed.
 void compressDicom(const std::filesystem::path& path, DicomCodec codec);

@@ -137,6 +137,7 @@ ForeignVolume randomVolume(const Extent3& dims, VoxelType type, std::uint64_t se
 
 std::string gzipped(std::string_view bytes) { return deflated(bytes, MAX_WBITS + 16); }
 std::string zlibbed(std::string_view bytes) { return deflated(bytes, MAX_WBITS); }
+std::string deflatedAlone(std::string_view bytes) { return deflated(bytes, -MAX_WBITS); }
 
 std::vector<std::byte> readWhole(VolumeSource& source) {
   std::vector<std::byte> out = readBox(source, boxOf(source.info().geometry.dims));

@@ -52,6 +52,8 @@ ForeignVolume randomVolume(const Extent3& dims, VoxelType type, std::uint64_t se
 
 std::string gzipped(std::string_view bytes);
 std::string zlibbed(std::string_view bytes);
+/// Without the head and the checksum of either.
+std::string deflatedAlone(std::string_view bytes);
 
 /// The size of volumes that are written and read back.
 inline constexpr Extent3 kFewVoxels = {5, 4, 3};
