@@ -100,7 +100,8 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
                                    : "is there already; name another output or give --overwrite");
   }
   if (!holdsOnlyAStore(out_)) {
-    const std::vector<std::string> strangers = isStore(out_) ? strangersIn(out_) : std::vector<std::string>();
+    const std::vector<std::string> strangers =
+        isStore(out_) || isUnfinished(out_) ? strangersIn(out_) : std::vector<std::string>();
     throw Error(ErrorCode::kExists, out_, "",
                 strangers.empty()
                     ? "is not a store, so it is neither replaced nor gone on with; name another output"

@@ -145,7 +145,7 @@ void addConvert(CLI::App& app, Context& context) {
       "convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, TIFF, DICOM, OpenVDB) to a brick store");
   command
       ->add_option("INPUT", a->input,
-                   "the volume to read: a file, a directory of TIFF or DICOM slices, or a computed one: "
+                   "the volume to read: a file, a directory of TIFF or DICOM slices, a DICOMDIR, or a computed one: "
                    "phantom:body:XxYxZ, head, brain or engine")
       ->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
