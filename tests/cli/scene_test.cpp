@@ -73,7 +73,7 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
 }
 
 // A volume of 20 voxels in 24 pixels is refined, so that every interpolation is another picture.
-TEST_F(SceneCli, InterpolationsOfThePixelLattice) {
+TEST_F(SceneCli, Interpolation_inTheVoxelLattice_isRefused) {
   const Image linear = drawnTwice({"--tf", "fire"});
   EXPECT_EQ(drawn({"--tf", "fire", "--interpolation", "linear"}).rgba, linear.rgba);
   const Image cubic = drawnTwice({"--tf", "fire", "--interpolation", "cubic"});
@@ -82,7 +82,7 @@ TEST_F(SceneCli, InterpolationsOfThePixelLattice) {
   EXPECT_NE(catmull_rom.rgba, linear.rgba);
   EXPECT_NE(catmull_rom.rgba, cubic.rgba);
   expectRefused({"--interpolation", "cubical"}, "--interpolation: expected one of linear, cubic, catmull-rom");
-  expectRefused({"--lattice", "voxel", "--interpolation", "cubic"}, "--interpolation cubic: --lattice voxel");
+  expectRefused({"--lattice", "voxel", "--interpolation", "cubic"}, "--interpolation: --lattice voxel draws voxels without interpolation (found cubic)");
 }
 
 TEST_F(SceneCli, DistancesOfSamples) {
