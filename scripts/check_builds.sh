@@ -75,7 +75,7 @@ check_chroot() {
   local root
   root=$(mktemp -d /var/tmp/kiln_chroot.XXXXXX)
   # shellcheck disable=SC2064
-  trap "rm -rf --one-file-system '$root'" EXIT
+  trap "if [ \$? = 0 ]; then rm -rf --one-file-system '$root'; else echo 'the bare Debian is left in $root' >&2; fi" EXIT
 
   step "a bare Debian"
   apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | sort -u >"$root.list"
@@ -86,7 +86,7 @@ check_chroot() {
 
   # /proc is there for the command alone.
   inside() {
-    unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"
+    unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$root" /usr/bin/env -i PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"
   }
   # fresh: a clone without what was built or installed before.
   fresh() {
