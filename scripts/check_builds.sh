@@ -32,7 +32,7 @@ check_configure() {
     cmake --preset release -B "$scratch/$name" "$@" >"$scratch/$name.log" 2>&1 || code=1
     [ $code = $expected ] || { cat "$scratch/$name.log"; fail "$name: cmake ended with $code"; }
     # CMake wraps long lines of errors.
-    tr -s ' \n' ' ' <"$scratch/$name.log" | grep -qE -- "$pattern" || { cat "$scratch/$name.log"; fail "$name: '$pattern' was not printed"; }
+    tr -s ' \n' ' ' <"$scratch/$name.log" | grep -E -- "$pattern" >/dev/null || { cat "$scratch/$name.log"; fail "$name: '$pattern' was not printed"; }
     if grep -q 'COMPONENT = ' "$scratch/$name.log"; then fail "$name: OpenVDB's find module prints"; fi
     if [ $code = 0 ]; then
       if grep -oE -- '-rpath,[^ ]*' "$scratch/$name/build.ninja" | tr -d '"\\' | grep -E -- '-rpath,(:|[^$/])|:(:|$)'; then
@@ -41,7 +41,7 @@ check_configure() {
     fi
     echo "$name: as it should be"
   }
-  has() { ninja -C "$scratch/$1" -t inputs "$2" | grep -q "$3"; }
+  has() { ninja -C "$scratch/$1" -t inputs "$2" | grep "$3" >/dev/null; }
 
   configure all ', MPI, GTest '
   has all kiln_tool libkiln_gdcm.so || fail "kiln_tool does not build the module for GDCM"
@@ -100,10 +100,10 @@ check_chroot() {
   as_readme_says() {
     step "$1"
     # A compiler cache of the host's saves the time of compiling the same files again; the commands are README's.
-    (cd "$source" && readme_commands) >"$root/kiln/commands"
+    (cd "$source" && readme_commands | sed 's/$/ || exit 1/') >"$root/kiln/commands"
     # Prints wall, user and system time: the processor's time is comparable on a busy machine.
     TIMEFORMAT='%R s, processor %U + %S s'
-    time { inside sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh -e commands" >"$root/kiln/log" 2>&1 ||
+    time { inside sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh commands" >"$root/kiln/log" 2>&1 ||
       { tail -50 "$root/kiln/log"; fail "$1: README's commands failed"; }; }
     inside sh -c 'cd /tmp && rm -rf used && mkdir used && cd used && kiln convert phantom:head:48x48x48 h.kiln && kiln render h.kiln -o h.png --size 48x48 --progress none' >/dev/null ||
       fail "$1: the installed program failed"
@@ -128,7 +128,7 @@ check_chroot() {
 
   # The runtime alone is no MPI; headers that are installed later are found in the same build tree.
   inside apt-get -qq install -y --no-install-recommends openmpi-bin >/dev/null 2>&1
-  inside sh -c 'cd /kiln && cmake --preset release' | grep -q 'MPI was not found' || fail "MPI's runtime without headers is taken for MPI"
+  inside sh -c 'cd /kiln && cmake --preset release' | grep 'MPI was not found' >/dev/null || fail "MPI's runtime without headers is taken for MPI"
   install mpi
   as_readme_says "with MPI, installed later, without GTest"
   built tools/lib/libkiln_mpi.so && ! built tests || fail "the module for MPI was not built"
