@@ -139,6 +139,12 @@ std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) con
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }
+  // A reader that takes the end of the file for the end of the data would lose the rest without an error.
+  if (done < out.size() && offset + done < size_) {
+    throw Error(ErrorCode::kIo, path_, "byte " + std::to_string(offset + done),
+                "the file ends here, but it had " + std::to_string(size_) +
+                    " bytes when it was opened; it was cut or is being written by another program");
+  }
   return done;
 }
 

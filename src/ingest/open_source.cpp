@@ -11,6 +11,7 @@
 #include "ingest/header_text.h"
 #include "ingest/inflate_stream.h"
 #include "ingest/slice_directory.h"
+#include "ingest/slice_names.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -167,13 +168,14 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
+  const bool slices = dicom || format == "TIFF";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
   refuse(options.big_endian && !raw, "--endian", "headerless raw data");
   refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
-  refuse(options.allow_irregular && !dicom, "--allow-irregular", "DICOM files");
+  refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -183,9 +185,10 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
 }
 
 std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceOptions& options) {
-  const SliceFiles slices = slicesIn(input);
+  SliceFiles slices = slicesIn(input);
   const bool dicom = slices.format == SliceFormat::kDicom;
   requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);
+  if (!dicom) requireOneStack(slices, options.allow_irregular);
   return dicom ? openDicom(slices, options) : openTiff(slices, options);
 }
 

@@ -12,6 +12,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
 #include "base/error.h"
 #include "ingest/header_text.h"
@@ -26,12 +27,15 @@ constexpr std::uint64_t kMostUnpacking = 40000;
 
 }  // namespace
 
-// What libtiff calls back into. No exception may pass through its frames: one is kept and thrown when it is back.
+// libtiff's callbacks. No exception may pass through libtiff's frames, so the first one is kept. libtiff also takes a
+// failed or short read for the last page, or drops a tag: check() after every call turns both into errors.
 struct TiffFile::Handle {
   File file;
   std::uint64_t at = 0;
   std::string complaint;
   std::exception_ptr thrown;
+  /// The first byte that libtiff needed and the file does not have.
+  std::optional<std::uint64_t> missing;
   TIFF* tiff = nullptr;
 
   explicit Handle(const std::filesystem::path& path) : file(path) {}
@@ -47,6 +51,7 @@ struct TiffFile::Handle {
       const std::size_t got = handle.file.readSomeAt(
           handle.at, {static_cast<std::byte*>(out), static_cast<std::size_t>(std::max<tmsize_t>(size, 0))});
       handle.at += got;
+      if (got < static_cast<std::size_t>(size) && !handle.missing) handle.missing = handle.at;
       return static_cast<tmsize_t>(got);
     } catch (...) {
       if (!handle.thrown) handle.thrown = std::current_exception();
@@ -75,11 +80,18 @@ struct TiffFile::Handle {
   }
   static int warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
-  void begin() { complaint.clear(); }
+  void begin() {
+    complaint.clear();
+    missing.reset();
+  }
 
-  // After a call that failed.
-  [[noreturn]] void fail(const std::string& place, const std::string& what) {
+  void rethrow() {
     if (thrown) std::rethrow_exception(std::exchange(thrown, nullptr));
+  }
+
+  // requires: a libtiff call failed. throws: Error, the kept one first.
+  [[noreturn]] void fail(const std::string& place, const std::string& what) {
+    rethrow();
     throw Error(ErrorCode::kFormat, file.path(), place,
                 complaint.empty() ? what : what + " (libtiff: " + inQuotes(complaint) + ")");
   }
@@ -100,6 +112,7 @@ TiffFile::TiffFile(const std::filesystem::path& path) : handle_(std::make_unique
   handle_->tiff = TIFFClientOpenExt(path.c_str(), "rmcDOh", handle_.get(), &Handle::read, &Handle::write, &Handle::seek,
                                     &Handle::close, &Handle::size, &Handle::map, &Handle::unmap, options.get());
   if (handle_->tiff == nullptr) handle_->fail("", "is not a TIFF file, or is damaged at its beginning");
+  handle_->rethrow();
   if (!advance()) throw Error(ErrorCode::kFormat, path, "", "a TIFF file without a page that holds an image");
 }
 
@@ -120,8 +133,7 @@ bool TiffFile::advance() {
     const bool first = page_.number == 0;
     if (!first && TIFFLastDirectory(handle_->tiff) != 0) return false;
     ++page_.number;
-    if (TIFFReadDirectory(handle_->tiff) != 1)
-      fail("the TIFF directory cannot be read; the file is cut short or damaged");
+    checkDirectory(TIFFReadDirectory(handle_->tiff) == 1);
     if ((handle_->field<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0) & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0)
       continue;
     readPage();
@@ -134,8 +146,19 @@ void TiffFile::select(int number, std::uint64_t directory) {
   handle_->begin();
   page_.number = number;
   page_.directory = 0;
-  if (TIFFSetSubDirectory(handle_->tiff, directory) != 1) fail("the TIFF directory cannot be read");
+  checkDirectory(TIFFSetSubDirectory(handle_->tiff, directory) == 1);
   readPage();
+}
+
+void TiffFile::checkDirectory(bool is_read) const {
+  handle_->rethrow();
+  if (handle_->missing) {
+    handle_->fail(fmt::format("page {}", page_.number),
+                  fmt::format("the TIFF directory needs byte {}, but the file has {} bytes; it is cut short or damaged",
+                              *handle_->missing, handle_->file.size()));
+  }
+  if (!is_read || !handle_->complaint.empty())
+    fail("the TIFF directory cannot be read; the file is cut short or damaged");
 }
 
 void TiffFile::fail(const std::string& what) const { handle_->fail(fmt::format("page {}", page_.number), what); }
@@ -193,6 +216,7 @@ std::uint64_t TiffFile::blockOffset(std::int64_t block) const {
   const auto index = static_cast<std::uint32_t>(block);
   const std::uint64_t offset = TIFFGetStrileOffsetWithErr(handle_->tiff, index, &failed);
   const char* const kind = page_.tiled ? "tile" : "strip";
+  handle_->rethrow();
   if (failed != 0) fail(fmt::format("the place of {} {} cannot be read", kind, block));
   const std::uint64_t size = handle_->file.size(), needed = rowsBytes(block);
   if (offset == 0 || offset > size || needed > size - offset) {
@@ -207,6 +231,7 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   const auto index = static_cast<std::uint32_t>(block);
   const char* const kind = page_.tiled ? "tile" : "strip";
   const std::uint64_t stored = TIFFGetStrileByteCountWithErr(handle_->tiff, index, &failed), needed = rowsBytes(block);
+  handle_->rethrow();
   if (failed != 0) fail(fmt::format("the length of {} {} cannot be read", kind, block));
   if (stored > handle_->file.size() || needed / kMostUnpacking > stored) {
     fail(fmt::format("{} {} has {} bytes in the file, which cannot be the {} of its pixels", kind, block, stored,
@@ -218,7 +243,8 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
                                    : TIFFReadEncodedStrip(handle_->tiff, index, out.data(), length);
   // libtiff keeps the packed bytes for the next block, and there are many files: a strip may be a whole slice.
   TIFFReadBufferSetup(handle_->tiff, nullptr, 1024);
-  if (got != length) fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
+  handle_->rethrow();
+  if (got != length || !handle_->complaint.empty()) fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
   return out;
 }
 

@@ -67,6 +67,9 @@ class TiffFile {
   struct Handle;
   void readPage();
   bool advance();
+  /// Called after each read of a directory. throws: Error kIo where a read failed, kFormat where `is_read` is false or
+  /// where a part of the directory lies beyond the end of the file.
+  void checkDirectory(bool is_read) const;
   std::uint64_t rowsBytes(std::int64_t block) const;
 
   std::unique_ptr<Handle> handle_;

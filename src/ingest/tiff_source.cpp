@@ -33,6 +33,8 @@ struct Stack {
   TiffPage first;
   std::optional<StackNotes> notes;
   std::uint64_t largest_packed_block_bytes = 0;
+  /// Sentences for the user.
+  std::vector<std::string> remarks;
 
   /// As ImageJ writes signed numbers, which TIFF has had for longer than ImageJ.
   bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
@@ -60,7 +62,7 @@ void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
 // Beyond 4 GB ImageJ writes one directory, and the other images behind the first.
 std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   const TiffPage& page = file.page();
-  if (notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
+  if (notes.counts_all_files || notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
   const std::uint64_t room = file.file().size() - file.blockOffset(0);
   if (static_cast<std::uint64_t>(notes.images) > room / page.bytes()) {
     file.fail(fmt::format("ImageJ's description says {} images, but the file ends after {}", notes.images,
@@ -69,7 +71,18 @@ std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   return notes.images - 1;
 }
 
-void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index) {
+// A link to the next page that was overwritten with zero ends the file; only the description still has the number.
+void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, const fs::path& path,
+                   const SourceOptions& options) {
+  if (static_cast<std::uint64_t>(notes.images) <= found) return;
+  const std::string what = fmt::format("{}'s description says {} images, but {} {} found; slices are missing",
+                                       notes.writer, notes.images, found, found == 1 ? "is" : "are");
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, path, "", what + "; --allow-irregular takes the images that are there");
+  stack.remarks.push_back(what);
+}
+
+void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index, const SourceOptions& options) {
   TiffFile file(files[index]);
   const std::optional<StackNotes> notes = stackNotes(file.description());
   if (notes) refuseHyperstack(*notes, files[index]);
@@ -87,11 +100,13 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
     if (page.packed) stack.largest_packed_block_bytes = std::max(stack.largest_packed_block_bytes, page.blockBytes());
     stack.slices.push_back({index, page.number, page.directory, 0});
   } while (file.next());
-  if (!notes || stack.slices.size() != before + 1) return;
-  const Slice only = stack.slices.back();
-  for (std::int64_t i = imagesBehind(file, *notes), k = 1; k <= i; ++k) {
-    stack.slices.push_back({only.file, only.page, only.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
+  if (!notes) return;
+  const Slice last = stack.slices.back();
+  const std::int64_t behind = stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
+  for (std::int64_t k = 1; k <= behind; ++k) {
+    stack.slices.push_back({last.file, last.page, last.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
   }
+  if (!notes->counts_all_files) requireImages(stack, *notes, stack.slices.size() - before, files[index], options);
 }
 
 class TiffSource : public VolumeSource {
@@ -184,9 +199,12 @@ void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& bl
 
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options) {
   Stack stack;
-  for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i);
+  for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i, options);
+  if (stack.notes && stack.notes->counts_all_files)
+    requireImages(stack, *stack.notes, stack.slices.size(), input.input, options);
   SourceInfo info;
   info.notes = input.notes;
+  info.notes.insert(info.notes.end(), stack.remarks.begin(), stack.remarks.end());
   info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type;
   const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
   checkedBytes(dims, info.type, input.input);

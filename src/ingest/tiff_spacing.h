@@ -15,15 +15,21 @@ namespace kiln {
 /// What a program wrote of its stack into the description of the first page.
 struct StackNotes {
   const char* writer = "";
-  /// The number of images in the file, and what they are besides slices; 1 where it does not say.
+  /// The number of images in the file, and the stacks they form; 1 where the description has no number.
   std::int64_t images = 1, channels = 1, frames = 1;
-  /// The distance of slices; 0 where it does not say.
+  /// Whether the number of images is of all files of the folder (OME) and not of this file alone (ImageJ).
+  bool counts_all_files = false;
+  /// The distance of slices in `unit`; 0 where the description has none.
   double spacing = 0;
-  /// Of pixels: those of the resolution tags are in `unit` where `in_unit`, else as `pixel` says where that is not 0.
+  /// Whether the resolution tags count pixels in `unit`: `y_scale` converts from the unit of y to the unit of x.
   bool in_unit = false;
+  double y_scale = 1;
+  /// The edges of a pixel in `unit`; 0 where the description has none.
   glm::dvec2 pixel{0};
-  /// "mm", "um"; empty where it does not say, says pixel or a unit of its own.
+  /// The unit of all lengths: "mm", "um"; empty for pixels and unknown units.
   std::string unit;
+  /// Sentences on units that are unknown.
+  std::vector<std::string> remarks;
   /// Signed numbers are stored 32768 larger.
   bool offset_signed = false;
   /// Of another line through the values, "values are -1000 + 2 times what is stored"; empty where there is none.

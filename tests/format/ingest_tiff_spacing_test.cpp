@@ -50,6 +50,84 @@ TEST(IngestTiff, SpacingIsWhatTheFilesSayWhereTheySayIt) {
   EXPECT_EQ(spacingOf(path), glm::dvec3(1));
 }
 
+struct SaidUnits {
+  std::string description;
+  glm::dvec3 spacing;
+  std::string unit;
+  /// A part of the first note; empty where there is none.
+  std::string note;
+};
+
+void expectUnits(const SaidUnits& said) {
+  SCOPED_TRACE(said.description);
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.description = said.description;
+  layout.x_resolution = layout.y_resolution = 2, layout.resolution_unit = 1;
+  writeTiff(files.directory() / "a.tif", randomVolume(kStackDims, VoxelType::u8, 18), 0, 4, layout);
+  const SourceInfo info = openSource(files.directory() / "a.tif")->info();
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(info.geometry.spacing()[axis], said.spacing[axis], 1e-12 * said.spacing[axis]) << axis;
+  EXPECT_EQ(info.geometry.unit, said.unit);
+  EXPECT_EQ(info.notes.size(), said.note.empty() ? 0u : 1u) << info.notes.front();
+  if (!said.note.empty() && !info.notes.empty())
+    EXPECT_NE(info.notes.front().find(said.note), std::string::npos) << info.notes.front();
+}
+
+TEST(IngestTiff, ImageJUnitsOfAxes_AreConvertedToTheUnitOfX) {
+  const std::string stack = "ImageJ=1.54f\nimages=4\nslices=4\nloop=false\n";
+  for (const SaidUnits& said : {
+           SaidUnits{stack + "unit=um\nspacing=2.0\n", {0.5, 0.5, 2}, "um", ""},
+           {stack + "unit=um\n", {0.5, 0.5, 1}, "um", ""},  // ImageJ leaves a spacing of 1 out
+           {stack + "unit=um\nspacing=1500\nzunit=nm\n", {0.5, 0.5, 1.5}, "um", ""},
+           {stack + "unit=um\nzunit=nm\n", {0.5, 0.5, 0.001}, "um", ""},
+           {stack + "unit=um\nspacing=2\nyunit=mm\n", {0.5, 500, 2}, "um", ""},
+           {stack + "unit=inch\nspacing=2\n", {0.5, 0.5, 2}, "in", ""},
+           {stack + "unit=micron\nspacing=-0.5\n", {0.5, 0.5, 0.5}, "um", ""},
+           {stack + "spacing=3\n", {1, 1, 3}, "", ""},
+           {stack + "unit=pixel\nspacing=3\n", {1, 1, 3}, "", ""},
+           {stack + "unit=furlong\nspacing=3\n", {0.5, 0.5, 3}, "", "'furlong', which is no known unit"},
+           {stack + "unit=um\nspacing=3\nyunit=furlong\n", {0.5, 0.5, 3}, "um", "along y in 'furlong' and along x in"},
+           // A single image has no spacing of slices that ImageJ would write.
+           {"ImageJ=1.54f\nunit=um\n", {0.5, 0.5, 0.5}, "um", "nothing of the distance of slices"},
+       })
+    expectUnits(said);
+}
+
+TEST(IngestTiff, OmeUnitsOfAxes_AreConvertedToTheUnitOfX) {
+  const auto pixels = [](const std::string& x, const std::string& x_unit, const std::string& z,
+                         const std::string& z_unit) {
+    const auto length = [](const std::string& axis, const std::string& number, const std::string& unit) {
+      return " PhysicalSize" + axis + "='" + number + "'" +
+             (unit.empty() ? "" : " PhysicalSize" + axis + "Unit='" + unit + "'");
+    };
+    return "<OME x='y'><Image><Pixels SizeC='1' SizeT='1' SizeZ='4'" + length("X", x, x_unit) + length("Y", x, x_unit) +
+           (z.empty() ? "" : length("Z", z, z_unit)) + "/></Image></OME>";
+  };
+  const std::string um = "\xc2\xb5m";
+  for (const SaidUnits& said : {
+           SaidUnits{pixels("0.5", um, "1.5", um), {0.5, 0.5, 1.5}, "um", ""},
+           {pixels("0.5", um, "1500", "nm"), {0.5, 0.5, 1.5}, "um", ""},
+           {pixels("0.3", um, "1e-5", "dm"), {0.3, 0.3, 1}, "um", ""},
+           {pixels("0.5", "", "0.0015", "mm"), {0.5, 0.5, 1.5}, "um", ""},
+           {pixels("500", "nm", "1.5", um), {500, 500, 1500}, "nm", ""},
+           {pixels("0.5", "&#181;m", "1.5", "&#xB5;m"), {0.5, 0.5, 1.5}, "um", ""},
+           {pixels("13.48", "\xc3\x85", "26.96", "\xc3\x85"), {13.48, 13.48, 26.96}, "angstrom", ""},
+           {pixels("500", "pm", "1500", "pm"), {500, 500, 1500}, "pm", ""},
+           {pixels("0.5", um, "", ""), {0.5, 0.5, 0.5}, "um", "OME's description says 0.5 um a pixel and nothing"},
+           {pixels("1", "reference frame", "3", "reference frame"), {1, 1, 3}, "", "'reference frame', which is no"},
+       })
+    expectUnits(said);
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.description = pixels("0.5", um, "3", "parsec");
+  writeTiff(files.directory() / "a.tif", randomVolume(kStackDims, VoxelType::u8, 18), 0, 4, layout);
+  const auto source = openSource(files.directory() / "a.tif");
+  EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(0.5));
+  ASSERT_EQ(source->info().notes.size(), 2u);
+  EXPECT_NE(source->info().notes[0].find("along z in 'parsec'"), std::string::npos) << source->info().notes[0];
+}
+
 // As ImageJ writes stacks of more than 4 GB: one directory, big-endian, and the images one behind the other.
 TEST(IngestTiff, ImagesBehindImageJsOnlyDirectoryAreSlices) {
   const ForeignFiles files;

@@ -107,8 +107,9 @@ TEST(IngestTiff, ADirectoryIsAStackInNaturalOrder) {
   expectReadsBack(volume, files.directory(), 9);
   const auto source = openSource(files.directory());
   EXPECT_EQ(source->info().format, "TIFF, 12 slices");
-  ASSERT_EQ(source->info().notes.size(), 1u);
+  ASSERT_EQ(source->info().notes.size(), 2u);
   EXPECT_NE(source->info().notes[0].find("'readme.txt'"), std::string::npos) << source->info().notes[0];
+  EXPECT_NE(source->info().notes[1].find("taken to be 1 x 1 x 1"), std::string::npos) << source->info().notes[1];
   ASSERT_EQ(source->info().files.size(), 13u);
   EXPECT_EQ(source->info().files[0], files.directory());
   EXPECT_EQ(source->info().files[12].filename(), "slice12.tif");
@@ -139,8 +140,8 @@ TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
     TiffLayout layout;
     layout.compression = compression;
     layout.strip_rows = 7;
-    writeTiff(files.directory() / "a.tif", volume, 0, 4, layout);
-    writeTiff(files.directory() / "b.tif", volume, 4, 9, layout);
+    writeTiff(files.directory() / "a1.tif", volume, 0, 4, layout);
+    writeTiff(files.directory() / "a2.tif", volume, 4, 9, layout);
     for (const std::uint64_t kept : {0u, 1u << 20}) {
       const auto source = openSource(files.directory());
       source->keepDecoded(kept);
@@ -168,6 +169,98 @@ TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
       for (const int w : wrong) EXPECT_EQ(w, 0);
     }
   }
+}
+
+// The bytes of a file in which each directory follows the pixels of its page and ends with the link to the next page, as
+// most programs write stacks. A cut may leave nothing but a part of that link away.
+std::string stackWithLinksLast(const ForeignVolume& volume, std::vector<std::size_t>& links) {
+  const auto put = [](std::string& out, std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
+  };
+  std::string out("II*\0", 4);
+  links = {out.size()};
+  put(out, 0, 4);
+  const std::string voxels = volume.stored(false);
+  const std::size_t page = voxels.size() / static_cast<std::size_t>(volume.dims.z);
+  for (std::int64_t z = 0; z < volume.dims.z; ++z) {
+    const std::size_t strip = out.size();
+    out += voxels.substr(static_cast<std::size_t>(z) * page, page);
+    std::string link;
+    put(link, out.size(), 4);
+    out.replace(links.back(), 4, link);
+    const auto width = static_cast<std::uint64_t>(volume.dims.x), height = static_cast<std::uint64_t>(volume.dims.y);
+    const std::pair<int, std::uint64_t> tags[] = {{256, width}, {257, height}, {258, 8 * sizeOf(volume.type)}, {259, 1},
+                                                  {262, 1},     {273, strip},  {277, 1},      {278, height}, {279, page}};
+    put(out, std::size(tags), 2);
+    for (const auto& [tag, value] : tags) {
+      put(out, static_cast<std::uint64_t>(tag), 2);
+      put(out, 4, 2);
+      put(out, 1, 4);
+      put(out, value, 4);
+    }
+    links.push_back(out.size());
+    put(out, 0, 4);
+  }
+  return out;
+}
+
+TEST(IngestTiff, CutWithinAPageLink_IsAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({7, 5, 3}, VoxelType::u16, 21);
+  std::vector<std::size_t> links;
+  const std::string whole = stackWithLinksLast(volume, links);
+  const fs::path path = files.write("a.tif", whole);
+  expectReadsBack(volume, path, 21);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    files.write("a.tif", whole.substr(0, length));
+    try {
+      readWhole(*openSource(path));
+      ADD_FAILURE() << length << " of " << whole.size() << " bytes were taken for a whole file";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("a.tif"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(IngestTiff, PageLinkThatLeadsNowhere_IsAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({7, 5, 3}, VoxelType::u16, 22);
+  std::vector<std::size_t> links;
+  const std::string whole = stackWithLinksLast(volume, links);
+  const auto linked = [&](std::size_t from, std::uint32_t to) {
+    std::string bytes = whole;
+    for (std::size_t i = 0; i < 4; ++i) bytes[links[from] + i] = static_cast<char>(to >> (8 * i));
+    files.write("a.tif", bytes);
+    expectRefused(files.directory() / "a.tif", ErrorCode::kFormat, "TIFF directory");
+  };
+  const auto size = static_cast<std::uint32_t>(whole.size());
+  for (const std::size_t link : {0u, 1u, 2u, 3u}) {
+    for (const std::uint32_t to : {size, size - 1, size + 100, 0xfffffff0u, 1u}) linked(link, to);
+  }
+  const auto directory = static_cast<std::uint32_t>(links[2] - 9 * 12 - 2);
+  linked(2, directory);  // into itself
+  linked(3, directory);  // back
+}
+
+// ImageJ's number of images is all that shows a link that was overwritten with zero.
+TEST(IngestTiff, FewerPagesThanImageJSays_IsAnError) {
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.compression = 8;
+  layout.description = "ImageJ=1.53c\nimages=4\nslices=4\n";
+  const fs::path path = files.directory() / "a.tif";
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 23);
+  for (const int pages : {1, 3}) {
+    writeTiff(path, volume, 0, pages, layout);
+    expectRefused(path, ErrorCode::kFormat, "says 4 images, but " + std::to_string(pages));
+    SourceOptions options;
+    options.allow_irregular = true;
+    EXPECT_EQ(openSource(path, options)->info().geometry.dims.z, pages);
+    EXPECT_NE(openSource(path, options)->info().notes.front().find("slices are missing"), std::string::npos);
+  }
+  layout.description = R"(<OME x="y"><Pixels SizeC="1" SizeZ="4"/></OME>)";
+  writeTiff(path, volume, 0, 3, layout);
+  expectRefused(path, ErrorCode::kFormat, "OME's description says 4 images, but 3 are found");
 }
 
 // A cut takes a directory, a value of one, or pixels; where it takes none of them the voxels are all there.
@@ -260,7 +353,8 @@ TEST(IngestTiff, DescriptionsGiveTheSpacing) {
   for (
       const Said& said : std::vector<Said>{
           {"ImageJ=1.53c\nunit=um\nspacing=0.5\n", {0.25, 0.25, 0.5}, "um"},
-          {"ImageJ=1.53c\nunit=angstrom\nspacing=0.5\n", {0.25, 0.25, 0.5}, ""},
+          {"ImageJ=1.53c\nunit=angstrom\nspacing=0.5\n", {0.25, 0.25, 0.5}, "angstrom"},
+          {"ImageJ=1.53c\nunit=furlong\nspacing=0.5\n", {0.25, 0.25, 0.5}, ""},
           {"ImageJ=1.53c\nunit=pixel\nspacing=2\n", {1, 1, 2}, ""},
           {R"(<OME x="y"><Pixels SizeC="1" PhysicalSizeX="0.2" PhysicalSizeY="0.3" PhysicalSizeZ="1.5"/></OME>)",
            {0.2, 0.3, 1.5},
@@ -293,8 +387,9 @@ TEST(IngestTiff, SignedNumbersOfImageJAreSigned) {
   layout.description = "ImageJ=1.53c\nslices=4\ncf=0\nc0=-1000\nc1=2\n";
   writeTiff(files.directory() / "b.tif", stored, 0, 4, layout);
   const auto source = openSource(files.directory() / "b.tif");
-  ASSERT_EQ(source->info().notes.size(), 1u);
-  EXPECT_NE(source->info().notes[0].find("-1000 + 2 times what is stored"), std::string::npos);
+  ASSERT_EQ(source->info().notes.size(), 2u);
+  EXPECT_NE(source->info().notes[0].find("taken to be 1 x 1 x 1"), std::string::npos);
+  EXPECT_NE(source->info().notes[1].find("-1000 + 2 times what is stored"), std::string::npos);
 }
 
 // A slice that is not there, or is empty, would move the others down.

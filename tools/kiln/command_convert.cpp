@@ -123,7 +123,9 @@ void run(const ConvertArguments& a, Context& context) {
   options.ranks = context.ranks;
   const bool speaks = context.ranks->first();
   if (a.dry_run) {
-    if (speaks) printCost(a, *source, options, context);
+    if (!speaks) return;
+    for (const std::string& note : source->info().notes) context.progress.note(note);
+    printCost(a, *source, options, context);
     return;
   }
   const ConvertReport report = convert(*source, a.output, options, context.progress);

@@ -108,7 +108,8 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
   command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");
   command.add_flag("--allow-irregular", a.allow_irregular,
-                   "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance");
+                   "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance; "
+                   "TIFF: take all slices in the order of their names, whatever their numbers");
 }
 
 }  // namespace kiln::tool
