@@ -74,6 +74,18 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
   return done;
 }
 
+// Repeats a call that a signal interrupted, as opens on network and user-space file systems are.
+template <class Call>
+auto uninterrupted(const Call& call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
+
+int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {
+  return uninterrupted([&] { return ::open(path.c_str(), flags, mode); });
+}
+
 constexpr int kMostLinks = 40;  // as the system follows
 
 // What a link is a link to; nothing where it is none.
@@ -104,13 +116,13 @@ std::optional<int> descriptorNamed(const fs::path& path) {
 // Opened anew, an open file would be written from its start, over what it has been written to.
 int openFor(const fs::path& path, int flags) {
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
-  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
+  return openUninterrupted(path, O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
 }
 
 }  // namespace
 
 // Opening a pipe would wait for somebody who writes into it.
-File::File(const fs::path& path) : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+File::File(const fs::path& path) : path_(path), descriptor_(openUninterrupted(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (descriptor_ < 0) throw systemError(errno, path, "opening for reading");
   struct stat status {};
   const int failed = ::fstat(descriptor_, &status) != 0 ? errno : S_ISDIR(status.st_mode) ? EISDIR : 0;
@@ -285,7 +297,7 @@ void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data
   const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
   // A pipe has no offsets.
   writeAll(file.get(), path, data.subspan(done), done > 0 ? std::optional<std::uint64_t>(done) : std::nullopt);
-  if (mode == WriteMode::kSynced && ::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  if (mode == WriteMode::kSynced && uninterrupted([&] { return ::fsync(file.get()); }) != 0) throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
 
@@ -301,28 +313,34 @@ void FileSystem::rename(const fs::path& from, const fs::path& to) {
 }
 
 void FileSystem::syncFile(const fs::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor file(openUninterrupted(path, O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) throw systemError(errno, path, "opening the file");
-  if (::fsync(file.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  if (uninterrupted([&] { return ::fsync(file.get()); }) != 0) throw systemError(errno, path, "syncing to disk");
 }
 
 void FileSystem::syncAll(const fs::path& path) {
-  const Descriptor directory(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor directory(openUninterrupted(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() < 0) throw systemError(errno, path, "opening the directory");
-  if (::syncfs(directory.get()) != 0) throw systemError(errno, path, "syncing to disk");
+  if (uninterrupted([&] { return ::syncfs(directory.get()); }) != 0) throw systemError(errno, path, "syncing to disk");
 }
 
 void FileSystem::removeAll(const fs::path& path) {
   std::error_code error;
-  fs::remove_all(path, error);
+  do {
+    fs::remove_all(path, error);
+  } while (error == std::errc::interrupted);
   if (error) throw systemError(error.value(), path, "removing");
 }
 
 File FileSystem::makeScratch(const fs::path& directory) {
   // Where the process ends between the two calls, the name is one that an unfinished store may hold.
   constexpr std::string_view kSuffix = ".tmp";
-  std::string name = (directory / "scratch_XXXXXX").string() + std::string(kSuffix);
-  File file(directory, ::mkostemps(name.data(), static_cast<int>(kSuffix.size()), O_CLOEXEC));
+  std::string name;
+  // A failed call leaves any name behind, and the next one needs the pattern.
+  File file(directory, uninterrupted([&] {
+              name = (directory / "scratch_XXXXXX").string() + std::string(kSuffix);
+              return ::mkostemps(name.data(), static_cast<int>(kSuffix.size()), O_CLOEXEC);
+            }));
   if (file.descriptor_ < 0 || ::unlink(name.c_str()) != 0) throw systemError(errno, directory, "making a scratch file");
   return file;
 }

@@ -6,6 +6,7 @@
 
 #include "base/byte_record.h"
 #include "base/hash.h"
+#include "base/path_status.h"
 
 namespace kiln {
 
@@ -22,8 +23,7 @@ std::vector<std::byte> beginningOf(const RecordMagic& magic) {
 
 std::optional<std::uint64_t> readRecords(const std::filesystem::path& path, const RecordMagic& magic,
                                          const std::function<bool(std::span<const std::byte>)>& take) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  if (!isThere(path)) return std::nullopt;
   const File file(path);
   RecordMagic found{};
   if (file.readSomeAt(0, std::as_writable_bytes(std::span(found))) < sizeof found || found != magic)

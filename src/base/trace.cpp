@@ -24,6 +24,11 @@ struct ThreadTrack {
 };
 thread_local ThreadTrack own_track;
 
+void removeUnfinished(const fs::path& written, const fs::path& path) noexcept {
+  std::error_code ignored;
+  if (written != path) fs::remove(written, ignored);
+}
+
 }  // namespace
 
 Trace::Trace(const fs::path& path)
@@ -33,8 +38,13 @@ Trace::Trace(const fs::path& path)
       number_(++traces) {
   FileSystem::real().requirePlaceFor(path_);
   waiting_.reserve(kMemoryBytes);
-  FileSystem::real().writeFile(written_, bytesOf("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
-                               WriteMode::kUnsynced);
+  try {
+    FileSystem::real().writeFile(written_, bytesOf("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
+                                 WriteMode::kUnsynced);
+  } catch (...) {
+    removeUnfinished(written_, path_);
+    throw;
+  }
   own_track.name = "frame";
   waiting_ = R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"kiln"}})";
   kept = this;
@@ -42,9 +52,7 @@ Trace::Trace(const fs::path& path)
 
 Trace::~Trace() {
   kept = nullptr;
-  if (finished_ || written_ == path_) return;
-  std::error_code ignored;
-  fs::remove(written_, ignored);
+  if (!finished_) removeUnfinished(written_, path_);
 }
 
 void Trace::finish() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/path_status.h"
 #include "convert/journal.h"
 #include "ingest/header_text.h"
 #include "store/store_reader.h"
@@ -16,16 +17,17 @@ namespace kiln {
 namespace fs = std::filesystem;
 
 bool isNothing(const fs::path& path) {
-  std::error_code ignored;
-  return !fs::exists(fs::symlink_status(path, ignored)) ||
-         (fs::is_directory(path, ignored) && fs::is_empty(path, ignored));
+  if (!isNameTaken(path)) return true;
+  std::error_code error;
+  const bool empty = fs::is_directory(path, error) && fs::is_empty(path, error);
+  if (error && isThere(path)) throw systemError(error.value(), path, "looking into the directory");
+  return empty;
 }
 
 namespace {
 
 bool isUnfinished(const fs::path& directory) {
-  std::error_code ignored;
-  return !isStore(directory) && fs::exists(Journal::pathIn(directory), ignored);
+  return !isStore(directory) && isThere(Journal::pathIn(directory));
 }
 
 bool isNameInStore(const fs::path& name) {

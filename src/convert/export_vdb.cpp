@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "base/memory.h"
+#include "base/path_status.h"
 #include "grid/openvdb_glue.h"
 
 namespace kiln {
@@ -203,8 +204,7 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
 
 ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out, Progress& progress, FileSystem& disk,
                        bool overwrite, std::uint64_t memory_bytes) {
-  std::error_code ignored;
-  if (!overwrite && fs::exists(out, ignored)) {
+  if (!overwrite && isThere(out)) {
     throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
   }
   if (store.manifest().volume_class == VolumeClass::kLabels && store.manifest().range.hi > 2147483647.0)

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/path_status.h"
 #include "ingest/dicom_bytes.h"
 #include "ingest/dicom_directory.h"
 #include "ingest/header_text.h"
@@ -28,11 +29,6 @@ std::string_view takeNumber(std::string_view& text) {
   text.remove_prefix(digits.size());
   digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
   return digits;
-}
-
-bool isThere(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
 }
 
 SliceFormat formatOf(const fs::path& path) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/large_pages.h"
+#include "base/path_status.h"
 #include "base/span.h"
 #include "store/read_manifest.h"
 #include "store/store_writer.h"
@@ -153,8 +154,7 @@ std::uint64_t StoreReader::largestFileBytes() const {
 }
 
 bool isStore(const fs::path& directory) {
-  std::error_code ignored;
-  return fs::exists(directory / "manifest.json", ignored);
+  return isThere(directory / "manifest.json");
 }
 
 }  // namespace kiln
