@@ -74,9 +74,8 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
 
 Manifest readManifest(const fs::path& directory) {
   const fs::path path = directory / "manifest.json";
-  std::error_code ignored;
-  if (!fs::exists(directory, ignored)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
-  if (!fs::exists(path, ignored)) {
+  if (!isThere(directory)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
+  if (!isThere(path)) {
     throw Error(ErrorCode::kFormat, directory, "manifest.json",
                 "is missing: not a store, or a conversion that did not finish; run kiln convert again");
   }
