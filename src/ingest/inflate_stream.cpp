@@ -134,7 +134,7 @@ std::vector<std::string> InflateStream::finish() {
                     "read",
                     name, bytes(beyond)));
   if (const std::uint64_t rest = file_.size() - (next_offset_bytes_ - decoder_->z.avail_in); rest > 0)
-    notes.push_back(fmt::format("{} of {} are behind the compressed data, and are not read", bytes(rest), name));
+    notes.push_back(fmt::format("{}: {} behind the compressed data not read", name, bytes(rest)));
   return notes;
 }
 

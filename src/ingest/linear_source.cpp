@@ -207,8 +207,8 @@ std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data
   }
   if (const std::uint64_t rest = available - skip - bytes; rest > 0)
     info.notes.push_back(
-        fmt::format("{} byte{} of {} are behind those that the header's dimensions need, and are not read", rest,
-                    rest == 1 ? "" : "s", data.file.filename().string()));
+        fmt::format("{}: {} byte{} behind the header's dimensions not read", data.file.filename().string(), rest,
+                    rest == 1 ? "" : "s"));
   return std::make_unique<RawSource>(std::move(info), data, std::move(file));
 }
 

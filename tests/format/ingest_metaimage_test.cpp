@@ -152,7 +152,7 @@ TEST(IngestMetaImage, ByteBehindCompressedDataSize_isNoted) {
   EXPECT_TRUE(voxels == volume.voxels);
   source->finish();
   EXPECT_EQ(source->info().notes,
-            std::vector<std::string>{"1 byte of a.mha are behind the compressed data, and are not read"});
+            std::vector<std::string>{"a.mha: 1 byte behind the compressed data not read"});
 }
 
 TEST(IngestMetaImage, RealFileAgreesWithItsNrrdHeader) {

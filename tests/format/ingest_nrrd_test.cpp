@@ -158,7 +158,7 @@ TEST(IngestNrrd, BytesBehindCompressedVoxels_areNoted) {
   using Notes = std::vector<std::string>;
   EXPECT_EQ(notesOf(gzipped(bytes)), Notes());
   EXPECT_EQ(notesOf(gzipped(bytes) + std::string(9, '\0')), Notes()) << "zeros are padding, as for gzip";
-  EXPECT_EQ(notesOf(gzipped(bytes) + "t"), Notes{"1 byte of s.nrrd are behind the compressed data, and are not read"});
+  EXPECT_EQ(notesOf(gzipped(bytes) + "t"), Notes{"s.nrrd: 1 byte behind the compressed data not read"});
   EXPECT_EQ(notesOf(gzipped(bytes + std::string(100'000, 'x'))),
             Notes{"the compressed data of s.nrrd hold 100000 bytes more than the header's dimensions need, which are "
                   "not read"});
@@ -230,7 +230,7 @@ TEST(IngestNrrd, BytesBehindTheVolumeAreToldOf) {
   EXPECT_TRUE(openSource(files.write("a.nrrd", header + "\n12345678"))->info().notes.empty());
   const auto notes = openSource(files.write("b.nrrd", header + "\n12345678123"))->info().notes;
   ASSERT_EQ(notes.size(), 1u);
-  EXPECT_NE(notes[0].find("3 bytes of b.nrrd are behind those"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[0].find("b.nrrd: 3 bytes behind the header's dimensions"), std::string::npos) << notes[0];
   files.write("a.nhdr", header + "data file: \xc3\xa4\x1b[1m.raw\n");
   expectRefused(files.directory() / "a.nhdr", ErrorCode::kNotFound, "\xc3\xa4");
 }
