@@ -64,9 +64,10 @@ Imf::FrameBuffer rowsFrom(std::vector<T>& values, Imf::PixelType type, const Ima
   return buffer;
 }
 
-Imf::Header headerOf(const Image& image, const ImageMetadata& metadata, Imf::PixelType type,
+// `image` has the picture's channels and may be a band of it.
+Imf::Header headerOf(const Image& image, int height, const ImageMetadata& metadata, Imf::PixelType type,
                      Imf::Compression compression) {
-  Imf::Header header = exrHeader(image.width, image.height, metadata, compression);
+  Imf::Header header = exrHeader(image.width, height, metadata, compression);
   for (const char* name : kExrChannelNames) {
     if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
   }
@@ -82,38 +83,54 @@ Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
 }
 
-// Rows that are converted, and compressed by several threads, at a time: a few of OpenEXR's blocks for each of them.
-int rowsAtATime() { return 64 * std::max(1, compressingThreads()); }
+// Rows that are converted, and compressed by several threads, at a time: a few of OpenEXR's blocks for each thread, but
+// at most 32 MiB of rows, and at least 32 rows, which is a block of most compressions.
+int rowsAtATime(std::size_t row_bytes) {
+  constexpr std::size_t kMostBytes = 32u << 20, kLeastRows = 32;
+  const std::size_t most = std::max(kLeastRows, kMostBytes / row_bytes / kLeastRows * kLeastRows);
+  return static_cast<int>(
+      std::min(most, std::size_t{64} * static_cast<std::size_t>(std::max(1, compressingThreads()))));
+}
 
 // `File` is a file of one part, or a part.
 template <class T, class File, class Convert>
-void writeRowsAs(File& file, const Image& image, Imf::PixelType type, Convert convert) {
-  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
-  const int most = std::min(rowsAtATime(), image.height);
-  std::vector<T> band(row * static_cast<std::size_t>(most));
+void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, Convert convert) {
+  const std::size_t row = static_cast<std::size_t>(picture.width) * 4;
+  const int most = std::min(rowsAtATime(row * sizeof(T)), picture.height);
+  std::vector<T> values(row * static_cast<std::size_t>(most));
   const Imath::V2i& first = file.header().dataWindow().min;
-  for (int y = 0; y < image.height; y += most) {
-    const int rows = std::min(most, image.height - y);
+  for (int y = 0; y < picture.height;) {
+    const ImageRows::Band band = picture.bandAt(y);
+    const Image& image = *band.image;
+    const int rows = std::min(most, band.end() - y);
     if (!image.rgba.empty()) {
       parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
-        const float* const from = image.pixel(0, y + static_cast<int>(i));
-        std::transform(from, from + row, band.begin() + static_cast<std::ptrdiff_t>(i * row), convert);
+        const float* const from = image.pixel(0, y - band.first_row + static_cast<int>(i));
+        std::transform(from, from + row, values.begin() + static_cast<std::ptrdiff_t>(i * row), convert);
       });
     }
     // A slice of no channel of the file is passed over.
-    Imf::FrameBuffer buffer = rowsFrom(band, type, {first.x, first.y + y}, row * sizeof(T));
-    for (const Plane& plane : image.planes) buffer.insert(plane.name, wholePlane(plane, image.width, first));
+    Imf::FrameBuffer buffer = rowsFrom(values, type, {first.x, first.y + y}, row * sizeof(T));
+    for (const Plane& plane : image.planes)
+      buffer.insert(plane.name, wholePlane(plane, image.width, {first.x, first.y + band.first_row}));
     file.setFrameBuffer(buffer);
     file.writePixels(rows);
+    y += rows;
   }
 }
 
 template <class File>
-void writeRows(File& file, const Image& image, Imf::PixelType type) {
+void writeRows(File& file, ImageRows& picture, Imf::PixelType type) {
   if (type == Imf::FLOAT)
-    writeRowsAs<float>(file, image, type, [](float v) { return v; });
+    writeRowsAs<float>(file, picture, type, [](float v) { return v; });
   else
-    writeRowsAs<half>(file, image, type, clampedHalf);
+    writeRowsAs<half>(file, picture, type, clampedHalf);
+}
+
+template <class File>
+void writeRows(File& file, const Image& image, Imf::PixelType type) {
+  RowsOfImage rows(image);
+  writeRows(file, rows, type);
 }
 
 // Runs what writes into a stream; whatever OpenEXR throws becomes an error of the file.
@@ -253,7 +270,7 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
                                  const std::filesystem::path& path) {
   const Imf::Compression compression = exrCompression(options.exr_compression);
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-  Imf::Header header = headerOf(image, metadata, type, compression);
+  Imf::Header header = headerOf(image, image.height, metadata, type, compression);
   return writing(path, [&](ExrWriter& stream) {
     // Files' destructors write the tables of scanline offsets.
     if (!image.edges) {
@@ -271,6 +288,24 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
   });
 }
 
+void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
+               const std::filesystem::path& path, ScratchOutput& out) {
+  const Imf::Compression compression = exrCompression(options.exr_compression);
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  ExrScratchWriter stream(out);
+  try {
+    Imf::OutputFile file(stream, headerOf(*rows.bandAt(0).image, rows.height, metadata, type, compression),
+                         compressingThreads());
+    writeRows(file, rows, type);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    stream.finish();
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+  stream.finish();
+}
+
 std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
                                       const std::filesystem::path& path) {
   const Imf::Compression compression = exrCompression(options.exr_compression);
@@ -278,7 +313,8 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
   return writing(path, [&](ExrWriter& stream) {
     std::vector<Imf::Header> headers;
     for (const ImageView& view : views) {
-      Imf::Header& header = headers.emplace_back(headerOf(*view.image, view.metadata, type, compression));
+      Imf::Header& header =
+          headers.emplace_back(headerOf(*view.image, view.image->height, view.metadata, type, compression));
       header.setType(Imf::SCANLINEIMAGE);
       header.setName(view.name);
       header.setView(view.name);

@@ -10,6 +10,8 @@
 
 #include "output/image.h"
 #include "output/image_file.h"
+#include "output/image_rows.h"
+#include "output/scratch_output.h"
 
 namespace kiln {
 
@@ -21,6 +23,10 @@ bool looksLikeExr(std::span<const std::byte> data);
 /// image. throws: Error kIo, kUsage (unknown compression).
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
+
+/// The same, band by band, without layers of edges. throws: also what `rows` and `out` throw.
+void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
+               const std::filesystem::path& path, ScratchOutput& out);
 
 /// The same of several views: scanline parts whose attributes `name` and `view` are the view's name.
 std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,

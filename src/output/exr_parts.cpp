@@ -35,6 +35,17 @@ void ExrWriter::write(const char data[], int count) {
   place_ += size;
 }
 
+void ExrScratchWriter::write(const char data[], int count) {
+  const auto bytes = std::as_bytes(std::span(data, static_cast<std::size_t>(count)));
+  try {
+    out_.write(place_, bytes);
+  } catch (...) {
+    if (!failure_) failure_ = std::current_exception();
+    throw;
+  }
+  place_ += bytes.size();
+}
+
 Imf::Compression exrCompression(const std::string& name) {
   static const std::map<std::string, Imf::Compression> kCompressions = {
       {"none", Imf::NO_COMPRESSION},   {"rle", Imf::RLE_COMPRESSION}, {"zips", Imf::ZIPS_COMPRESSION},

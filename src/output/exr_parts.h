@@ -8,10 +8,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
 #include <string>
 #include <vector>
 
 #include "output/image_file.h"
+#include "output/scratch_output.h"
 
 namespace kiln {
 
@@ -29,6 +31,25 @@ class ExrWriter : public Imf::OStream {
  private:
   std::vector<std::byte> bytes_;
   std::size_t place_ = 0;
+};
+
+/// A file on disk. OpenEXR drops exceptions of its last writes, so a failure is kept for `finish`.
+class ExrScratchWriter : public Imf::OStream {
+ public:
+  /// requires: `out` outlives this.
+  explicit ExrScratchWriter(ScratchOutput& out) : Imf::OStream("file"), out_(out) {}
+  void write(const char data[], int count) override;
+  std::uint64_t tellp() override { return place_; }
+  void seekp(std::uint64_t place) override { place_ = place; }
+  /// throws: the first failure of a write.
+  void finish() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  ScratchOutput& out_;
+  std::uint64_t place_ = 0;
+  std::exception_ptr failure_;
 };
 
 /// throws: Error kUsage where there is none of this name.

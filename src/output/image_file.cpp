@@ -13,6 +13,18 @@
 #include "output/png_file.h"
 
 namespace kiln {
+namespace {
+
+// A file of a larger picture is not held in memory while it is encoded: beside a budget it may be as large as the
+// picture. unit: bytes of pixels.
+constexpr std::size_t kEncodedInMemory = std::size_t{16} << 20;
+
+std::size_t pixelBytes(const Image& image) {
+  return sizeof(float) * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+         (4 + image.planes.size());
+}
+
+}  // namespace
 
 bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
 
@@ -31,8 +43,24 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
+  if (!image.edges && pixelBytes(image) > kEncodedInMemory) {
+    RowsOfImage rows(image);
+    return writeImage(rows, metadata, options, path, disk);
+  }
   disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options, path)
                                          : encodePng(image, options.png_bits, path, metadata.text));
+}
+
+void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk) {
+  requireImagePath(path, !rows.bandAt(0).image->planes.empty());
+  ScratchOutput out(path, disk);
+  if (isExrPath(path))
+    encodeExr(rows, metadata, options, path, out);
+  else
+    encodePng(rows, options.png_bits, path, metadata.text,
+              [&](std::span<const std::byte> bytes) { out.write(out.size(), bytes); });
+  out.publish();
 }
 
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,

@@ -12,6 +12,7 @@
 
 #include "base/file.h"
 #include "output/image.h"
+#include "output/image_rows.h"
 
 namespace kiln {
 
@@ -41,9 +42,15 @@ struct ImageFileOptions {
   std::string exr_compression = "zip";
 };
 
-/// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory.
+/// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory, of
+/// up to 16 MiB of pixels; of larger pictures disk space for that file twice.
 /// throws: Error kUsage (another extension; planes in a PNG; an unknown compression), kNoSpace, kIo.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+
+/// The same, band by band: gives the bytes that `writeImage` gives for the whole image. cost: a band, some rows and no
+/// more memory; disk space for the compressed file twice. throws: also what `rows` throws.
+void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
 /// One of several views of a scene, such as what an eye sees.

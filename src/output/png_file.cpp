@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <exception>
 #include <string>
 #include <string_view>
 
@@ -36,7 +37,8 @@ void onWarning(png_structp, png_const_charp) {}
 
 struct Writer {
   Messages messages;
-  std::vector<std::byte> out;
+  const std::function<void(std::span<const std::byte>)>* put = nullptr;
+  std::exception_ptr failure;  // of `put`
   png_structp png = nullptr;
   png_infop info = nullptr;
   ~Writer() { png_destroy_write_struct(&png, &info); }
@@ -51,18 +53,18 @@ struct Reader {
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-bool append(std::vector<std::byte>& out, const png_byte* data, std::size_t count) noexcept {
+bool put(Writer& writer, const png_byte* data, std::size_t count) noexcept {
   try {
-    const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    out.insert(out.end(), bytes, bytes + count);
+    (*writer.put)(std::as_bytes(std::span(data, count)));
     return true;
   } catch (...) {
+    writer.failure = std::current_exception();
     return false;
   }
 }
 
 void onWrite(png_structp png, png_bytep data, png_size_t count) {
-  if (!append(static_cast<Writer*>(png_get_io_ptr(png))->out, data, count)) png_error(png, "out of memory");
+  if (!put(*static_cast<Writer*>(png_get_io_ptr(png)), data, count)) png_error(png, "its bytes are not taken");
 }
 void onFlush(png_structp) {}
 
@@ -112,9 +114,9 @@ void setCompression(png_structp png, int bits) noexcept {
 }
 
 // Each of these returns false where libpng refused; the message is in the writer.
-bool writeHead(png_structp png, png_infop info, std::span<png_text> texts, const Image& image, int bits) noexcept {
+bool writeHead(png_structp png, png_infop info, std::span<png_text> texts, int width, int height, int bits) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits,
                PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   setCompression(png, bits);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
@@ -302,31 +304,44 @@ bool looksLikePng(std::span<const std::byte> data) {
 
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
                                  const std::map<std::string, std::string>& text) {
+  std::vector<std::byte> out;
+  RowsOfImage rows(image);
+  encodePng(rows, bits, path, text,
+            [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
+  return out;
+}
+
+void encodePng(ImageRows& picture, int bits, const std::filesystem::path& path,
+               const std::map<std::string, std::string>& text,
+               const std::function<void(std::span<const std::byte>)>& put) {
   Writer writer;
+  writer.put = &put;
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.messages, onError, onWarning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) throw Error(ErrorCode::kIo, path, "", "libpng could not be started");
   png_set_write_fn(writer.png, &writer, onWrite, onFlush);
   const auto require = [&](bool done) {
+    if (writer.failure) std::rethrow_exception(writer.failure);
     if (!done)
       throw Error(ErrorCode::kIo, path, "", std::string("libpng cannot write this picture: ") + writer.messages.text);
   };
   std::vector<png_text> texts = pngTexts(text);
-  require(writeHead(writer.png, writer.info, texts, image, bits));
+  require(writeHead(writer.png, writer.info, texts, picture.width, picture.height, bits));
   // Some rows at a time, of which several threads convert one each.
   constexpr int kRows = 64;
   const auto pixel_bytes = static_cast<std::size_t>(bits / 2);
-  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * pixel_bytes;
-  std::vector<png_byte> samples(row_bytes * static_cast<std::size_t>(std::min(kRows, image.height)));
-  for (int y = 0; y < image.height; y += kRows) {
-    const int rows = std::min(kRows, image.height - y);
+  const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * pixel_bytes;
+  std::vector<png_byte> samples(row_bytes * static_cast<std::size_t>(std::min(kRows, picture.height)));
+  for (int y = 0; y < picture.height;) {
+    const ImageRows::Band band = picture.bandAt(y);
+    const int rows = std::min(kRows, band.end() - y);
     parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
-      encodeRow(image, y + static_cast<int>(i), bits, samples.data() + i * row_bytes);
+      encodeRow(*band.image, y - band.first_row + static_cast<int>(i), bits, samples.data() + i * row_bytes);
     });
     require(writeRows(writer.png, samples.data(), rows, row_bytes));
+    y += rows;
   }
   require(writeEnd(writer.png, writer.info));
-  return std::move(writer.out);
 }
 
 std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path,

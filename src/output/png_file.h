@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "output/image.h"
+#include "output/image_rows.h"
 
 namespace kiln {
 
@@ -20,6 +22,12 @@ bool looksLikePng(std::span<const std::byte> data);
 /// compressed file in memory beside the image. throws: Error kIo.
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
                                  const std::map<std::string, std::string>& text = {});
+
+/// The same, band by band: passes the file's bytes to `put` piece by piece, from front to back. cost: 64 rows beside a
+/// band. throws: also what `rows` and `put` throw.
+void encodePng(ImageRows& rows, int bits, const std::filesystem::path& path,
+               const std::map<std::string, std::string>& text,
+               const std::function<void(std::span<const std::byte>)>& put);
 
 /// The texts in front of the pixels, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget naming
 /// `path`.

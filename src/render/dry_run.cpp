@@ -13,7 +13,7 @@
 #include "scene/frame_scene.h"
 
 namespace kiln {
-DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
+DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
   if (!job.series) job.series = seriesLook(given, {});
   job.picture.aovs = drawnAovs(job);
@@ -22,7 +22,7 @@ DryRun dryRun(const RenderJob& given, std::uint64_t beside_bytes) {
   const std::vector<const StoreReader*> stores = readersOf(opened);
   const SceneOfJob scenes(job, manifestsOf(opened));
   DryRun out;
-  out.memory = memoryOf(job, stores, scenes, beside_bytes);
+  out.memory = memoryOf(job, stores, scenes, beside);
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;

@@ -25,9 +25,9 @@ struct DryRun {
   std::uint64_t budget_bytes = 0;
 };
 
-/// Of the job's first frame; `beside_bytes` are charged with the image (besideBytes). throws: Error kUsage, kNotFound,
+/// Of the job's first frame; `beside` are charged with the image (besideBytes). throws: Error kUsage, kNotFound,
 /// kFormat, kDamaged (manifest and index); not kBudget: the answer says what works.
-DryRun dryRun(const RenderJob& job, std::uint64_t beside_bytes = 0);
+DryRun dryRun(const RenderJob& job, const MemoryBeside& beside = 0);
 
 /// JSON for `--stats`: the keys of a render's statistics where they mean the same.
 std::string dryRunText(const DryRun& run);

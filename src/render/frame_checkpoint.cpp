@@ -1,19 +1,24 @@
-// The file: records (base/record_file.h), the first of which is the hashes of the frame's files; then each tile
-// (render/tile_image.h).
+// The file: records (base/record_file.h). The first holds the hashes of the frame's files, each of the others a tile
+// (render/tile_image.h). A tile whose pixels are all equal, such as background, is stored as one pixel: most of a large
+// poster of a small object costs no disk.
 #include "render/frame_checkpoint.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "base/byte_record.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/record_file.h"
 #include "render/aov_planes.h"
+#include "render/file_part.h"
 #include "render/frame_files.h"
 #include "render/frame_progress.h"
 #include "render/tile_image.h"
@@ -22,32 +27,95 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '1'};
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '2'};
 // A multiple of what the visibility structure is made of. unit: pixels.
 constexpr int kEdge = 512;
 
 using Place = std::tuple<int, int, int, int>;
 Place placeOf(const PixelRect& at) { return {at.x0, at.y0, at.x1, at.y1}; }
 
+template <class Values>
+bool repeats(const Values& values, std::size_t pixels) {
+  const std::size_t bytes = sizeof(float) * (values.size() / pixels);
+  const auto* const first = reinterpret_cast<const char*>(values.data());
+  // Each pixel equals the one before it.
+  return pixels < 2 || std::memcmp(first, first + bytes, bytes * (pixels - 1)) == 0;
+}
+
+// One pixel if all are equal, bit for bit.
+std::optional<Image> onePixelOf(const Image& tile) {
+  const std::size_t pixels = static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height);
+  const bool flat =
+      repeats(tile.rgba, pixels) && std::all_of(tile.planes.begin(), tile.planes.end(),
+                                                [&](const Plane& plane) { return repeats(plane.values, pixels); });
+  if (!flat) return std::nullopt;
+  Image out(1, 1);
+  std::copy_n(tile.rgba.begin(), 4, out.rgba.begin());
+  for (const Plane& plane : tile.planes) out.planes.push_back({plane.name, ZeroPages<float>(1, plane.values[0])});
+  return out;
+}
+
+Image filledWith(const Image& pixel, const PixelRect& at) {
+  Image out(at.width(), at.height());
+  for (std::size_t i = 0; i < out.rgba.size(); ++i) out.rgba[i] = pixel.rgba[i % 4];
+  for (const Plane& plane : pixel.planes)
+    out.planes.push_back({plane.name, ZeroPages<float>(at.count(), plane.values[0])});
+  return out;
+}
+
+enum class Stored : std::uint8_t { kPixels, kOnePixel };
+
+std::vector<std::byte> recordOf(const PixelRect& at, const Image& tile) {
+  std::vector<std::byte> out;
+  const std::optional<Image> pixel = onePixelOf(tile);
+  appendValue(out, at);
+  appendValue(out, pixel ? Stored::kOnePixel : Stored::kPixels);
+  appendTile(out, at, pixel ? *pixel : tile);
+  return out;
+}
+
+struct PlacedTile {
+  PixelRect at;
+  Image image;
+};
+
+// Nothing where the bytes are no tile.
+std::optional<PlacedTile> tileFrom(std::span<const std::byte> payload) {
+  ByteTaker taker{payload};
+  const auto at = taker.take<PixelRect>();
+  const auto stored = taker.take<Stored>();
+  if (!taker.ok || !(taker.take<PixelRect>() == at) || at.width() < 1 || at.height() < 1 || at.width() > kEdge ||
+      at.height() > kEdge)
+    return std::nullopt;
+  std::optional<Image> image = takeTile(taker, stored == Stored::kOnePixel ? PixelRect{0, 0, 1, 1} : at);
+  if (!image) return std::nullopt;
+  return PlacedTile{at, stored == Stored::kOnePixel ? filledWith(*image, at) : *std::move(image)};
+}
+
 class TileFile {
  public:
-  TileFile(fs::path path, std::string identity) : path_(std::move(path)), identity_(std::move(identity)) {}
+  TileFile(FrameTiles& tiles, std::string identity)
+      : path_(tiles.path), identity_(std::move(identity)), records_(tiles.records) {}
 
-  // Puts the tiles that are there into the image; returns which. throws: Error kExists where the file is of another
-  // picture, or of no picture at all.
-  std::set<Place> read(const std::vector<PixelRect>& tiles, const PixelRect& whole, Image& image) {
+  // Finds the tiles that are there. throws: Error kExists where the file is of another picture, or of no picture at
+  // all.
+  std::set<Place> read(const std::vector<PixelRect>& tiles) {
     std::set<Place> known, found;
     for (const PixelRect& tile : tiles) known.insert(placeOf(tile));
     bool is_first = true, is_ours = false;
+    end_ = kMagic.size();
     const std::optional<std::uint64_t> bytes = readRecords(path_, kMagic, [&](std::span<const std::byte> payload) {
-      ByteTaker taker{payload};
-      if (std::exchange(is_first, false)) return is_ours = taker.takeText() == identity_;
-      const auto at = taker.take<PixelRect>();
-      if (!taker.ok || !known.contains(placeOf(at))) return false;
-      const std::optional<Image> tile = takeTile(taker, at);
-      if (!tile) return false;
-      putTile(*tile, at, whole, image);
-      found.insert(placeOf(at));
+      const std::uint64_t offset = end_ + kRecordHead;
+      if (std::exchange(is_first, false)) {
+        ByteTaker taker{payload};
+        end_ = offset + payload.size();
+        return is_ours = taker.takeText() == identity_;
+      }
+      const std::optional<PlacedTile> tile = tileFrom(payload);
+      if (!tile || !known.contains(placeOf(tile->at))) return false;
+      if (found.insert(placeOf(tile->at)).second)
+        records_.push_back({tile->at, offset, payload.size(), hashOf(payload)});
+      end_ = offset + payload.size();
       return true;
     });
     begun_ = bytes && is_ours;
@@ -70,25 +138,29 @@ class TileFile {
       appendText(identity, identity_);
       appendRecord(beginning, identity);
       disk.writeAtomic(path_, beginning);
+      end_ = beginning.size();
     }
-    std::vector<std::byte> bytes, record;
-    appendTile(bytes, at, tile);
-    appendRecord(record, bytes);
+    std::vector<std::byte> record;
+    const std::vector<std::byte> payload = recordOf(at, tile);
+    appendRecord(record, payload);
     disk.appendFile(path_, record);
+    records_.push_back({at, end_ + kRecordHead, payload.size(), hashOf(payload)});
+    end_ += record.size();
   }
 
-  const fs::path& path() const { return path_; }
-
  private:
+  static constexpr std::uint64_t kRecordHead = sizeof(std::uint32_t) + sizeof(Hash128);
   const fs::path path_;
   const std::string identity_;
+  std::vector<FrameTiles::Record>& records_;
   bool begun_ = false;
+  std::uint64_t end_ = 0;  // of the file, where the next record begins. unit: bytes
 };
 
 std::string identityOf(const OpenedJob& opened, int frame, const FrameScene& scene) {
   std::string out;
   for (const OutputFile& file : filesOf(opened.job(), frame))
-    out += contentHash(opened.job(), file, scene, opened.store()) + "\n";
+    out += contentHash(opened.job(), file, scene, opened.store().manifest()) + "\n";
   return out;
 }
 
@@ -96,9 +168,47 @@ std::string identityOf(const OpenedJob& opened, int frame, const FrameScene& sce
 
 fs::path checkpointOf(const RenderJob& job, int frame) { return filesOf(job, frame).front().path.string() + ".tiles"; }
 
-std::uint64_t checkpointBytes(const RenderJob& job) {
-  // A tile and its record, twice where the record is put together.
-  return 3 * (16 + aovBytes(drawnAovs(job))) * std::uint64_t{kEdge} * kEdge;
+MemoryBeside checkpointMemory(const RenderJob& job) {
+  const PixelRect whole = drawnPixels(job.picture.size, job.picture.crop);
+  const std::uint64_t of_pixel = 16 + aovBytes(drawnAovs(job));
+  // A tile and its record, twice where the record is put together; and a band of rows.
+  MemoryBeside out =
+      of_pixel * (3 * std::uint64_t{kEdge} * kEdge + static_cast<std::uint64_t>(whole.width()) *
+                                                         static_cast<std::uint64_t>(std::min(kEdge, whole.height())));
+  for (const PixelRect& tile : checkpointTiles(whole))
+    if (!out.at_a_time || tile.count() > out.at_a_time->count()) out.at_a_time = tile;
+  return out;
+}
+
+TileRows::TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs)
+    : ImageRows(tiles.whole.width(), tiles.whole.height()), tiles_(tiles), file_(file), aovs_(aovs) {}
+
+TileRows::~TileRows() = default;
+
+ImageRows::Band TileRows::bandAt(int row) {
+  if (part_ && row >= first_row_ && row < first_row_ + band_.height) return {&part_->image(), first_row_};
+  part_.reset();
+  band_ = {};
+  const int y = tiles_.whole.y0 + row;
+  PixelRect rect = tiles_.whole;
+  rect.y0 = std::max(rect.y0, y / kEdge * kEdge);
+  rect.y1 = std::min(rect.y1, (y / kEdge + 1) * kEdge);
+  band_ = Image(rect.width(), rect.height());
+  const File file(tiles_.path);
+  for (const FrameTiles::Record& record : tiles_.records) {
+    if (record.at.y0 != rect.y0) continue;
+    std::vector<std::byte> payload(record.bytes);
+    file.readAt(record.offset, payload);
+    const std::optional<PlacedTile> tile =
+        hashOf(payload) == record.hash ? tileFrom(payload) : std::optional<PlacedTile>();
+    if (!tile)
+      throw Error(ErrorCode::kDamaged, tiles_.path, fmt::format("byte {}", record.offset),
+                  "a finished tile is not what was written; run the same command with --resume");
+    putTile(tile->image, tile->at, rect, band_);
+  }
+  first_row_ = rect.y0 - tiles_.whole.y0;
+  part_ = std::make_unique<FilePart>(band_, file_, aovs_);
+  return {&part_->image(), first_row_};
 }
 
 void requireCheckpoint(const RenderJob& job) {
@@ -130,11 +240,12 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   const FrameRequest request = opened.requestFor(out.scene);
   const PixelRect whole = drawnPixels(request.view.size, request.crop);
   const std::vector<PixelRect> tiles = checkpointTiles(whole);
-  Image& image = out.views.emplace_back(DrawnView{Image(whole.width(), whole.height()), request.view}).image;
-  TileFile file(checkpointOf(opened.job(), frame), identityOf(opened, frame, out.scene));
-  const std::set<Place> kept = file.read(tiles, whole, image);
+  out.views.push_back({Image(), request.view});
+  out.tiles = std::make_shared<FrameTiles>(FrameTiles{checkpointOf(opened.job(), frame), whole, {}});
+  TileFile file(*out.tiles, identityOf(opened, frame, out.scene));
+  const std::set<Place> kept = file.read(tiles);
   if (!kept.empty() && !resume)
-    throw Error(ErrorCode::kExists, file.path(), "",
+    throw Error(ErrorCode::kExists, out.tiles->path, "",
                 fmt::format("{} of {} tiles of this picture are finished; go on from them by --resume, or remove the "
                             "file to begin anew",
                             kept.size(), tiles.size()));
@@ -151,7 +262,6 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
       if (kept.contains(placeOf(at))) continue;
       const Image tile = painter->draw(at);
       file.add(at, tile);
-      putTile(tile, at, whole, image);
       ++finished;
       progress.advance(step.c_str(), "pixels", done += at.count(), whole.count());
     }
@@ -159,7 +269,7 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
     if (error.code() != ErrorCode::kCancelled || finished == 0) throw;
     throw Error(error.code(),
                 fmt::format("{}; {} of {} tiles are kept in {}, and the same command with --resume goes on",
-                            error.what(), finished, tiles.size(), file.path().string()));
+                            error.what(), finished, tiles.size(), out.tiles->path.string()));
   }
   out.statistics = opened.finish(*painter, frame);
   out.continued = !kept.empty();

@@ -13,6 +13,7 @@
 #include "output/image_file.h"
 #include "render/composite_parts.h"
 #include "render/file_part.h"
+#include "render/frame_checkpoint.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/series_look.h"
@@ -70,7 +71,7 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
     statistics.add(drawn.statistics);
     out.text["kiln:statistics"] = statisticsText(statistics);
   }
-  out.text[kHashKey] = contentHash(job, file, drawn.scene, store);
+  out.text[kHashKey] = contentHash(job, file, drawn.scene, store.manifest());
   return out;
 }
 
@@ -123,6 +124,10 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
   const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression};
+  if (drawn.tiles) {
+    TileRows rows(*drawn.tiles, file, aovsOf(job, file));
+    return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
+  }
   std::deque<FilePart> parts;
   std::vector<ImageView> views;
   for (DrawnView& view : viewsIn(file, drawn)) {
@@ -194,11 +199,15 @@ void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
   }
 }
 
+std::string frameText(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
+  return textOf(jobOfFile(job, file, scene), scene);
+}
+
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
-                        const StoreReader& store) {
+                        const Manifest& manifest) {
   RenderJob of_file = jobOfFile(job, file, scene);
   of_file.volume.clear();  // a moved store is the same volume
-  std::string checksums = toHex(store.manifest().index_checksum);
+  std::string checksums = toHex(manifest.index_checksum);
   for (std::size_t i = 0; i < of_file.volumes.size(); ++i) {
     of_file.volumes[i].volume.clear();
     if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
@@ -228,7 +237,7 @@ FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScen
   try {
     text = readImageText(file.path, job.speed.memory_bytes);
     if (const auto hash = text.find(kHashKey);
-        hash != text.end() && hash->second == contentHash(job, file, scene, store)) {
+        hash != text.end() && hash->second == contentHash(job, file, scene, store.manifest())) {
       if (text.contains(ImageMetadata::kDamagedBricks) && !job.picture.skip_damaged) return FoundFile::kDamaged;
       checkImage(file.path, job.speed.memory_bytes);
       return FoundFile::kWhole;

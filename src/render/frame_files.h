@@ -27,10 +27,13 @@ std::filesystem::path keptFramesOf(const VideoOptions& video);
 /// these frames' files are one.
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames);
 
+/// The job that draws a file of a frame, every choice made, as an EXR's header holds it.
+std::string frameText(const RenderJob& job, const OutputFile& file, const FrameScene& scene);
+
 /// What a file's pixels depend on, as a text of 32 digits: the scene, the volume's content, the kind of file and this
 /// version of Kiln. Not: where the files are, which frames there are, threads, memory and exact visibility methods.
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
-                        const StoreReader& store);
+                        const Manifest& manifest);
 
 /// Writes all files of a frame, each of them whole or not at all, and notes how long it took. throws: Error kNoSpace,
 /// kIo.

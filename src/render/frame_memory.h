@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "base/edge_layers.h"
@@ -47,6 +48,14 @@ struct FrameMemory {
   std::uint64_t smallest() const {
     return besideBricks() - shared - behind - slabs + least_slabs - band + least_band - edges + least_edges + brick;
   }
+};
+
+/// What is in memory beside the drawing of a picture.
+struct MemoryBeside {
+  MemoryBeside(std::uint64_t b = 0) : bytes(b) {}
+  std::uint64_t bytes = 0;  // charged with the image
+  /// The picture is never whole in memory: at most these pixels of it are drawn at a time.
+  std::optional<PixelRect> at_a_time;
 };
 
 /// `brick_bytes` is the least that bricks need.

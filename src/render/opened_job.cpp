@@ -114,26 +114,27 @@ std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<Store
 }
 
 FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
-                     std::uint64_t beside_bytes) {
+                     const MemoryBeside& beside) {
   job.picture.samples = scenes.mostSamples();
+  if (beside.at_a_time) job.picture.crop = beside.at_a_time;
   std::uint64_t least = 0;
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
   FrameMemory out = frameMemory(stores, job, least);
-  out.image += beside_bytes;
+  out.image += beside.bytes;
   return out;
 }
 
-OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes, SharedReads* shared,
+OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside, SharedReads* shared,
                      bool writes_behind)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
       scenes_(drawn_job_, manifestsOf(stores_)),
-      memory_(withShared(
-          withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside_bytes), writes_behind, drawn_job_),
-          shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
+      memory_(
+          withShared(withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside), writes_behind, drawn_job_),
+                     shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
       for_ranks_(shared, readersOf(stores_), memory_.shared),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.files()) {}
@@ -156,6 +157,19 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
 void OpenedJob::judge(DrawnFrame& drawn) const {
   if (drawn.continued) return;
   drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), manifestsOf(stores_));
+}
+
+void OpenedJob::noteDeepSamples(Progress& progress) const {
+  if (!drawsDeep(job_) || job_.picture.samples) return;
+  RenderJob flat = drawn_job_;
+  flat.output.deep = false;
+  std::erase_if(flat.output.files, [](const OutputFile& file) { return file.content == Content::kDeep; });
+  const int samples = SceneOfJob(flat, manifestsOf(stores_)).mostSamples();
+  if (samples > 1)
+    progress.note(
+        fmt::format("a deep picture has one sample a pixel, and --samples auto draws a flat one of this job "
+                    "with {}; a flat picture with --samples 1 is the deep one, flattened",
+                    samples));
 }
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {

@@ -24,8 +24,11 @@ struct DrawnView {
   View view;
 };
 
+struct FrameTiles;
+
 struct DrawnFrame {
-  std::vector<DrawnView> views;  // one, or the left eye's and the right eye's
+  std::vector<DrawnView> views;         // one, or the left eye's and the right eye's
+  std::shared_ptr<FrameTiles> tiles{};  // if given, they hold the pixels (render/frame_checkpoint.h), and no view does
   FrameScene scene;
   FrameStatistics statistics;
   bool continued = false;  // parts of it were drawn by an earlier run: statistics are of the rest
@@ -33,11 +36,11 @@ struct DrawnFrame {
 
 class OpenedJob {
  public:
-  /// `job.volume` is a store; of several volumes, each is. `beside_bytes` are the caller's, charged with the image.
+  /// `job.volume` is a store; of several volumes, each is. `beside` are the caller's, charged with the image.
   /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
   /// With `shared`, brick files are read once among all ranks, where memory is left for it. With `writes_behind`, the
   /// caller keeps a frame while it draws the next, where memory is left for that.
-  OpenedJob(const RenderJob& job, Progress& progress, std::uint64_t beside_bytes = 0, SharedReads* shared = nullptr,
+  OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside = 0, SharedReads* shared = nullptr,
             bool writes_behind = false);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
@@ -66,6 +69,9 @@ class OpenedJob {
   std::vector<Doubt> doubts() const;
   /// Sets why the frame shows nothing, if it does.
   void judge(DrawnFrame& drawn) const;
+  /// A deep picture has one sample a pixel. If a flat picture of the job would have more, notes how both can be
+  /// compared.
+  void noteDeepSamples(Progress& progress) const;
   /// What the memory is for, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;
 
@@ -87,10 +93,10 @@ std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<Store
 /// The frame and unit of the job's picture: those of its series, or else the first known ones of these volumes.
 VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests);
 
-/// What drawing the job's first frame takes, with as many samples as any of them has; `beside_bytes` are charged with
+/// What drawing the job's first frame takes, with as many samples as any of them has; `beside` is charged with
 /// the image. throws: as SceneOfJob::at.
 FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
-                     std::uint64_t beside_bytes);
+                     const MemoryBeside& beside);
 
 /// Says how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);

@@ -47,8 +47,8 @@ struct SequenceResult {
 /// all is made by one thread, whatever others do. Of a time series one store is open at a time.
 bool writesBehind(const RenderJob& job);
 
-/// What drawing them so has in memory beside the picture: finished tiles, or those of other ranks. unit: bytes.
-std::uint64_t besideBytes(const RenderJob& job, const SequenceOptions& options);
+/// What drawing them so has in memory beside the picture: tiles and a band of rows, or tiles of other ranks.
+MemoryBeside besideBytes(const RenderJob& job, const SequenceOptions& options);
 
 /// Draws the job's frames and writes their files and its video. Bricks stay in memory from frame to frame; of a time
 /// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is

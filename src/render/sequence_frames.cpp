@@ -35,12 +35,12 @@ void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)
   job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
 }
 
-SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes,
+SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside,
                                FramesRole role)
     : job_(job),
       store_for_(std::move(store_for)),
       progress_(progress),
-      beside_bytes_(beside_bytes),
+      beside_(beside),
       role_(role),
       numbers_(framesOf(job)) {
   requireOutputs(job_, numbers_);
@@ -83,8 +83,9 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   opened_.reset();  // before the next one takes its memory
   if (store_for_) forEachVolume(job, store_for_);
   if (role_.part) job.picture.clipping.part = role_.part;
-  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_bytes_, role_.shared_reads, role_.writes_behind);
+  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
   if (!role_.warns) return *opened_;
+  if (frame == numbers_.front()) opened_->noteDeepSamples(progress_);
   for (const OpenedJob::Doubt& doubt : opened_->doubts()) {
     if (doubted_.insert(doubt.kind).second) progress_.warn(doubt.sentence);
   }

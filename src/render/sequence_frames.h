@@ -40,13 +40,14 @@ struct FramesRole {
 
 class SequenceFrames {
  public:
-  /// `beside_bytes` is charged to the memory with the image. requires: the others outlive this. throws: Error kUsage
+  /// `beside` is charged to the memory with the image. requires: the others outlive this. throws: Error kUsage
   /// where the job names no files for its frames.
-  SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, std::uint64_t beside_bytes = 0,
+  SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside = 0,
                  FramesRole role = {});
 
   const std::vector<int>& numbers() const { return numbers_; }
   const RenderJob& job() const { return job_; }
+  const StoreFor& stores() const { return store_for_; }
   /// A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
   void makeFolders() const;
   /// What is wrong with a frame is known before the first is drawn. Of a time series it is not.
@@ -68,7 +69,7 @@ class SequenceFrames {
   const RenderJob& job_;
   const StoreFor store_for_;
   Progress& progress_;
-  const std::uint64_t beside_bytes_;
+  const MemoryBeside beside_;
   const FramesRole role_;
   const std::vector<int> numbers_;
   std::vector<std::filesystem::path> volumes_;

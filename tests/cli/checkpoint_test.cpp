@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "support/run_tool.h"
+#include "support/sanitized.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -110,6 +111,28 @@ TEST_F(Checkpoint, IsRefusedWherePixelsWouldDependOnIt) {
     const ToolResult refused = runTool(frameTo(picture(), arguments));
     EXPECT_EQ(refused.exit_code, 2) << more.front();
     EXPECT_NE(refused.err.find("--checkpoint"), std::string::npos) << refused.err;
+  }
+}
+
+// The picture alone takes 88 MiB in memory. Its tiles are on the disk, and the file is written from them band by band.
+TEST_F(Checkpoint, APosterLargerThanTheBudgetIsDrawnWithinIt) {
+  for (const std::string name : {"p.png", "p.exr"}) {
+    const auto drawn = [&](const std::string& memory, const fs::path& to, bool kept) {
+      std::vector<std::string> arguments = {
+          "render",   store().string(), "-o",        to.string(), "--tf",         "iso:120",
+          "--zoom",   "0.15",           "--size",    "2400x2400", "--threads",    "2",
+          "--memory", memory,           "--samples", "1",         "--background", "0.1,0.2,0.3"};
+      if (kept) arguments.emplace_back("--checkpoint");
+      return runTool(arguments);
+    };
+    EXPECT_EQ(drawn("44M", directory_ / name, false).exit_code, 1) << "the picture fits";
+    const ToolResult poster = drawn("44M", directory_ / name, true);
+    ASSERT_EQ(poster.exit_code, 0) << poster.err;
+    if (!kSanitized) {
+      EXPECT_LE(poster.peak_resident_bytes, (44ull + 50) << 20) << name;
+    }
+    ASSERT_EQ(drawn("2G", directory_ / ("whole_" + name), false).exit_code, 0);
+    EXPECT_TRUE(readFile(directory_ / name) == readFile(directory_ / ("whole_" + name))) << name;
   }
 }
 

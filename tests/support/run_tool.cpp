@@ -48,15 +48,20 @@ struct Pipe {
 };
 
 // Between fork and exec of a process with threads only such calls are allowed.
-[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, std::uint64_t file_bytes) {
+[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0) ::dup2(null, STDIN_FILENO);
   ::dup2(out.ends[1], STDOUT_FILENO);
   ::dup2(err.ends[1], STDERR_FILENO);
-  if (file_bytes != std::numeric_limits<std::uint64_t>::max()) {
-    const rlimit limit{static_cast<rlim_t>(file_bytes), static_cast<rlim_t>(file_bytes)};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
+  if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(127);
+  const auto limitTo = [](auto resource, std::uint64_t most) {
+    if (most == std::numeric_limits<std::uint64_t>::max()) return;
+    const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
+    ::setrlimit(resource, &limit);
+  };
+  limitTo(RLIMIT_FSIZE, options.file_bytes);
+  limitTo(RLIMIT_AS, options.address_bytes);
+  limitTo(RLIMIT_NOFILE, options.open_files);
   ::execvp(arguments[0], arguments);
   ::_exit(127);
 }
@@ -106,7 +111,7 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
   Pipe out, err(options.terminal_columns);
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) becomeTool(raw.data(), out, err, options.file_bytes);
+  if (child == 0) becomeTool(raw.data(), out, err, options);
   out.closeWriter();
   err.closeWriter();
 
@@ -126,8 +131,10 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
     }
   }
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
+  result.peak_resident_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   return result;
 }

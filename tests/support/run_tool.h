@@ -17,6 +17,11 @@ struct ToolOptions {
   double seconds = 600;
   /// The largest file the child may write: a full disk for one process. unit: bytes.
   std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
+  /// The child's limits, as `ulimit -v` and `ulimit -n` set them. unit: bytes; files.
+  std::uint64_t address_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t open_files = std::numeric_limits<std::uint64_t>::max();
+  /// The child's working directory; this process's if empty.
+  std::filesystem::path directory{};
   /// Under mpirun with so many ranks, on this machine; 0 without. requires: canRunRanks().
   int ranks = 0;
   /// Asked every millisecond; once it says true the child gets SIGINT.
@@ -33,6 +38,7 @@ struct ToolResult {
   bool timed_out = false;
   bool interrupted = false;  // SIGINT was sent while it ran
   std::string out, err;
+  std::uint64_t peak_resident_bytes = 0;  // as the system counted it; under mpirun, of mpirun itself
   /// shape: the lines of `err`, without those a slow machine adds: progress, one every ten seconds.
   std::vector<std::string> errorLines() const;
 };
