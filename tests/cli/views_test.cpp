@@ -50,7 +50,9 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
   for (const std::string& projection : {std::string("perspective"), std::string("orthographic")}) {
     const std::vector<std::string> look = {"--tf",     "ct-bone-and-skin", "--projection",
                                            projection, "--exr-type",       "half"};
-    drawn("flat.exr", look);
+    std::vector<std::string> flat = look;
+    flat.insert(flat.end(), {"--samples", "1"});
+    drawn("flat.exr", flat);
     std::vector<std::string> deep = look;
     deep.insert(deep.end(), {"--deep", "--deep-samples", "7", "--deep-error", "0.001"});
     drawn("deep.exr", deep);
@@ -73,6 +75,20 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
     const float over = near.rgba[i] + (1 - near.rgba[i | 3]) * far.rgba[i];
     ASSERT_NEAR(both.rgba[i], over, 2e-3f) << i;
   }
+}
+
+// The number of samples in the note is the number in the flat picture's own job.
+TEST_F(ViewsCli, ADeepPictureOfAutomaticSamplesSaysWhatAFlatOneHas) {
+  const std::vector<std::string> look = {"--tf", "ct-bone-and-skin"};
+  drawn("flat.exr", look);
+  ASSERT_NE(readImageText(in("flat.exr")).at(ImageMetadata::kJob).find("\"samples\": 4"), std::string::npos);
+  const std::string note =
+      "a deep picture has one sample a pixel, and --samples auto draws a flat one of this job with 4";
+  EXPECT_NE(drawn("deep.exr", {"--tf", "ct-bone-and-skin", "--deep"}).err.find(note), std::string::npos);
+  EXPECT_EQ(drawn("deep.exr", {"--tf", "ct-bone-and-skin", "--deep", "--samples", "1"}).err.find("sample"),
+            std::string::npos);
+  // A picture of large voxels has one sample a pixel anyhow.
+  EXPECT_EQ(drawn("deep.exr", {"--deep", "--size", "400x400"}).err.find("sample"), std::string::npos);
 }
 
 TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {
