@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 #include "base/memory.h"
@@ -21,7 +22,11 @@ BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t bud
                 fmt::format("{} is too little: reading one brick takes {}; give at least that",
                             formatBytes(budget_bytes), formatBytes(smallest)));
   }
-  for (unsigned i = 0; i < readers; ++i) readers_.emplace_back([this] { readAhead(); });
+  try {
+    for (unsigned i = 0; i < readers; ++i) readers_.emplace_back([this] { readAhead(); });
+  } catch (const std::system_error&) {
+    // The system gives no more threads (ulimit -u, -v): those that there are read ahead, or nobody does.
+  }
 }
 
 BrickCache::~BrickCache() {

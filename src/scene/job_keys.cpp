@@ -27,7 +27,8 @@ constexpr JobKey kRootKeys[] = {
     {"window",
      R"({"$ref": "pair", "description": "[centre, width] of values: the function's first and last points lie at its ends"})"},
     {"shading", R"({"$ref": "shading"})"},
-    {"lights", R"({"anyOf": [{"type": "array", "items": {"$ref": "light"}}, {"$ref": "lightsKeyframes"}]})"},
+    {"lights",
+     R"({"anyOf": [{"type": "array", "items": {"$ref": "light"}, "maxItems": 64}, {"$ref": "lightsKeyframes"}]})"},
     {"region", R"({"description": "voxels [x0, y0, z0, x1, y1, z1], half-open", "type": "array",
                    "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
     {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
@@ -36,7 +37,8 @@ constexpr JobKey kRootKeys[] = {
                  "anyOf": [{"type": "string", "pattern": "^[0-9]+/[0-9]+$"},
                            {"type": "array", "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15},
                             "minItems": 6, "maxItems": 6}]})"},
-    {"clip", R"({"anyOf": [{"type": "array", "items": {"$ref": "clipPlane"}}, {"$ref": "clipKeyframes"}]})"},
+    {"clip",
+     R"({"anyOf": [{"type": "array", "items": {"$ref": "clipPlane"}, "maxItems": 64}, {"$ref": "clipKeyframes"}]})"},
     {"visibility", R"({"$ref": "visibility"})"},
     {"mode", R"({"enum": "mode"})"},
     {"lattice", R"({"enum": "lattice"})"},
@@ -72,7 +74,7 @@ constexpr JobKey kVolumeKeys[] = {
                    "items": {"type": "integer", "minimum": -1e15, "maximum": 1e15}, "minItems": 6, "maxItems": 6})"},
     {"worldRegion", R"({"description": "a box of the world [x0, y0, z0, x1, y1, z1]", "type": "array",
                         "items": {"$ref": "length"}, "minItems": 6, "maxItems": 6})"},
-    {"clip", R"({"type": "array", "items": {"$ref": "clipPlane"}})"},
+    {"clip", R"({"type": "array", "items": {"$ref": "clipPlane"}, "maxItems": 64})"},
 };
 
 constexpr JobKey kImageKeys[] = {
@@ -134,9 +136,9 @@ constexpr JobKey kFunctionKeyKeys[] = {
     {"function", R"({"anyOf": [{"$ref": "text"}, {"$ref": "transferFunction"}]})"},
 };
 constexpr JobKey kLightsKeyKeys[] = {
-    kFrameKey, kEaseKey, {"lights", R"({"type": "array", "items": {"$ref": "light"}})"}};
+    kFrameKey, kEaseKey, {"lights", R"({"type": "array", "items": {"$ref": "light"}, "maxItems": 64})"}};
 constexpr JobKey kClipKeyKeys[] = {
-    kFrameKey, kEaseKey, {"planes", R"({"type": "array", "items": {"$ref": "clipPlane"}})"}};
+    kFrameKey, kEaseKey, {"planes", R"({"type": "array", "items": {"$ref": "clipPlane"}, "maxItems": 64})"}};
 constexpr JobKey kStereoKeyKeys[] = {
     kFrameKey,
     kEaseKey,

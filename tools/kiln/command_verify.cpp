@@ -57,7 +57,7 @@ void addVerify(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "the store")->required();
   addMemory(*command, a->memory, "bricks")->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
-      ->check(wholeNumberFrom(0))
+      ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

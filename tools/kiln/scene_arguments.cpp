@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
+#include "scene/scene_limits.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -131,6 +132,12 @@ void SceneArguments::apply(PictureOptions& picture) const {
   applyWeight(diffuse, 1000, "--diffuse", s.diffuse);
   applyWeight(specular, 1000, "--specular", s.specular);
   applyWeight(power, 1e4, "--power", s.power);
+  if (lights.size() > kMostLights)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--light: expected at most {} lights, found {}", kMostLights, lights.size()));
+  if (planes.size() > kMostClipPlanes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--clip: expected at most {} planes, found {}", kMostClipPlanes, planes.size()));
   if (!lights.empty()) {
     s.lights.clear();
     for (const std::string& light : lights) s.lights.push_back(lightFrom(light));

@@ -51,11 +51,13 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
   return {static_cast<int>(values[0]), static_cast<int>(values[1])};
 }
 
-CLI::Validator wholeNumberFrom(int least) {
-  const auto refused = [least](std::string& text) {
+CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
+  const auto refused = [least, most](std::string& text) {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc() && end == text.data() + text.size() && value >= least) return std::string();
+    if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+      return std::string();
+    if (most < INT64_MAX) return fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
     return fmt::format("expected a whole number from {} on, found '{}'", least, text);
   };
   return {refused, ""};

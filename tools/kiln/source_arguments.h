@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -10,7 +11,10 @@
 namespace kiln::tool {
 
 /// Of an option or a number of it: a whole number from `least` on.
-CLI::Validator wholeNumberFrom(int least);
+CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
+
+/// The most that --threads and a job's "threads" may be.
+inline constexpr std::int64_t kMostThreads = 4096;
 
 struct SourceArguments {
   std::string dims, type, endian, spacing, grid, series;
