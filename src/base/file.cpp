@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/io_count.h"
 #include "base/text.h"
 
 namespace kiln {
@@ -49,6 +50,7 @@ void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(offset.value_or(0) + done));
     done += static_cast<std::size_t>(put);
+    countIo();
   }
 }
 
@@ -68,6 +70,7 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) break;
     done += static_cast<std::size_t>(put);
+    countIo();
     if (done % kBlock != 0) break;
   }
   ::fcntl(file, F_SETFL, flags);
@@ -150,6 +153,7 @@ std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) con
     if (got < 0) throw systemError(errno, path_, "reading at byte " + std::to_string(offset + done));
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
+    countIo();
   }
   // A reader that takes the end of the file for the end of the data would lose the rest without an error.
   if (done < out.size() && offset + done < size_) {

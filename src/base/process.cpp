@@ -23,6 +23,11 @@ extern char** environ;
 
 namespace kiln {
 
+std::string hostName() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 && name[0] != 0 ? name : "an unknown host";
+}
+
 FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
     : program_(program) {
   int ends[2] = {-1, -1};

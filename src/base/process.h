@@ -1,4 +1,4 @@
-// Another program that is fed through a pipe, without a shell.
+// The machine's name, and another program that is fed through a pipe, without a shell.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,9 @@
 #include <vector>
 
 namespace kiln {
+
+/// The name of this machine; "an unknown host" if the system has none.
+std::string hostName();
 
 /// The program's standard input is what `write` is given, its standard output goes nowhere, and what it complains of is
 /// kept. Destroyed before `finish`, it is ended at once.

@@ -8,16 +8,19 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <list>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
+#include "cluster/rank_watch.h"
 #include "cluster/ranks.h"
 
 namespace kiln {
@@ -26,7 +29,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Tags of Kiln's own are below; these are the collectives' and the counters'.
-constexpr int kGatherTag = Ranks::kTags, kAddTag = kGatherTag + 1, kAddedTag = kGatherTag + 2;
+constexpr int kGatherTag = Ranks::kTags, kAddTag = kGatherTag + 1, kAddedTag = kGatherTag + 2,
+              kPulseTag = kGatherTag + 3;
 // What one call of a collective moves at most: MPI counts in int.
 constexpr std::size_t kLargestCall = std::size_t{1} << 30;
 
@@ -59,6 +63,7 @@ class MpiRanks : public Ranks {
   ~MpiRanks() override {
     failures_.reset();
     waitUntil([this] { return outgoingDone(); });
+    endPulses();
     barrier();
     service_ = {};
     if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
@@ -93,6 +98,7 @@ class MpiRanks : public Ranks {
   std::optional<RankMessage> poll(int tag) override {
     std::optional<Incoming> incoming;
     locked([&] { incoming = begin(tag, std::nullopt); });
+    noteWaiting();
     if (!incoming) return std::nullopt;
     return finish(std::move(*incoming));
   }
@@ -153,6 +159,10 @@ class MpiRanks : public Ranks {
     return traffic_;
   }
 
+  void watch(double seconds, std::function<void(const std::string&)> found) override {
+    locked([&] { watch_.emplace(rank_, count_, seconds, std::move(found)); });
+  }
+
   bool claimFailure() override {
     // Where the first rank is gone there is no answer: mpirun ends this one before it waits for long.
     return failures_->add(0, 1) == 0;
@@ -197,6 +207,7 @@ class MpiRanks : public Ranks {
     for (int tries = 0;; ++tries) {
       locked([&] { is_done = done(); });
       if (is_done) break;
+      noteWaiting();
       if (tries < 20) {
         std::this_thread::yield();
         continue;
@@ -301,11 +312,55 @@ class MpiRanks : public Ranks {
   void serve(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::string silent;
       locked([&] {
         answerAll();
         outgoingDone();
+        if (!watch_) return;
+        if (const auto pulse = watch_->ownPulse()) sendPulse(*pulse);
+        hearPulses();
+        silent = watch_->silentRanks();
       });
+      // Without the lock: the handler makes calls of its own.
+      if (!silent.empty()) watch_->found()(silent);
     }
+  }
+
+  // Requires the lock. Every rank reports to the first one, which reports to all.
+  void sendPulse(const Pulse& pulse) {
+    for (int to = first() ? 1 : 0; to < (first() ? count_ : 1); ++to) {
+      Outgoing& out = outgoing_.emplace_back();
+      const auto bytes = std::as_bytes(std::span(&pulse, 1));
+      out.bytes.assign(bytes.begin(), bytes.end());
+      MPI_Isend(out.bytes.data(), static_cast<int>(out.bytes.size()), MPI_BYTE, to, kPulseTag, MPI_COMM_WORLD,
+                &out.request);
+    }
+  }
+
+  // Requires the lock. Pulses are so small that they are handed over at once.
+  void hearPulses() {
+    int there = 0;
+    MPI_Status status;
+    while (MPI_Iprobe(MPI_ANY_SOURCE, kPulseTag, MPI_COMM_WORLD, &there, &status), there != 0) {
+      Pulse pulse;
+      MPI_Recv(&pulse, sizeof(pulse), MPI_BYTE, status.MPI_SOURCE, kPulseTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+      watch_->heard(status.MPI_SOURCE, pulse);
+    }
+  }
+
+  // Collective in effect: no pulse is on its way when this returns, so that MPI may be finalised.
+  void endPulses() {
+    if (!watch_) return;
+    locked([&] { sendPulse(watch_->lastPulse()); });
+    waitUntil([this] {
+      hearPulses();
+      return watch_->allEnded() && outgoingDone();
+    });
+  }
+
+  // The thread that does what all ranks do together waits for others: this rank itself is well.
+  void noteWaiting() {
+    if (std::this_thread::get_id() == main_ && watch_) watch_->noteWaiting();
   }
 
   int rank_ = 0, count_ = 1;
@@ -318,6 +373,8 @@ class MpiRanks : public Ranks {
   std::uint64_t next_set_ = 0;
   std::map<std::uint64_t, std::vector<std::uint64_t>> sets_;  // of MasterCounters, on the first rank
   std::unique_ptr<SharedCounters> failures_;
+  std::optional<RankWatch> watch_;
+  const std::thread::id main_ = std::this_thread::get_id();
   std::jthread service_;
 };
 
@@ -328,6 +385,8 @@ bool endsByError() { return std::uncaught_exceptions() > 0; }
 class WindowCounters : public SharedCounters {
  public:
   WindowCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
+    // MPI_Win_allocate holds the lock until all ranks have called it, and meanwhile no pulse is sent.
+    ranks_.barrier();
     const std::scoped_lock lock(ranks.mutex_);
     const std::size_t bytes = ranks.first() ? count * sizeof(std::uint64_t) : 0;
     void* memory = nullptr;

@@ -73,6 +73,11 @@ class Ranks {
                       std::span<const int> order) = 0;
 
   virtual RankTraffic traffic() const = 0;
+
+  /// From here on, calls found(sentence) once another rank has for `seconds` neither answered, nor read, written,
+  /// computed or waited for other ranks. The sentence names all such ranks and their hosts. Does nothing in a world
+  /// without messages between processes. thread: `found` is called by a thread of the ranks' own; it ends the process.
+  virtual void watch(double /*seconds*/, std::function<void(const std::string& sentence)> /*found*/) {}
   /// Whether this rank is the first to fail, and so the one whose sentence is shown.
   virtual bool claimFailure() = 0;
   /// Ends all ranks at once.

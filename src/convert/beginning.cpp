@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/byte_record.h"
-#include "base/hash.h"
+#include "cluster/agreement.h"
 #include "convert/earlier_bricks.h"
 #include "store/brick_codec.h"
 
@@ -36,24 +36,14 @@ std::optional<JournalContent> resumable(Destination& destination, const Manifest
   return found;
 }
 
-std::vector<std::byte> hashBytesOf(const std::string& identity) {
-  std::vector<std::byte> out;
-  appendValue(out, hashOf(identity));
-  return out;
-}
-
 }  // namespace
 
 void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ranks) {
-  if (ranks.alone()) return;
-  const std::vector<std::vector<std::byte>> all = ranks.gather(hashBytesOf(identityOf(draft)));
-  for (std::size_t rank = 1; rank < all.size(); ++rank) {
-    if (all[rank] == all[0]) continue;
-    throw Error(ErrorCode::kFormat, info.files.empty() ? fs::path() : info.files.front(), "",
-                fmt::format("is not the same on ranks 0 and {}; give all of them one file, on a disk that all see, and "
-                            "the same version of Kiln",
-                            rank));
-  }
+  const std::string file = info.files.empty() ? std::string("the volume") : info.files.front().string();
+  const RankFact facts[] = {{"the volume", identityOf(draft), [&](const std::string&, const std::string&) {
+                               return file + " is not the same file there and here";
+                             }}};
+  requireAgreement(ranks, facts);
 }
 
 void share(Beginning& beginning, Ranks& ranks) {

@@ -6,7 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "cluster/agreement.h"
 #include "cluster/shared_lists.h"
+#include "render/rank_facts.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -27,6 +29,7 @@ RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& opti
 SequenceResult RankedSequence::run() {
   if (ranks_.first()) frames_.makeFolders();
   frames_.requireScenes();
+  requireAgreement(ranks_, frameFacts(job_, frames_.stores()));
   if (ranks_.first()) listener_.started(job_, frames_.numbers());
   findKept();
   if (ranks_.first() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());

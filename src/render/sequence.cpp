@@ -9,9 +9,11 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/trace.h"
+#include "cluster/agreement.h"
 #include "render/brick_sequence.h"
 #include "render/empty_frame.h"
 #include "render/frame_checkpoint.h"
+#include "render/rank_facts.h"
 #include "render/series_volumes.h"
 #include "render/shared_sequence.h"
 
@@ -135,8 +137,9 @@ bool writesBehind(const RenderJob& job) {
   return framesOf(job).size() > 1 && !isSeries(job) && ThreadLimit::active() > 1;
 }
 
-std::uint64_t besideBytes(const RenderJob& job, const SequenceOptions& options) {
-  if (options.ranks == nullptr || options.ranks->alone()) return options.checkpoint ? checkpointBytes(job) : 0;
+MemoryBeside besideBytes(const RenderJob& job, const SequenceOptions& options) {
+  if (options.ranks == nullptr || options.ranks->alone())
+    return options.checkpoint ? checkpointMemory(job) : MemoryBeside();
   return job.distribution == Distribution::kBricks ? partBytes(job) : sharedTileBytes(job);
 }
 
@@ -144,6 +147,8 @@ SequenceResult runSequence(const RenderJob& given, const SequenceOptions& option
                            SequenceListener& listener) {
   const ThreadLimit threads(given.speed.threads);
   RenderJob job = given;
+  // Before the first step that ranks do together: its messages depend on frames and volumes.
+  if (options.ranks != nullptr) requireAgreement(*options.ranks, jobFacts(job, options));
   if (!job.series) job.series = seriesLook(job, options.store_for, options.resume, options.ranks);
   if (job.series && (options.ranks == nullptr || options.ranks->first())) progress.note(job.series->choice);
   std::optional<Trace> trace;

@@ -55,15 +55,15 @@ TEST_F(Ranks, OneSentenceSaysWhatFailed) {
   EXPECT_EQ(said(wrong), 1) << wrong.err;
 }
 
-// Kills one process of the program whose command line names the folder.
-bool killOneRank(const std::string& folder) {
+// Sends a signal to one process of the program whose command line names the folder.
+bool signalOneRank(const std::string& folder, int signal) {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
     std::ifstream file(entry.path() / "cmdline");
     const std::string words((std::istreambuf_iterator<char>(file)), {});
     if (words.starts_with(KILN_TOOL) && words.find(folder) != std::string::npos)
-      return ::kill(std::stoi(name), SIGKILL) == 0;
+      return ::kill(std::stoi(name), signal) == 0;
   }
   return false;
 }
@@ -91,6 +91,18 @@ class RanksRender : public Ranks {
     const ToolResult result = run(ranks, arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(readTextFile(stats));
+  }
+
+  // Two ranks, each with a working directory and a command of its own.
+  ToolResult inFolders(const std::string& first, const std::vector<std::string>& command, const std::string& second,
+                       const std::vector<std::string>& other) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), {":", "-n", "1", "--wdir", (directory_ / second).string(), KILN_TOOL});
+    arguments.insert(arguments.end(), other.begin(), other.end());
+    ToolOptions options;
+    options.ranks = 1;
+    options.directory = directory_ / first;
+    return runTool(arguments, options);
   }
 
   std::string volume_;
@@ -285,7 +297,8 @@ TEST_F(RanksRender, ARankThatIsKilledEndsTheJobAndResumeCompletesIt) {
   options.seconds = 60;
   bool killed = false;
   options.interrupt_when = [&] {
-    if (!killed && fs::exists(directory_ / "many/t_02.exr")) killed = killOneRank((directory_ / "many").string());
+    if (!killed && fs::exists(directory_ / "many/t_02.exr"))
+      killed = signalOneRank((directory_ / "many").string(), SIGKILL);
     return false;
   };
   const ToolResult result = runTool({"render", volume_, "--threads", "1", "-o", (directory_ / "many/t_##.exr").string(),
@@ -301,6 +314,89 @@ TEST_F(RanksRender, ARankThatIsKilledEndsTheJobAndResumeCompletesIt) {
   auto files = filesOf(directory_ / "many");
   std::erase_if(files, [](const auto& file) { return file.first.ends_with(".tmp"); });
   EXPECT_TRUE(files == filesOf(directory_ / "one"));
+}
+
+// One rank has another volume of the same name, as on a disk of its own. Known because its pictures differ.
+TEST_F(RanksRender, ARankWithAnotherVolumeIsRefused) {
+  for (const char* folder : {"zero", "other"}) fs::create_directories(directory_ / folder);
+  fs::copy(volume_, directory_ / "zero/h.kiln", fs::copy_options::recursive);
+  ASSERT_EQ(runTool({"convert", "phantom:head:48x48x48", (directory_ / "other/h.kiln").string()}).exit_code, 0);
+  for (const char* shared_by : {"tiles", "frames", "bricks"}) {
+    const std::vector<std::string> render = {
+        "render",       "h.kiln", "-o",          (directory_ / "many/t_#.exr").string(),
+        "--size",       "40x40",  "--turntable", "2",
+        "--samples",    "1",      "--tf",        "ct-skin",
+        "--distribute", shared_by};
+    const ToolResult result = inFolders("zero", render, "other", render);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.err.find("rank 1 on "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("the store h.kiln is another volume, with checksum "), std::string::npos) << result.err;
+    EXPECT_TRUE(fs::is_empty(directory_ / "many")) << shared_by;
+  }
+  // A time series that differs in its second frame only.
+  for (const char* folder : {"zero", "other"}) {
+    for (const char* name : {"s_1.kiln", "s_2.kiln"})
+      fs::copy(directory_ / "zero/h.kiln", directory_ / folder / name, fs::copy_options::recursive);
+  }
+  fs::remove_all(directory_ / "other/s_2.kiln");
+  fs::copy(directory_ / "other/h.kiln", directory_ / "other/s_2.kiln", fs::copy_options::recursive);
+  const std::vector<std::string> series = {"render", "s_#.kiln", "-o",       (directory_ / "many/s_#.exr").string(),
+                                           "--size", "40x40",    "--frames", "1-2"};
+  const ToolResult result = inFolders("zero", series, "other", series);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("the store s_2.kiln is another volume"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::is_empty(directory_ / "many"));
+}
+
+TEST_F(RanksRender, ARankWithAnotherCommandOrJobIsRefused) {
+  const std::string picture = (directory_ / "many/a.png").string();
+  const std::vector<std::string> render = {"render", volume_, "-o", picture, "--size", "40x40"};
+  const auto expectRefused = [&](const std::vector<std::string>& other, const std::string& mention) {
+    const ToolResult result = inFolders("one", render, "one", other);
+    EXPECT_EQ(result.exit_code, 1) << mention;
+    EXPECT_NE(result.err.find("kiln: rank 0 of 2: rank 1 on "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(mention), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(picture)) << mention;
+  };
+  expectRefused({"render", volume_, "-o", picture, "--size", "40x41"}, "--size is 40x41 there and 40x40 here");
+  expectRefused({"render", volume_, "-o", picture, "--size", "40x40", "--dry-run"}, "--dry-run is ");
+  expectRefused({"info", volume_}, "the command is info there and render here");
+  expectRefused({"render", volume_, "--sideways"}, "--sideways there and not given here");
+  // One name of a job, and two jobs.
+  for (const auto& [folder, ambient] : {std::pair{"zero", "0.2"}, std::pair{"other", "0.4"}}) {
+    fs::create_directories(directory_ / folder);
+    FileSystem::real().writeAtomic(directory_ / folder / "job.json",
+                                   R"({"kiln": 1, "volume": ")" + volume_ + R"(", "output": ")" + picture +
+                                       R"(", "image": {"width": 40, "height": 40}, "shading": {"ambient": )" + ambient +
+                                       "}}");
+  }
+  const ToolResult result = inFolders("zero", {"render", "job.json"}, "other", {"render", "job.json"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("shading.ambient is 0.4 there and 0.2 here"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(picture));
+}
+
+// Stopped, a rank answers nothing; all others would wait for it without end.
+TEST_F(RanksRender, ARankThatIsStoppedEndsTheJobAndIsNamed) {
+  ToolOptions options;
+  options.ranks = 2;
+  options.seconds = 60;
+  bool stopped = false;
+  options.interrupt_when = [&] {
+    if (!stopped && fs::exists(directory_ / "many/t_001.png"))
+      stopped = signalOneRank((directory_ / "many").string(), SIGSTOP);
+    return false;
+  };
+  const ToolResult result =
+      runTool({"render", volume_, "--threads", "1", "-o", (directory_ / "many/t_###.png").string(), "--size", "200x200",
+               "--turntable", "999", "--rank-timeout", "2"},
+              options);
+  ASSERT_TRUE(stopped);
+  EXPECT_FALSE(result.timed_out);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find(" s; it is stopped, or its machine or network is gone; --rank-timeout 2 ends"),
+            std::string::npos)
+      << result.err;
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
   addMemory(*command, a->memory, "buffers; under mpirun of each rank")->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
-      ->check(wholeNumberFrom(0))
+      ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   command->add_option("--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
       ->capture_default_str();
@@ -174,6 +174,7 @@ void addConvert(CLI::App& app, Context& context) {
       ->add_flag("--resume", a->resume,
                  "go on with an interrupted conversion of the same input with the same options, or begin")
       ->excludes(overwrite);
+  addRankTimeout(*command, context);
   addSourceArguments(*command, a->source);
   command->callback([a, &context] {
     context.by_all_ranks = true;

@@ -180,8 +180,9 @@ void applyFrames(const RenderArguments& a, RenderJob& job) {
   requireStillCamera(a, job);
   if (a.frames) job.frames = parseFrames(*a.frames, "--frames");
   if (a.turntable) {
-    if (*a.turntable < 1)
-      throw Error(ErrorCode::kUsage, fmt::format("--turntable: expected at least 1 frame, found {}", *a.turntable));
+    if (*a.turntable < 1 || static_cast<std::size_t>(*a.turntable) > kMostFrames)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--turntable: expected 1 to {} frames, found {}", kMostFrames, *a.turntable));
     job.animation.camera = Turntable{*a.turntable, 360, std::nullopt};
   }
   if (a.tf) job.animation.functions.clear();
@@ -353,7 +354,7 @@ void requireStatisticsPlace(const RenderArguments& a) {
 }
 
 // Says what the render would cost, and fails where the memory given is too little.
-void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, std::uint64_t beside_bytes,
+void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, const MemoryBeside& beside,
              TerminalProgress& progress) {
   requireStatisticsPlace(a);
   const int first = framesOf(job).front();
@@ -363,7 +364,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
     const fs::path store = madeStoreFor(of_first, input.of(of_first));
     return store == of_first ? volume : store;
   });
-  const DryRun cost = dryRun(job, beside_bytes);
+  const DryRun cost = dryRun(job, beside);
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
   if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
     say("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
@@ -558,7 +559,8 @@ void addJobOptions(CLI::App& command, RenderArguments& a) {
       "is a terminal), plain (a line every ten seconds), json (events on standard output, one a line) or none");
 }
 
-void addRankOptions(CLI::App& command, RenderArguments& a) {
+void addRankOptions(CLI::App& command, RenderArguments& a, Context& context) {
+  addRankTimeout(command, context);
   command.add_option(
       "--distribute", a.distribute,
       "under mpirun, what the ranks share: tiles of frames, whole frames, bricks (each rank draws its own, "
@@ -657,7 +659,7 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
 
 void addCostOptions(CLI::App& command, RenderArguments& a) {
   addMemory(command, a.memory, fmt::format("image, index and bricks; {} if not given", kDefaultMemory));
-  command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0));
+  command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0, kMostThreads));
   command.add_flag(
       "--strict", a.strict,
       "exit with 1 where a warning says that the picture is not what was asked for: it is empty, bricks are "
@@ -698,7 +700,7 @@ void addRender(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("render", "draw a picture of a store, of a foreign file, or of what a job says");
   addJobOptions(*command, *a);
-  addRankOptions(*command, *a);
+  addRankOptions(*command, *a, context);
   addPixelOptions(*command, *a);
   addCameraOptions(*command, *a);
   addLookOptions(*command, *a);

@@ -16,7 +16,11 @@ struct Context {
   std::function<void()> action;  // what the chosen command does
   Ranks* ranks = nullptr;        // under mpirun several; else one
   bool by_all_ranks = false;     // the action is for every rank; else for the first, while the others wait
+  double rank_timeout_s = 300;   // a rank that does nothing for so long ends the run; 0: never
 };
+
+/// Adds --rank-timeout to a command that all ranks run.
+void addRankTimeout(CLI::App& command, Context& context);
 
 void addConvert(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);

@@ -4,14 +4,22 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
+#include <optional>
+#include <string>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include "base/error.h"
+#include "cluster/agreement.h"
 #include "commands.h"
 #include "say.h"
 
@@ -51,6 +59,31 @@ std::string emptyArgument(const CLI::App& app) {
   return {};
 }
 
+constexpr const char* kNoMemory = "the machine has no more memory to give; lower --memory or the image's size";
+constexpr const char* kNoThread =
+    "the system gives this process no more threads or memory (ulimit -u, -v); lower --threads, or raise the limit";
+
+// Ends the process in one line if a thread, or a library before `main`, is refused memory or a thread.
+[[noreturn]] void endUnhandled() {
+  try {
+    if (const std::exception_ptr unhandled = std::current_exception()) std::rethrow_exception(unhandled);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "kiln: %s\n", kNoMemory);
+    std::_Exit(1);
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again) {
+      std::fprintf(stderr, "kiln: %s\n", kNoThread);
+      std::_Exit(1);
+    }
+  } catch (...) {
+  }
+  std::abort();
+}
+
+void handleUnhandled(int /*argc*/, char** /*argv*/, char** /*environment*/) { std::set_terminate(endUnhandled); }
+// Before the constructors of shared libraries: some of those that OpenVDB needs start threads there.
+[[gnu::used, gnu::section(".preinit_array")]] void (*const before_libraries)(int, char**, char**) = handleUnhandled;
+
 std::string unexpected(const std::exception& error) {
   return std::string("unexpected: ") + error.what() + "; this is a defect, please report it";
 }
@@ -76,6 +109,39 @@ int fail(kiln::tool::Context& context, const std::string& sentence, int exit_cod
 constexpr const char* kUnsaid = "standard output: could not be written to its end; is the disk full?";
 bool saidAll() { return std::fflush(stdout) == 0 && std::ferror(stdout) == 0; }
 
+// Options by which each rank may differ: how fast it works, and what it writes for itself.
+bool isOfOneRank(const CLI::Option& option) {
+  static constexpr const char* kNames[] = {"--threads",  "--memory",      "--stats",       "--trace",
+                                           "--progress", "--store-local", "--rank-timeout"};
+  return std::any_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return option.check_name(name); });
+}
+
+// The command line as all ranks must have it, and how it was read.
+std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string& refused) {
+  std::vector<kiln::RankFact> out = {{"the version of kiln", KILN_VERSION}, {"the command line's error", refused}};
+  std::string chosen;
+  for (const CLI::App* const command : app.get_subcommands()) chosen += command->get_name();
+  out.push_back({"the command", chosen});
+  for (const CLI::App* const command : app.get_subcommands()) {
+    for (const CLI::Option* const option : command->get_options()) {
+      if (isOfOneRank(*option)) continue;
+      std::string values;
+      for (const std::string& value : option->results()) values += (values.empty() ? "" : " ") + value;
+      out.push_back({option->get_name(), values});
+    }
+  }
+  return out;
+}
+
+// Ends all ranks if one of them hangs.
+void watch(kiln::Ranks& ranks, double seconds) {
+  if (seconds > 0)
+    ranks.watch(seconds, [&ranks](const std::string& sentence) {
+      std::fprintf(stderr, "kiln: %s\n", sentence.c_str());
+      ranks.abort(1);
+    });
+}
+
 int run(int argc, char** argv, kiln::Ranks& ranks) {
   using namespace kiln::tool;
   CLI::App app("Kiln renders scalar volumes larger than memory, on CPUs, from the command line.", "kiln");
@@ -98,23 +164,32 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   addSchema(app, context);
   addBench(app, context);
   addManual(app, context);
+  std::optional<CLI::Success> answered;
+  std::optional<CLI::ParseError> refused;
   try {
     app.parse(argc, argv);
+    if (const std::string empty = emptyArgument(app); !empty.empty())
+      refused = CLI::ValidationError(empty, "is empty; write its value");
   } catch (const CLI::Success& asked) {
-    return ranks.first() ? app.exit(asked) : 0;
+    answered = asked;
   } catch (const CLI::ParseError& error) {
-    return refuseCommandLine(app, error, ranks);
+    refused = error;
   }
-  if (const std::string empty = emptyArgument(app); !empty.empty())
-    return refuseCommandLine(app, CLI::ValidationError(empty, "is empty; write its value"), ranks);
-  installInterruptHandler();
+  watch(ranks, context.rank_timeout_s);
   try {
+    kiln::requireAgreement(ranks, commandFacts(app, refused ? refused->what() : ""));
+    if (answered) return ranks.first() ? app.exit(*answered) : 0;
+    if (refused) return refuseCommandLine(app, *refused, ranks);
+    installInterruptHandler();
     if (ranks.first() || context.by_all_ranks) context.action();
     return 0;
   } catch (const kiln::Error& error) {
     return fail(context, error.what(), error.exitCode());
   } catch (const std::bad_alloc&) {
-    return fail(context, "the machine has no more memory to give; lower --memory or the image's size", 1);
+    return fail(context, kNoMemory, 1);
+  } catch (const std::system_error& error) {
+    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
+    return fail(context, no_thread ? kNoThread : unexpected(error), 1);
   } catch (const std::exception& error) {
     return fail(context, saidAll() ? unexpected(error) : kUnsaid, 1);
   }
@@ -132,6 +207,16 @@ void occupyStandardFiles() {
 
 }  // namespace
 
+void kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
+  command
+      .add_option("--rank-timeout", context.rank_timeout_s,
+                  "under mpirun: end the run with an error once a rank has for so long neither answered nor read, "
+                  "written or computed (a stopped process, a disk that does not answer); 0 waits without end")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str()
+      ->type_name("SECONDS");
+}
+
 int main(int argc, char** argv) {
   occupyStandardFiles();
   // Beyond a limit of file sizes a write fails, and is told of, as on a full disk.
@@ -145,6 +230,9 @@ int main(int argc, char** argv) {
   } catch (const kiln::Error& error) {
     complain("kiln: {}\n", error.what());
     return error.exitCode();
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "kiln: %s\n", kNoMemory);
+    return 1;
   } catch (const std::exception& error) {
     complain("kiln: {}\n", unexpected(error));
     return 1;

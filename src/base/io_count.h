@@ -1,0 +1,17 @@
+// Counts finished reads and writes of this process, so that a watch can tell work from a disk that does not answer.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace kiln {
+
+/// Number of finished calls that read or wrote a file. thread: safe.
+inline std::atomic<std::uint64_t>& ioCount() {
+  static std::atomic<std::uint64_t> count{0};
+  return count;
+}
+
+inline void countIo() { ioCount().fetch_add(1, std::memory_order_relaxed); }
+
+}  // namespace kiln

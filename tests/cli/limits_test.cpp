@@ -1,0 +1,76 @@
+// Numbers that are too large and limits of the system end in one line and an exit code, never in an abort.
+#include <gtest/gtest.h>
+
+#include "base/file.h"
+#include "support/sanitized.h"
+#include "support/tool_test.h"
+
+namespace kiln::test {
+namespace {
+
+class Limits : public ToolTest {
+ protected:
+  Limits() : ToolTest("limits_") {}
+  void SetUp() override { done({"convert", "phantom:head:32x32x32", in("h.kiln"), "--brick-size", "8"}); }
+
+  // A job with `count` copies of an entry in the list of that name.
+  std::string job(const std::string& list, const std::string& entry, std::size_t count) const {
+    std::string text = R"({"kiln": 1, "volume": "h.kiln", "output": "o.png", ")" + list + "\": [";
+    for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + entry;
+    writeText(in(list + ".json"), text + "]}");
+    return in(list + ".json");
+  }
+};
+
+TEST_F(Limits, TooManyOfAThing_isRefusedInOneLine) {
+  refused({"render", in("h.kiln"), "-o", in("o_#.png"), "--turntable", "2147483647"}, 2,
+          "--turntable: expected 1 to 1000000 frames, found 2147483647");
+  refused({"render", job("clip", R"({"normal": [1, 0, 0], "offset": 5})", 65)}, 2,
+          "expected at most 64 planes, found 65");
+  refused({"render", job("lights", R"({"type": "headlight"})", 65)}, 2, "expected at most 64 lights, found 65");
+  std::vector<std::string> many = {"render", in("h.kiln"), "-o", in("o.png")};
+  for (int i = 0; i < 65; ++i) many.insert(many.end(), {"--clip", "1,0,0,5"});
+  refused(many, 2, "--clip: expected at most 64 planes, found 65");
+  for (const char* command : {"render", "convert", "verify"}) {
+    std::vector<std::string> arguments = {command, in("h.kiln"), "--threads", "200000"};
+    if (command != std::string("verify")) arguments.insert(arguments.end() - 2, {"-o", in("o.png")});
+    if (command == std::string("convert")) arguments = {command, in("h.raw"), in("c.kiln"), "--threads", "200000"};
+    refused(arguments, 2, "expected a whole number from 0 to 4096, found '200000'");
+  }
+  writeText(in("nested.json"), std::string(200000, '[') + std::string(200000, ']'));
+  refused({"render", in("nested.json")}, 1, "nested more than 100 deep");
+}
+
+TEST_F(Limits, AddressSpaceThatIsTooSmall_endsInOneLine) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer reserves terabytes of addresses";
+  int failed = 0;
+  for (const std::uint64_t megabytes : {80, 100, 140}) {
+    ToolOptions options;
+    options.address_bytes = megabytes << 20;
+    const ToolResult result = runTool({"render", in("h.kiln"), "-o", in("o.png"), "--size", "3000x3000"}, options);
+    if (result.exit_code == 0) continue;
+    // Below some size the system's loader itself has no room for the libraries: exit code 127, in a line of its own.
+    EXPECT_TRUE(result.exit_code == 1 || result.exit_code == 127) << megabytes << ": " << result.err;
+    EXPECT_EQ(result.errorLines().size(), 1u) << megabytes << ": " << result.err;
+    failed += result.exit_code == 1 ? 1 : 0;
+  }
+  EXPECT_GT(failed, 0);
+}
+
+TEST_F(Limits, FewOpenFiles_drawOrEndInOneLine) {
+  for (const std::uint64_t files : {6, 8, 12, 32}) {
+    ToolOptions options;
+    options.open_files = files;
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+             {"render", in("h.kiln"), "-o", in("o.png"), "--size", "50x50"},
+             {"convert", "phantom:head:32x32x32", in("c.kiln"), "--brick-size", "8", "--overwrite"},
+             {"verify", in("h.kiln")}}) {
+      const ToolResult result = runTool(arguments, options);
+      EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 1) << arguments[0] << ": " << result.err;
+      EXPECT_LE(result.errorLines().size(), 1u) << result.err;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
