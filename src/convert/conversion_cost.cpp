@@ -27,7 +27,7 @@ std::uint64_t storedVoxels(const Extent3& dims, const Extent3& bricks) {
 }
 
 struct Samples {
-  std::uint64_t bricks = 0, stored_voxels = 0, file_bytes = 0;
+  std::uint64_t bricks = 0, stored_bricks = 0, stored_voxels = 0, file_bytes = 0;
   double seconds = 0;       // of reading and encoding them; of a stream, of encoding alone
   std::int64_t slices = 0;  // of a stream that were read,
   double slices_s = 0;      // in this time
@@ -37,6 +37,7 @@ struct Samples {
     const bool constant =
         std::equal(voxels.begin() + static_cast<std::ptrdiff_t>(sizeOf(frame.type)), voxels.end(), voxels.begin());
     if (!constant) file_bytes += encodeBrick(frame, voxels, ranges.cells).size();
+    stored_bricks += constant ? 0 : 1;
     stored_voxels += static_cast<std::uint64_t>(frame.stored().count());
     ++bricks;
   }
@@ -122,13 +123,17 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
     out.bricks += static_cast<std::uint64_t>(lattice.count());
     stored_voxels += storedVoxels(levels[level].dims, lattice);
   }
-  const std::uint64_t index_bytes = BrickIndex::fileBytes(out.bricks, options.brick_size);
   const bool stream = out.order == ReadOrder::kForward;
   const Samples samples = stream ? sampleStream(source, options, progress) : sampleBricks(source, options, progress);
   out.sampled_bricks = samples.bricks;
   out.sampled_slices = samples.slices;
   const double all_to_samples = static_cast<double>(stored_voxels) / static_cast<double>(samples.stored_voxels);
-  out.store_bytes = static_cast<std::uint64_t>(static_cast<double>(samples.file_bytes) * all_to_samples) + index_bytes;
+  const double stored_share = static_cast<double>(samples.stored_bricks) / static_cast<double>(samples.bricks);
+  const auto stored = static_cast<std::uint64_t>(stored_share * static_cast<double>(out.bricks));
+  out.store_bytes = static_cast<std::uint64_t>(static_cast<double>(samples.file_bytes) * all_to_samples) +
+                    BrickIndex::fileBytes(stored, out.bricks - stored, options.brick_size);
+  // Twice: as entries, and as the bytes of the file.
+  out.index_bytes = kBrickBytes * out.bricks - out.plan.index_bytes + 2 * stored * kStoredBrickBytes;
   // What the coarser levels take is encoding, mostly, and in proportion.
   const double lanes_s = samples.seconds * all_to_samples;
   const double stream_s =

@@ -18,17 +18,18 @@ ForwardWindow::ForwardWindow(VolumeSource& source, std::unique_ptr<SliceRing> ri
                              Progress& progress)
     : source_(source),
       ring_(std::move(ring)),
+      brick_size_(brick_size),
       strip_rows_(stripRows(source.info())),
       bricks_in_layer_(brickLattice(source.info().geometry.dims, brick_size).x *
                        brickLattice(source.info().geometry.dims, brick_size).y),
       progress_(progress),
       next_(std::move(next)) {
-  const Extent3& dims = source.info().geometry.dims;
-  assert(ring_->slices() >= slicesOfLayer(dims, brick_size));
-  for (std::int64_t lo = 0; lo < dims.z; lo += brick_size) {
-    const std::int64_t first = std::max<std::int64_t>(lo - kApron, 0);
-    layers_.push_back({first, std::min(lo + brick_size + kApron, dims.z)});
-  }
+  assert(ring_->slices() >= slicesOfLayer(source.info().geometry.dims, brick_size));
+}
+
+ForwardWindow::Layer ForwardWindow::slicesOf(std::int64_t layer) const {
+  const std::int64_t lo = layer * brick_size_;
+  return {std::max<std::int64_t>(lo - kApron, 0), std::min(lo + brick_size_ + kApron, source_.info().geometry.dims.z)};
 }
 
 void ForwardWindow::work(const std::function<void(std::int64_t)>& brick) {
@@ -37,7 +38,7 @@ void ForwardWindow::work(const std::function<void(std::int64_t)>& brick) {
   while (!failed_ && next_brick_) {
     if (mayRead()) {
       readStrip(lock);
-    } else if (layerOf(*next_brick_).hi <= read_to_.z) {
+    } else if (slicesOf(layerOf(*next_brick_)).hi <= read_to_.z) {
       cut(brick, lock);
     } else {
       const auto begin = std::chrono::steady_clock::now();
@@ -48,19 +49,23 @@ void ForwardWindow::work(const std::function<void(std::int64_t)>& brick) {
 }
 
 std::int64_t ForwardWindow::firstNeeded() const {
-  const auto in_work =
-      std::find_if(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.bricks_in_work > 0; });
-  const std::int64_t next = layerOf(*next_brick_).lo;
-  return in_work == layers_.end() ? next : std::min(in_work->lo, next);
+  const std::int64_t next = layerOf(*next_brick_);
+  return slicesOf(in_work_.empty() ? next : std::min(in_work_.begin()->first, next)).lo;
 }
 
-bool ForwardWindow::mayRead() const {
-  return !reading_ && read_to_.z < std::min(firstNeeded() + ring_->slices(), source_.info().geometry.dims.z);
+std::int64_t ForwardWindow::readableEnd() const {
+  return std::min(firstNeeded() + ring_->slices(), source_.info().geometry.dims.z);
 }
 
+bool ForwardWindow::mayRead() const { return !reading_ && read_to_.z < readableEnd(); }
+
+// Some rows of a slice, or several whole slices, that lie together in the ring.
 VoxelBox ForwardWindow::nextStrip() const {
   const Extent3& dims = source_.info().geometry.dims;
-  return {read_to_, {dims.x, std::min(read_to_.y + strip_rows_, dims.y), read_to_.z + 1}};
+  const std::int64_t to_wrap = ring_->slices() - read_to_.z % ring_->slices();
+  const std::int64_t slices =
+      read_to_.y > 0 ? 1 : std::min({ring_->slicesAtOnce(), to_wrap, readableEnd() - read_to_.z});
+  return {read_to_, {dims.x, std::min(read_to_.y + strip_rows_, dims.y), read_to_.z + slices}};
 }
 
 void ForwardWindow::readStrip(std::unique_lock<std::mutex>& lock) {
@@ -76,11 +81,11 @@ void ForwardWindow::readStrip(std::unique_lock<std::mutex>& lock) {
 
 void ForwardWindow::cut(const std::function<void(std::int64_t)>& brick, std::unique_lock<std::mutex>& lock) {
   const std::int64_t taken = *next_brick_;
-  std::int64_t& in_work = layers_[static_cast<std::size_t>(taken / bricks_in_layer_)].bricks_in_work;
-  ++in_work;
+  const auto layer = in_work_.emplace(layerOf(taken), 0).first;
+  ++layer->second;
   next_brick_ = next_();
   unlocked(lock, [&] { brick(taken); });
-  --in_work;
+  if (--layer->second == 0) in_work_.erase(layer);
   changed_.notify_all();
 }
 

@@ -3,13 +3,14 @@
 // all there, else waits. Reading goes first, as it is the one thing that cannot be divided.
 // Invariant: the ring holds the slices from the first that an unfinished layer of bricks needs to the last one read,
 // and it is at least one layer thick; so whenever it is full that layer is whole, and nobody waits in vain.
+// Cost: constant work a strip and a brick; a strip is 256 KiB, of one slice or of several thin ones.
 #pragma once
 
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
-#include <vector>
 
 #include "base/progress.h"
 #include "convert/slice_ring.h"
@@ -41,13 +42,16 @@ class ForwardWindow {
   double waitedSeconds() const { return waited_s_; }
 
  private:
+  // Slices of a layer of bricks, aprons included.
   struct Layer {
-    std::int64_t lo = 0, hi = 0;      // slices
-    std::int64_t bricks_in_work = 0;  // taken and not finished
+    std::int64_t lo = 0, hi = 0;
   };
-  const Layer& layerOf(std::int64_t brick) const { return layers_[static_cast<std::size_t>(brick / bricks_in_layer_)]; }
+  std::int64_t layerOf(std::int64_t brick) const { return brick / bricks_in_layer_; }
+  Layer slicesOf(std::int64_t layer) const;
   /// The first slice that a brick in work, or the next one, needs.
   std::int64_t firstNeeded() const;
+  /// The slice that there is no room for, or the end.
+  std::int64_t readableEnd() const;
   bool mayRead() const;
   VoxelBox nextStrip() const;
   void readStrip(std::unique_lock<std::mutex>& lock);
@@ -56,12 +60,12 @@ class ForwardWindow {
 
   VolumeSource& source_;
   const std::unique_ptr<SliceRing> ring_;
-  const std::int64_t strip_rows_, bricks_in_layer_;
+  const std::int64_t brick_size_, strip_rows_, bricks_in_layer_;
   Progress& progress_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Layer> layers_;
+  std::map<std::int64_t, std::int64_t> in_work_;  // by layer, bricks that are taken and not finished
   const Next next_;
   std::optional<std::int64_t> next_brick_;
   VoxelCoord read_to_;  // the next row

@@ -43,11 +43,19 @@ std::uint64_t givenBytes(const SourceInfo& info, const ConvertOptions& options) 
   return 2 * CoarsePart::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
 }
 
+// The counts by value, and four times the ranges of a brick's cells, which are a cube however thin the volume is: of
+// the brick, of those below, and packed for its file.
+std::uint64_t otherBytes(const ConvertOptions& options) {
+  constexpr std::uint64_t kCounts = 1 << 19, kLeast = 1 << 20;
+  const auto along = static_cast<std::uint64_t>(options.brick_size / kCellSize);
+  return std::max(kLeast, kCounts + 4 * along * along * along * sizeof(ValueRange));
+}
+
 // A lane holds the box as read or put together from parts, a part, its grids (as large as the file), the file, and the
-// counts by value.
+// counts and ranges.
 std::uint64_t laneBytes(const SourceInfo& info, const ConvertOptions& options) {
   return brickVoxels(info, options) * 3 * sizeOf(info.type) + 2 * fileBytes(info, options) +
-         2 * givenBytes(info, options) + (1u << 20);
+         2 * givenBytes(info, options) + otherBytes(options);
 }
 
 // As many slices as lanes can read ahead into: the layer of bricks in the making, and the one after it.
@@ -55,7 +63,8 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   const SourceInfo& info = source.info();
   const std::int64_t least = ForwardWindow::slicesOfLayer(info.geometry.dims, options.brick_size);
   const std::int64_t best = std::min(least + options.brick_size, info.geometry.dims.z);
-  const std::uint64_t other_bytes = source.decodeBytes() + usefulLanes(source) * plan.lane_bytes;
+  const std::uint64_t other_bytes =
+      source.decodeBytes() + usefulLanes(source) * plan.lane_bytes + kBrickBytes * brickCountOf(info, options);
   const std::uint64_t left_bytes = options.memory_bytes - std::min(other_bytes, options.memory_bytes);
   const auto fitting = static_cast<std::int64_t>(left_bytes / sliceBytes(info));
   plan.window_on_disk = fitting < least;
@@ -104,7 +113,8 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
                             formatBytes(options.memory_bytes), formatBytes(smallest), formatBytes(plan.window_bytes),
                             formatBytes(plan.lane_bytes)));
   }
-  const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes) / plan.lane_bytes;
+  plan.index_bytes = std::min(kBrickBytes * brickCountOf(info, options), options.memory_bytes - smallest);
+  const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes - plan.index_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
   plan.given_bytes = plan.lanes * givenBytes(info, options);
   const std::uint64_t unwritten_bytes = plan.lanes * fileBytes(info, options);
@@ -124,11 +134,18 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   return plan;
 }
 
+std::uint64_t brickCountOf(const SourceInfo& info, const ConvertOptions& options) {
+  std::uint64_t out = 0;
+  for (const VolumeGeometry& level : pyramidOf(info.geometry, options.brick_size, options.most_levels))
+    out += static_cast<std::uint64_t>(brickLattice(level.dims, options.brick_size).count());
+  return out;
+}
+
 void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options) {
   const Extent3& dims = info.geometry.dims;
   const Extent3 lattice = brickLattice(dims, options.brick_size);
-  const double bytes = static_cast<double>(lattice.x) * static_cast<double>(lattice.y) *
-                       static_cast<double>(lattice.z) * sizeof(BrickEntry);
+  const double bytes =
+      static_cast<double>(lattice.x) * static_cast<double>(lattice.y) * static_cast<double>(lattice.z) * kBrickBytes;
   const double most = static_cast<double>(machineMemoryBytes()) / 2;
   if (bytes <= most) return;
   throw Error(

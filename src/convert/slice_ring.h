@@ -17,8 +17,11 @@ class SliceRing {
   virtual ~SliceRing() = default;
   /// How many it holds.
   virtual std::int64_t slices() const = 0;
-  /// Reads whole rows of one slice from `source` into the ring. thread: one at a time; beside `copy` of other slices.
-  /// throws: what the source throws; Error kNoSpace, kIo where the ring is on a disk.
+  /// How many whole slices one read may take, if they do not go beyond the end of the ring: several thin ones, where
+  /// that costs no memory.
+  virtual std::int64_t slicesAtOnce() const { return 1; }
+  /// Reads whole rows of one slice, or up to slicesAtOnce() slices, from `source` into the ring. thread: one at a time;
+  /// beside `copy` of other slices. throws: what the source throws; Error kNoSpace, kIo where the ring is on a disk.
   virtual void read(VolumeSource& source, const VoxelBox& rows) = 0;
   /// Copies a box of slices that are in the ring. shape: as VolumeSource::read. thread: safe. throws: Error kIo.
   virtual void copy(const VoxelBox& box, std::span<std::byte> out) const = 0;

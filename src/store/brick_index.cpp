@@ -105,8 +105,8 @@ std::uint64_t BrickIndex::bytes() const {
   return sum;
 }
 
-std::uint64_t BrickIndex::fileBytes(std::uint64_t bricks, std::int64_t brick_size) {
-  return bricks * (sizeof(RawEntry) + SubRanges::bytesOf(subBricksOf(brick_size)));
+std::uint64_t BrickIndex::fileBytes(std::uint64_t stored, std::uint64_t constant, std::int64_t brick_size) {
+  return (stored + constant) * sizeof(RawEntry) + stored * SubRanges::bytesOf(subBricksOf(brick_size));
 }
 
 std::vector<std::byte> BrickIndex::encode() const {

@@ -41,8 +41,8 @@ class BrickIndex {
   int levels() const { return static_cast<int>(lattices_.size()); }
   const Extent3& lattice(int level) const { return lattices_[static_cast<std::size_t>(level)]; }
   bool contains(const BrickKey& key) const;
-  /// At the most, of the file of an index. unit: bytes.
-  static std::uint64_t fileBytes(std::uint64_t bricks, std::int64_t brick_size);
+  /// The size of the file of an index, of so many bricks that have files and so many of one value. unit: bytes.
+  static std::uint64_t fileBytes(std::uint64_t stored, std::uint64_t constant, std::int64_t brick_size);
   /// requires: contains(key).
   const BrickEntry& at(const BrickKey& key) const { return entries_[place(key)]; }
   BrickEntry& at(const BrickKey& key) { return entries_[place(key)]; }

@@ -131,5 +131,20 @@ INSTANTIATE_TEST_SUITE_P(Windows, ForwardFault, ::testing::Combine(::testing::Bo
                                   (std::get<1>(made.param) == 1 ? "" : "WithThreads");
                          });
 
+// A strip has as many thin slices as it has room for, and no list of layers is searched: 10,000 layers of bricks take
+// a time in proportion to them. Known by the count of reads, after which the source ends.
+TEST(ForwardSourceOfThinSlices, IsReadManySlicesAtATime) {
+  constexpr std::int64_t kSlices = 80'000;
+  const DenseVolume thin = ramp({{1, 1, kSlices}, VoxelType::u8}, 7, 0);
+  ConvertOptions asked;
+  asked.brick_size = 8;
+  asked.most_levels = 1;
+  // One for each layer of bricks that is cut, and few more at the ends of the ring.
+  ForwardSource source(thin, static_cast<int>(2 * kSlices / asked.brick_size));
+  Progress silent;
+  const ConvertReport report = convert(source, freshDirectory("thin_slices") / "v.kiln", asked, silent);
+  EXPECT_EQ(report.bricks, static_cast<std::uint64_t>(kSlices / asked.brick_size));
+}
+
 }  // namespace
 }  // namespace kiln::test

@@ -101,5 +101,25 @@ TEST(ConversionPlan, SourcesThatGiveBoxesHaveNoWindow) {
   EXPECT_EQ(plan.scratch_bytes, planOf({1024, 1024, 1000}, 4096 * kMiB).parts_bytes - plan.parts_bytes);
 }
 
+// Thin volumes have many small bricks, whose index is the most that a conversion holds.
+TEST(ConversionPlan, TheIndexIsWithinTheBudget) {
+  const Extent3 thin = {1, 1, 200'000'000};  // 1.6 million bricks of level 0
+  const ConversionPlan plan = planOf(thin, 2048 * kMiB);
+  const std::uint64_t bricks = brickCountOf(PlannedSource(thin, ReadOrder::kForward).info(), {});
+  EXPECT_GT(bricks, 3'000'000u);
+  EXPECT_EQ(plan.index_bytes, bricks * kBrickBytes);
+  EXPECT_LE(plan.total(), 2048 * kMiB);
+}
+
+// The ranges of a brick's cells are a cube, also of a volume of a few voxels: 512³ of them have 2 GiB.
+TEST(ConversionPlan, LargeBricksAreWithinTheBudget) {
+  ConvertOptions options;
+  options.brick_size = 4096;
+  EXPECT_THROW(planConversion(PlannedSource({64, 64, 64}, ReadOrder::kAnyBox), options), Error);
+  options.brick_size = 512;
+  const ConversionPlan plan = planConversion(PlannedSource({64, 64, 64}, ReadOrder::kAnyBox), options);
+  EXPECT_GE(plan.lane_bytes, std::uint64_t{4} * 64 * 64 * 64 * sizeof(ValueRange));
+}
+
 }  // namespace
 }  // namespace kiln::test
