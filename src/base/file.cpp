@@ -12,11 +12,12 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include "base/error.h"
 #include "base/io_count.h"
+#include "base/same_file.h"
+#include "base/temporary_file.h"
 #include "base/text.h"
 
 namespace kiln {
@@ -95,6 +96,8 @@ constexpr int kMostLinks = 40;  // as the system follows
 std::optional<fs::path> behindLink(const fs::path& path) {
   std::error_code unknown;
   if (!fs::is_symlink(fs::symlink_status(path, unknown))) return std::nullopt;
+  if (!mayBeFollowed(path))
+    throw Error(ErrorCode::kIo, path, "", "is a link that another user made; name what it leads to");
   const fs::path target = fs::read_symlink(path, unknown);
   return unknown ? std::nullopt : std::optional(path.parent_path() / target);
 }
@@ -116,16 +119,39 @@ std::optional<int> descriptorNamed(const fs::path& path) {
   return std::nullopt;
 }
 
-// Opened anew, an open file would be written from its start, over what it has been written to.
-int openFor(const fs::path& path, int flags) {
+// A file of its own to write from its start: a new one, or an own one of that name, emptied. A link or another user's
+// file of that name is removed and never written through; a device, a pipe or an open file (isWrittenInPlace) is not
+// new. Negative, with errno, where that fails.
+int openToWrite(const fs::path& path) {
+  constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+  const int made = openUninterrupted(path, kNew, 0666);
+  if (made >= 0 || errno != EEXIST) return made;
+  // Opened anew, an open file would be written from its start, over what it has been written to.
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
-  return openUninterrupted(path, O_WRONLY | O_CREAT | O_CLOEXEC | flags, 0666);
+  if (isWrittenInPlace(path)) return openUninterrupted(path, O_WRONLY | O_CLOEXEC);
+  const int found = openUninterrupted(path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (found >= 0 && isOwnFile(found) && ::ftruncate(found, 0) == 0) return found;
+  if (found >= 0) ::close(found);
+  ::unlink(path.c_str());
+  return openUninterrupted(path, kNew, 0666);
+}
+
+int openToAppend(const fs::path& path) {
+  constexpr int kEnd = O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC;
+  const int found = openUninterrupted(path, kEnd | O_NONBLOCK);
+  struct stat status;
+  if (found >= 0 && ::fstat(found, &status) == 0 && S_ISREG(status.st_mode)) return found;
+  if (found >= 0) ::close(found);
+  if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
+  if (isWrittenInPlace(path)) return openUninterrupted(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+  return openUninterrupted(behindLinks(path), kEnd | O_CREAT, 0666);
 }
 
 }  // namespace
 
 // Opening a pipe would wait for somebody who writes into it.
-File::File(const fs::path& path) : path_(path), descriptor_(openUninterrupted(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+File::File(const fs::path& path)
+    : path_(path), descriptor_(openUninterrupted(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (descriptor_ < 0) throw systemError(errno, path, "opening for reading");
   struct stat status {};
   const int failed = ::fstat(descriptor_, &status) != 0 ? errno : S_ISDIR(status.st_mode) ? EISDIR : 0;
@@ -219,10 +245,6 @@ bool isWrittenInPlace(const fs::path& path) {
   return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status) || descriptorNamed(path);
 }
 
-fs::path temporaryFor(const fs::path& path) {
-  return fmt::format("{}.{:08x}.tmp", path.string(), std::random_device()());
-}
-
 FileSystem& FileSystem::real() {
   static FileSystem instance;
   return instance;
@@ -230,8 +252,7 @@ FileSystem& FileSystem::real() {
 
 void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data) {
   if (isWrittenInPlace(path)) return writeFile(path, data, WriteMode::kUnsynced);
-  const fs::path place = behindLinks(path), temporary = temporaryFor(place);
-  replaceBy(temporary, place, [&] { writeFile(temporary, data, WriteMode::kSynced); });
+  replace(path, [&](const fs::path& temporary) { writeFile(temporary, data, WriteMode::kSynced); });
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::string_view text) { writeAtomic(path, bytesOf(text)); }
@@ -244,17 +265,24 @@ void FileSystem::writeOwn(const fs::path& path, std::string_view text) { writeOw
 
 void FileSystem::writeOwn(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   const fs::path temporary = path.string() + ".tmp";
-  replaceBy(temporary, path, [&] { write(temporary); });
-}
-
-void FileSystem::replaceBy(const fs::path& temporary, const fs::path& path, const std::function<void()>& make) {
   try {
-    make();
+    write(temporary);
     rename(temporary, path);
   } catch (...) {
     ::unlink(temporary.c_str());  // nobody's directory of that name
     throw;
   }
+}
+
+void FileSystem::replace(const fs::path& path, const std::function<void(const fs::path&)>& make) {
+  const fs::path place = behindLinks(path);
+  const TemporaryFile temporary(place);
+  try {
+    make(temporary.path());
+  } catch (const Error& error) {
+    throw temporary.named(error);
+  }
+  rename(temporary.path(), place);
 }
 
 void FileSystem::requirePlaceFor(const fs::path& path) {
@@ -271,7 +299,7 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
     throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
   makeScratch(directory);
   const long most = ::pathconf(directory.c_str(), _PC_NAME_MAX);
-  const auto bytes = static_cast<long>(temporaryFor(place).filename().native().size());
+  const auto bytes = static_cast<long>(place.filename().native().size()) + TemporaryFile::kLongerBytes;
   if (most > 0 && bytes > most) {
     throw Error(
         ErrorCode::kIo, path, "",
@@ -296,17 +324,18 @@ void FileSystem::makeDirectories(const fs::path& path) {
 }
 
 void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
-  Descriptor file(openFor(path, O_TRUNC));
+  Descriptor file(openToWrite(path));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
   const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
   // A pipe has no offsets.
   writeAll(file.get(), path, data.subspan(done), done > 0 ? std::optional<std::uint64_t>(done) : std::nullopt);
-  if (mode == WriteMode::kSynced && uninterrupted([&] { return ::fsync(file.get()); }) != 0) throw systemError(errno, path, "syncing to disk");
+  if (mode == WriteMode::kSynced && uninterrupted([&] { return ::fsync(file.get()); }) != 0)
+    throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }
 
 void FileSystem::appendFile(const fs::path& path, std::span<const std::byte> data) {
-  Descriptor file(openFor(path, O_APPEND));
+  Descriptor file(openToAppend(path));
   if (file.get() < 0) throw systemError(errno, path, "opening the file");
   writeAll(file.get(), path, data);
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");

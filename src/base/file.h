@@ -55,7 +55,7 @@ inline std::span<const std::byte> bytesOf(std::string_view text) {
 std::string extensionOf(const std::filesystem::path& path);
 
 /// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
-/// So that a picture is put where a link says, and the link stays.
+/// So that a picture is put where a link says, and the link stays. throws: Error kIo where another user made a link.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
 /// Whether what has this name is written to as it is, never replaced: a device, a pipe, a socket, or a file that is
 /// named by who has it open, as /dev/stdout is.
@@ -72,11 +72,6 @@ class FileNames {
   std::unordered_set<std::string> names_;
 };
 
-/// A name for what is to be renamed to `path` when it is whole: in the same directory, of eight digits that no other
-/// call has, on whatever machine, and `.tmp`. So nobody's file is in its way, and two who make the same file do not
-/// write into one another's.
-std::filesystem::path temporaryFor(const std::filesystem::path& path);
-
 /// What is true of a file when the call that writes it returns.
 enum class WriteMode {
   kSynced,     // it is on its disk
@@ -92,9 +87,7 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// Writes `data` beside `path` and renames it over `path`: a reader sees the old file or the new one, never a part;
-  /// where `path` is a link, that of its target. What isWrittenInPlace is so. The name beside is `temporaryFor(path)`.
-  /// throws: Error kNoSpace, kIo; the temporary file is removed on failure.
+  /// As `replace`; a device, pipe or open file (isWrittenInPlace) is written to directly. throws: Error kNoSpace, kIo.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
   /// The same in a directory of Kiln's own, such as a store's, where one process writes at a time: the name beside is
@@ -104,10 +97,10 @@ class FileSystem {
   void writeOwn(const std::filesystem::path& path, std::string_view text);
   /// The same of a file that write(temporary) writes piece by piece.
   void writeOwn(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
-  /// Calls make(), which makes the file `temporary`, and renames that to `path`; where either fails it is removed.
-  /// throws: what `make` throws, Error kIo.
-  void replaceBy(const std::filesystem::path& temporary, const std::filesystem::path& path,
-                 const std::function<void()>& make);
+  /// Calls make(temporary), which writes a TemporaryFile beside `path`, and renames that file to `path`: a reader sees
+  /// the old file or the new file, never a part. A link stays, and its target is replaced. On failure the temporary
+  /// file is removed. throws: what `make` throws, Error kIo.
+  void replace(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& make);
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
   /// there is no such directory, kIo where a directory has the name, where nothing can be made beside it, where it is
@@ -119,6 +112,7 @@ class FileSystem {
   void requirePlaceToRename(const std::filesystem::path& path);
 
   virtual void makeDirectories(const std::filesystem::path& path);
+  /// Makes a file of `data`. A link or another user's file of that name is replaced and never written through.
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);
   /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.
   virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);

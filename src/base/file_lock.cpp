@@ -1,48 +1,113 @@
 #include "base/file_lock.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
+#include <string>
 #include <thread>
 #include <utility>
 
-namespace kiln {
-using namespace std::chrono_literals;
+#include "base/error.h"
+#include "base/file.h"
+#include "base/same_file.h"
 
-FileLock::FileLock(std::filesystem::path path, const std::function<void()>& waiting) : path_(std::move(path)) {
-  while (!taken()) {
+namespace kiln {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+namespace {
+
+// The text of a lock file; a file that begins otherwise is somebody's.
+constexpr std::string_view kHolder = "kiln process ";
+constexpr std::uint64_t kMostHolderBytes = 512;
+
+// Nothing where the lock does not say who holds it.
+std::string holderOf(const fs::path& lock) {
+  try {
+    const std::string text = readTextFile(lock, kMostHolderBytes);
+    if (text.starts_with(kHolder)) return text.substr(0, text.find('\n'));
+  } catch (const Error&) {
+  }
+  return "another process";
+}
+
+// An empty file is a lock that is about to be signed.
+bool isLock(int file) {
+  std::array<char, kHolder.size()> begin;
+  const ssize_t got = ::pread(file, begin.data(), begin.size(), 0);
+  return got == 0 ||
+         (got == static_cast<ssize_t>(begin.size()) && std::string_view(begin.data(), begin.size()) == kHolder);
+}
+
+}  // namespace
+
+FileLock::FileLock(fs::path path, const std::function<void()>& waiting) : path_(std::move(path)) {
+  for (Attempt last = attempt(); last != Attempt::kDone; last = attempt()) {
+    if (last == Attempt::kAgain) continue;
     waiting();
     std::this_thread::sleep_for(100ms);
   }
+  if (file_ >= 0) sign();
 }
 
-bool FileLock::taken() {
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (file_ < 0) file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);  // another user's
-  if (file_ < 0) return true;
+FileLock::Attempt FileLock::attempt() {
+  constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | kFlags, 0666);
+  if (file_ < 0) file_ = ::open(path_.c_str(), O_RDONLY | kFlags);  // another user's
+  if (file_ < 0 && errno == EINTR) return Attempt::kAgain;
+  // What cannot be made here fails when the output is made.
+  constexpr std::array kNoPlace = {EACCES, EPERM, EROFS, ENOENT, ENOTDIR, ENAMETOOLONG, ENOSPC, EDQUOT};
+  if (file_ < 0 && std::find(kNoPlace.begin(), kNoPlace.end(), errno) != kNoPlace.end()) return Attempt::kDone;
+  if (file_ < 0) throw systemError(errno, path_, "opening the lock");
+  if (!isLock(file_)) {
+    ::close(std::exchange(file_, -1));
+    throw Error(ErrorCode::kExists, path_, "", "is in the way of a lock, and is none; move it");
+  }
   const int failed = ::flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
-  // Whoever held it before may have removed it: then others lock another file of that name.
-  if (failed == 0 && isStillThere()) return true;
-  const bool knows_no_locks = failed != 0 && failed != EWOULDBLOCK && failed != EINTR;
-  if (knows_no_locks) ::unlink(path_.c_str());
+  // The former holder may have removed the file: then others lock a new file of that name.
+  if (failed == 0 && leadsTo(path_, file_)) return Attempt::kDone;
   ::close(std::exchange(file_, -1));
-  return knows_no_locks;
+  if (failed == 0 || failed == EINTR) return Attempt::kAgain;
+  if (failed == EWOULDBLOCK) return Attempt::kBusy;
+  disk_has_locks_ = false;
+  struct stat status;
+  if (::lstat(path_.c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0) ::unlink(path_.c_str());
+  return Attempt::kDone;
+}
+
+// For whoever is refused. The lock is the kernel's, so that a failure here is of no consequence.
+void FileLock::sign() const {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  const std::string text = fmt::format("{}{} on {}\n", kHolder, ::getpid(), host.data());
+  if (isOwnFile(file_) && ::ftruncate(file_, 0) == 0 && ::pwrite(file_, text.data(), text.size(), 0) < 0) return;
 }
 
 FileLock::~FileLock() {
-  if (file_ < 0) return;
-  if (isStillThere()) ::unlink(path_.c_str());
-  ::close(file_);
+  if (leadsTo(path_, file_)) ::unlink(path_.c_str());
+  if (file_ >= 0) ::close(file_);
 }
 
-bool FileLock::isStillThere() const {
-  struct stat held, named;
-  return ::fstat(file_, &held) == 0 && ::stat(path_.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
-         held.st_ino == named.st_ino;
+fs::path lockOf(const fs::path& output) {
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  std::error_code ignored;
+  const bool inside = ::access(folder.c_str(), W_OK) != 0 && fs::is_directory(output, ignored);
+  return inside ? output / kLockInside : fs::path(output.string() + ".lock");
+}
+
+std::function<void()> refusalOf(const fs::path& output) {
+  return [output] {
+    const fs::path lock = lockOf(output);
+    throw Error(ErrorCode::kExists, output, "",
+                fmt::format("is being written by {}, which holds {}; wait for its end, or name another output",
+                            holderOf(lock), lock.string()));
+  };
 }
 
 }  // namespace kiln

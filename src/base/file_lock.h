@@ -1,4 +1,10 @@
 // Work that one process at a time may do, on one machine or on several that share a disk.
+//
+// Method: a file with the holder's process and machine, locked with flock while the work goes on and removed at its
+// end. The kernel drops the lock when a process ends, however it ends, so that no lock is stale; the next holder
+// removes the file that a killed one left. On NFS, flock is a lock of the server (the file is open for writing, as that
+// needs), and after locking, the client asks the server whether the file still exists: two machines exclude each other.
+// A disk without locks (some Lustre and FUSE mounts) excludes nobody; `diskHasLocks` is then false.
 #pragma once
 
 #include <filesystem>
@@ -6,23 +12,33 @@
 
 namespace kiln {
 
-/// Held from when it is made until it goes: a file that is locked meanwhile and removed at the end, also if the process
-/// is killed, when the next holder removes it. Where the disk knows no locks, or the file cannot be made, it holds
-/// nothing: whatever cannot be written there says so itself.
 class FileLock {
  public:
-  /// Waits for whoever holds it, and asks `waiting` ten times a second, which may throw.
+  /// Takes the lock. While another process holds it, calls `waiting` ten times a second, which may throw.
   FileLock(std::filesystem::path path, const std::function<void()>& waiting);
   ~FileLock();
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
+  /// False where the disk has no locks, so that this object excludes nobody.
+  bool diskHasLocks() const { return disk_has_locks_; }
+
  private:
-  // Whether there is nothing to wait for: it is held, or cannot be.
-  bool taken();
-  bool isStillThere() const;
+  enum class Attempt { kDone, kBusy, kAgain };
+  Attempt attempt();
+  void sign() const;
   const std::filesystem::path path_;
-  int file_ = -1;
+  int file_ = -1;  // -1 where nothing is held: no locks, or the file cannot be made
+  bool disk_has_locks_ = true;
 };
+
+/// The lock on an output: `OUT.lock` beside it, or a file in the directory OUT where nothing can be made beside it.
+std::filesystem::path lockOf(const std::filesystem::path& output);
+/// The name of the second kind.
+inline constexpr const char* kLockInside = "lock.tmp";
+
+/// A function for FileLock that refuses to wait. throws, when called: Error kExists, naming `output`, the lock and, if
+/// the lock says so, its holder.
+std::function<void()> refusalOf(const std::filesystem::path& output);
 
 }  // namespace kiln

@@ -11,6 +11,12 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+// Checked first, so that the error names the file that the user named.
+fs::path placeOf(const fs::path& path) {
+  FileSystem::real().requirePlaceFor(path);
+  return isWrittenInPlace(path) ? path : behindLinks(path);
+}
+
 // The longest event is far below the second, so that the first is never grown.
 constexpr std::size_t kFlushedBytes = Trace::kMemoryBytes - (std::size_t{64} << 10);
 
@@ -24,36 +30,23 @@ struct ThreadTrack {
 };
 thread_local ThreadTrack own_track;
 
-void removeUnfinished(const fs::path& written, const fs::path& path) noexcept {
-  std::error_code ignored;
-  if (written != path) fs::remove(written, ignored);
-}
-
 }  // namespace
 
 Trace::Trace(const fs::path& path)
-    : path_(isWrittenInPlace(path) ? path : behindLinks(path)),
-      written_(isWrittenInPlace(path) ? path_ : temporaryFor(path_)),
+    : path_(placeOf(path)),
+      temporary_(isWrittenInPlace(path_) ? nullptr : std::make_unique<TemporaryFile>(path_)),
       begin_(std::chrono::steady_clock::now()),
       number_(++traces) {
-  FileSystem::real().requirePlaceFor(path_);
   waiting_.reserve(kMemoryBytes);
-  try {
-    FileSystem::real().writeFile(written_, bytesOf("{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n"),
-                                 WriteMode::kUnsynced);
-  } catch (...) {
-    removeUnfinished(written_, path_);
-    throw;
-  }
+  waiting_ = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
+  flush();
+  if (failure_) std::rethrow_exception(failure_);
   own_track.name = "frame";
   waiting_ = R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"kiln"}})";
   kept = this;
 }
 
-Trace::~Trace() {
-  kept = nullptr;
-  if (!finished_) removeUnfinished(written_, path_);
-}
+Trace::~Trace() { kept = nullptr; }
 
 void Trace::finish() {
   kept = nullptr;
@@ -61,8 +54,7 @@ void Trace::finish() {
   waiting_ += "\n]}\n";
   if (!failure_) flush();
   if (failure_) std::rethrow_exception(failure_);
-  if (written_ != path_) FileSystem::real().rename(written_, path_);
-  finished_ = true;
+  if (temporary_) FileSystem::real().rename(temporary_->path(), path_);
 }
 
 Trace* Trace::active() noexcept { return kept.load(std::memory_order_acquire); }
@@ -106,10 +98,11 @@ void Trace::put(std::string_view event) {
 
 void Trace::flush() {
   try {
-    FileSystem::real().appendFile(written_, bytesOf(waiting_));
+    FileSystem::real().appendFile(temporary_ ? temporary_->path() : path_, bytesOf(waiting_));
     waiting_.clear();
-  } catch (...) {
-    failure_ = std::current_exception();
+  } catch (const Error& error) {
+    failure_ = std::make_exception_ptr(temporary_ ? temporary_->named(error) : error);
+    temporary_.reset();
   }
 }
 

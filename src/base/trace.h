@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
 
 #include "base/span.h"
+#include "base/temporary_file.h"
 
 namespace kiln {
 
@@ -30,7 +32,8 @@ class Trace {
   /// From here on, spans are written to a temporary name beside `path`. One trace is kept at a time. throws: Error kIo,
   /// kNoSpace, kNotFound.
   explicit Trace(const std::filesystem::path& path);
-  /// Without `finish` nothing is left of it. requires: no span has a begin and no end.
+  /// Without `finish` nothing is left of it; after a failed write nothing is left at once, so that the disk has room.
+  /// requires: no span has a begin and no end.
   ~Trace();
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
@@ -52,14 +55,14 @@ class Trace {
   void put(std::string_view event);
   void flush();
 
-  const std::filesystem::path path_, written_;  // a device is written to as it is
+  const std::filesystem::path path_;
+  std::unique_ptr<const TemporaryFile> temporary_;  // none for a device, which is written to directly
   const std::chrono::steady_clock::time_point begin_;
   const std::uint64_t number_;  // of the traces of this process
   std::mutex mutex_;            // guards what follows
   std::string waiting_;
   int tracks_ = 0;
   std::exception_ptr failure_;
-  bool finished_ = false;
 };
 
 }  // namespace kiln

@@ -7,6 +7,7 @@
 #include "base/byte_record.h"
 #include "cluster/agreement.h"
 #include "convert/earlier_bricks.h"
+#include "convert/source_state.h"
 #include "store/brick_codec.h"
 
 namespace kiln {
@@ -17,6 +18,7 @@ namespace {
 std::string identityOf(Manifest draft) {
   draft.source.command.clear();
   draft.source.time.clear();
+  draft.source.state = portableState(draft.source.state);
   return containerVersion() + "\n" + manifestText(draft);
 }
 
@@ -70,6 +72,7 @@ Beginning beginAt(Destination& destination, const Manifest& draft, const Convert
     if (std::optional<JournalContent> found = resumable(destination, draft, options)) out.earlier = *std::move(found);
   }
   if (out.earlier.identity.volume.empty()) out.earlier.identity = {identityOf(draft), options.command, options.time};
+  destination.make();
   // Each rank clears a folder of its own in it; there may have been more of them.
   if (!ranks.alone()) disk.removeAll(out.directory / "parts");
   return out;

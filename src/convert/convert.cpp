@@ -128,6 +128,7 @@ class Making {
       progress_.note(fmt::format("{} of {} bricks are finished already", earlier, bricks));
     conversion.run();
     if (ranks_.first()) {
+      requireUnchanged();
       writer.finish(histogramOf(writer.manifest(), conversion.counter(), writer.range()),
                     conversion.counter().nanCount());
       report.bricks = bricks;
@@ -152,6 +153,15 @@ class Making {
   std::uint64_t bricks() const { return writer_ ? brickCount(writer_->manifest()) : 0; }
 
  private:
+  // Bricks of an earlier and a later state of the source must not become a store.
+  void requireUnchanged() const {
+    const std::vector<fs::path>& files = source_.info().files;
+    if (isStateOf(draft_.source.state, files)) return;
+    throw Error(ErrorCode::kFormat, lastChanged(files), "",
+                "was changed while it was converted, so that bricks of two states were made; convert it again once "
+                "nobody writes to it");
+  }
+
   Beginning& beginning_;
   const Manifest& draft_;
   const ConversionPlan& plan_;
@@ -224,7 +234,9 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   std::optional<Destination> destination;
   Beginning beginning;
   if (ranks.first()) {
-    destination.emplace(out, options.overwrite, options.resume, disk);
+    destination.emplace(out, options.overwrite, options.resume, disk, options.lock);
+    if (!destination->lock().diskHasLocks())
+      progress.note("the disk of " + out.string() + " has no locks; let one conversion at a time write there");
     beginning = beginAt(*destination, draft, options, ranks, disk);
   }
   share(beginning, ranks);

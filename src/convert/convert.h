@@ -13,6 +13,7 @@
 
 namespace kiln {
 
+class FileLock;
 class Ranks;
 
 struct ConvertOptions {
@@ -33,6 +34,9 @@ struct ConvertOptions {
   bool labels = false;
   /// The most levels of the pyramid, the finest included.
   int most_levels = std::numeric_limits<int>::max();
+  /// The lock on the output (lockOf), where the caller holds it. Null: `convert` takes it, and refuses an output that
+  /// another process is making.
+  const FileLock* lock = nullptr;
   /// What the manifest says of its making.
   std::string command, time;
   /// The processes that share the work, each of which calls `convert` alike, with a source of its own of the same
@@ -66,8 +70,8 @@ struct ConvertReport {
 /// kept for `resume`, and a note says where; after any other error nothing is left. Of several processes one that fails
 /// is to end all (cluster/ranks.h), and what they left is kept for `resume` whatever the error was. The report is the
 /// first rank's; on the others it is empty.
-/// throws: Error kExists, kBudget (naming the smallest memory that works), kUsage (brick size, labels that are no whole
-/// numbers), and what the source and the disk throw.
+/// throws: Error kExists (also where another process writes to `out`), kBudget (naming the smallest memory that works),
+/// kUsage (brick size, labels that are no whole numbers), and what the source and the disk throw.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
                       Progress& progress, FileSystem& disk = FileSystem::real());
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/path_status.h"
+#include "base/same_file.h"
 #include "convert/journal.h"
 #include "ingest/header_text.h"
 #include "store/store_reader.h"
@@ -19,20 +20,22 @@ namespace fs = std::filesystem;
 bool isNothing(const fs::path& path) {
   if (!isNameTaken(path)) return true;
   std::error_code error;
-  const bool empty = fs::is_directory(path, error) && fs::is_empty(path, error);
+  bool empty = fs::is_directory(path, error);
+  if (!error && empty) {
+    fs::directory_iterator first(path, error);
+    empty = std::all_of(first, {}, [](const auto& entry) { return entry.path().filename() == kLockInside; });
+  }
   if (error && isThere(path)) throw systemError(error.value(), path, "looking into the directory");
-  return empty;
+  return empty && !error;
 }
 
 namespace {
 
-bool isUnfinished(const fs::path& directory) {
-  return !isStore(directory) && isThere(Journal::pathIn(directory));
-}
+bool isUnfinished(const fs::path& directory) { return !isStore(directory) && isThere(Journal::pathIn(directory)); }
 
 bool isNameInStore(const fs::path& name) {
   for (const fs::path& known : {fs::path("manifest.json"), fs::path("index.bin"), fs::path("bricks"), fs::path("parts"),
-                                Journal::pathIn({}).filename()})
+                                Journal::pathIn({}).filename(), fs::path(kLockInside)})
     if (name == known || name == known.string() + ".tmp") return true;
   return name.string().starts_with("scratch_") && name.extension() == ".tmp";
 }
@@ -84,10 +87,33 @@ bool mayBeRemoved(const fs::path& old) {
 
 fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
+// Where the store will be: names are put beside it, so that "." and ".." get the names that they stand for.
+fs::path placeOf(const fs::path& out) {
+  const fs::path named = withoutTrailingSlash(out);
+  std::error_code unknown;
+  if (named.filename() == "." || named.filename() == "..")
+    if (fs::path whole = fs::canonical(named, unknown); !unknown) return whole;
+  return withoutTrailingSlash(behindLinks(named));
+}
+
 }  // namespace
 
-Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk)
-    : out_(withoutTrailingSlash(behindLinks(withoutTrailingSlash(out)))), building_(out_), disk_(disk) {
+Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk, const FileLock* locked)
+    : out_(placeOf(out)), building_(out_), disk_(disk), lock_(locked) {
+  if (lock_ == nullptr) {
+    if (out_.has_parent_path()) disk_.makeDirectories(out_.parent_path());
+    lock_ = &own_lock_.emplace(lockOf(out_), refusalOf(out_));
+  }
+  choosePlace(overwrite, resume);
+  std::error_code ignored;
+  if (!fs::is_directory(building_, ignored)) return;
+  if (isNothing(building_))
+    requireOwnDirectory(building_);
+  else if (!finished_)
+    requireOwner(building_);
+}
+
+void Destination::choosePlace(bool overwrite, bool resume) {
   const fs::path partial = out_.string() + ".partial";
   if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
     building_ = partial;
@@ -138,6 +164,11 @@ void Destination::requirePlaceForOld() const {
 void Destination::clear() {
   std::error_code ignored;
   if (fs::exists(building_, ignored)) disk_.removeAll(building_);
+}
+
+void Destination::make() {
+  disk_.makeDirectories(building_);
+  requireOwner(building_);
 }
 
 void Destination::commit() {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "base/file.h"
+#include "base/file_lock.h"
 
 namespace kiln {
 
@@ -16,8 +18,14 @@ class Destination {
   /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with
   /// `resume` what an interrupted conversion left is gone on with; with both, resumed where there is something to
   /// resume and replaced where not. throws: Error kExists where what is there is neither to be replaced nor resumed,
-  /// or OUT.old, a name that replacing needs, is somebody's; kIo.
-  Destination(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk);
+  /// or OUT.old, a name that replacing needs, is somebody's; kIo where others could change what is made there.
+  /// From here on no other process makes a store at `out`: a lock is held (lockOf), unless `locked` is the caller's,
+  /// and where another process holds it Error kExists is thrown.
+  Destination(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk,
+              const FileLock* locked = nullptr);
+
+  /// The lock on `out`.
+  const FileLock& lock() const { return *lock_; }
 
   /// The directory in which the store is built: `out`, or a name beside it.
   const std::filesystem::path& building() const { return building_; }
@@ -25,6 +33,8 @@ class Destination {
   bool finished() const { return finished_; }
   /// Removes what an earlier conversion left. requires: not finished().
   void clear();
+  /// Makes the directory, if it is not there. throws: Error kIo, also where it is another user's.
+  void make();
   /// The built store loses what only a resumed conversion needs, and takes its name. throws: Error kIo; what was at
   /// `out` is then still there.
   void commit();
@@ -40,8 +50,12 @@ class Destination {
   // Where the store that is replaced waits until the new one has its name.
   std::filesystem::path old() const;
   void requirePlaceForOld() const;
-  std::filesystem::path out_, building_, left_old_;
+  void choosePlace(bool overwrite, bool resume);
+  const std::filesystem::path out_;
+  std::filesystem::path building_, left_old_;
   FileSystem& disk_;
+  std::optional<FileLock> own_lock_;
+  const FileLock* lock_;
   bool finished_ = false;
 };
 

@@ -186,8 +186,7 @@ class CheckedArchive : public openvdb::io::Archive {
 };
 
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
-  const fs::path place = behindLinks(out), temporary = temporaryFor(place);
-  disk.replaceBy(temporary, place, [&] {
+  disk.replace(out, [&](const fs::path& temporary) {
     try {
       errno = 0;
       CheckedArchive().write(grid, temporary);

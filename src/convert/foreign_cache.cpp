@@ -101,17 +101,20 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info) {
   try {
     const Manifest manifest = StoreReader(store).manifest();
     return (manifest.source.state.empty() ? isYounger(store, info.files)
-                                          : manifest.source.state == stateOf(info.files)) &&
+                                          : isStateOf(manifest.source.state, info.files)) &&
            sameVolume(manifest, info);
   } catch (const Error&) {
     return false;  // damaged, or of another format: made anew
   }
 }
 
-fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options) {
+fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options,
+                      const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
   fs::path store = besideOf(input);
-  if (isStoreOf(store, openSource(input, source_options)->info())) return store;
+  const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
+  if (opened) opened(source->info());
+  if (isStoreOf(store, source->info())) return store;
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
@@ -119,16 +122,17 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
 }
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
-                  Progress& progress) {
+                  Progress& progress, const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
   const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
+  if (opened) opened(source->info());
   const fs::path store = besideOf(input);
   if (serves(store, source->info(), options.labels)) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
   bool waits = false;
-  const FileLock lock(store.string() + ".lock", [&] {
+  const FileLock lock(lockOf(behindLinks(store)), [&] {
     if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());
     progress.throwIfCancelled("waiting for another process");
   });
@@ -137,6 +141,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
   replacing.overwrite = replacing.resume = true;
+  replacing.lock = &lock;
   convert(*source, store, replacing, progress);
   return store;
 }

@@ -2,19 +2,24 @@
 // is said of it, has changed.
 #pragma once
 
+#include <functional>
+
 #include "convert/convert.h"
 
 namespace kiln {
 
 /// The store for `input`: itself if it is one, else `input` with ".kiln" added, converted where it is missing, or made
 /// of the file as it was once or with other source options; says so through `progress.note`. Of several processes one
-/// makes it while the others wait. throws: as openSource and convert; Error kExists where a store that it would replace
+/// makes it while the others wait. Calls opened(info), which may throw, once the source is known and before anything is
+/// written. throws: as openSource and convert; Error kExists where a store that it would replace
 /// was not made by a rendering (Provenance::command).
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
-                               const ConvertOptions& options, Progress& progress);
+                               const ConvertOptions& options, Progress& progress,
+                               const std::function<void(const SourceInfo&)>& opened = {});
 
 /// The same where nothing is to be made. throws: Error kUsage where a foreign file has no such store yet.
-std::filesystem::path madeStoreFor(const std::filesystem::path& input, const SourceOptions& source_options);
+std::filesystem::path madeStoreFor(const std::filesystem::path& input, const SourceOptions& source_options,
+                                   const std::function<void(const SourceInfo&)>& opened = {});
 
 /// Whether each file of the source is as it was when `store` was made of them (of older stores, was last written before
 /// it was finished), and it holds the volume that the source describes now: other --dims or another --endian make

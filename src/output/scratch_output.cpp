@@ -35,8 +35,7 @@ void ScratchOutput::publish() {
     }
   };
   if (isWrittenInPlace(path_)) return copyTo(path_);
-  const fs::path place = behindLinks(path_), temporary = temporaryFor(place);
-  disk_.replaceBy(temporary, place, [&] {
+  disk_.replace(path_, [&](const fs::path& temporary) {
     copyTo(temporary);
     disk_.syncFile(temporary);
   });

@@ -1,12 +1,15 @@
 #include "render/sequence.h"
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
 
 #include "base/beside_thread.h"
 #include "base/file.h"
+#include "base/file_lock.h"
 #include "base/parallel.h"
 #include "base/trace.h"
 #include "cluster/agreement.h"
@@ -82,6 +85,8 @@ class Sequence {
     if (const auto tiles = checkpointOf(job_, frame);
         resume_ && !checkpoint_ && std::filesystem::exists(tiles, ignored))
       progress_.note(tiles.string() + " holds finished tiles of a picture; with --checkpoint they are gone on from");
+    if (const auto tiles = checkpointOf(job_, frame); checkpoint_)
+      tile_locks_.emplace(frame, std::make_unique<FileLock>(lockOf(tiles), refusalOf(tiles)));
     DrawnFrame drawn = checkpoint_ ? drawInTiles(opened, frame, resume_, progress_) : opened.draw(frame, progress_);
     opened.judge(drawn);
     finishWriting();
@@ -106,6 +111,7 @@ class Sequence {
 
   void written(const OpenedJob& opened, int frame, const FrameStatistics& statistics) {
     if (checkpoint_) FileSystem::real().removeAll(checkpointOf(opened.job(), frame));
+    tile_locks_.erase(frame);
     result_.statistics.add(statistics);
     noteDamage(statistics, progress_);
     listener_.frameDone(job_, statistics, ++done_);
@@ -118,6 +124,7 @@ class Sequence {
   SequenceFrames frames_;
   std::size_t done_ = 0;
   SequenceResult result_;
+  std::map<int, std::unique_ptr<FileLock>> tile_locks_;  // by frame, on checkpoints until the frame's files are written
   std::optional<Unwritten> unwritten_;
   std::optional<BesideThread> writer_;  // goes first, and waits
 };
@@ -149,8 +156,13 @@ SequenceResult runSequence(const RenderJob& given, const SequenceOptions& option
   RenderJob job = given;
   // Before the first step that ranks do together: its messages depend on frames and volumes.
   if (options.ranks != nullptr) requireAgreement(*options.ranks, jobFacts(job, options));
+  const bool first = options.ranks == nullptr || options.ranks->first();
+  // Another process with the same video would remove the frames that are kept for it.
+  std::optional<FileLock> video;
+  if (const auto path = behindLinks(job.output.video.path); first && !path.empty())
+    video.emplace(lockOf(path), refusalOf(path));
   if (!job.series) job.series = seriesLook(job, options.store_for, options.resume, options.ranks);
-  if (job.series && (options.ranks == nullptr || options.ranks->first())) progress.note(job.series->choice);
+  if (job.series && first) progress.note(job.series->choice);
   std::optional<Trace> trace;
   if (!job.trace.empty()) trace.emplace(traceOfRank(job.trace, options.ranks));
   SequenceResult result = options.ranks != nullptr && !options.ranks->alone()

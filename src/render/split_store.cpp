@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/file_lock.h"
+#include "base/same_file.h"
 #include "scene/clip_region.h"
 #include "store/store_writer.h"
 
@@ -32,12 +34,22 @@ void bring(const fs::path& from, const fs::path& to) {
   if (failed) FileSystem::real().writeOwn(to, readFile(from), WriteMode::kUnsynced);
 }
 
-// A directory that has another name until all is in it, and is removed where that never comes.
+// A directory with the name NAME.partial until all is in it; then it gets its own. Whoever holds the lock on it removes
+// what a killed process left.
 class NewDirectory {
  public:
-  explicit NewDirectory(const fs::path& path)
-      : path_(path.has_filename() ? path : path.parent_path()), building_(temporaryFor(path_)) {
+  explicit NewDirectory(const fs::path& path) : path_(path), building_(path.string() + ".partial") {
+    std::error_code ignored;
+    if (fs::exists(fs::symlink_status(building_, ignored))) {
+      requireOwner(building_);
+      const fs::path mark = building_ / kPartFile;
+      if (!fs::exists(mark, ignored) && !fs::exists(mark.string() + ".tmp", ignored) &&
+          !fs::is_empty(building_, ignored))
+        throw Error(ErrorCode::kExists, building_, "", "is in the way and is no unfinished part; move it");
+      FileSystem::real().removeAll(building_);
+    }
     FileSystem::real().makeDirectories(building_);
+    requireOwner(building_);
   }
   ~NewDirectory() {
     std::error_code ignored;
@@ -53,6 +65,21 @@ class NewDirectory {
   const fs::path path_, building_;
 };
 
+// Whether a directory is a finished part for `box` of the same store: its manifest, which holds the index's checksum,
+// was written last.
+bool isPartOf(const StoreReader& store, const VoxelBox& box, const fs::path& directory) {
+  try {
+    return boxOfStorePart(directory) == box &&
+           readFile(directory / "manifest.json") == readFile(store.path() / "manifest.json");
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::string textOf(const VoxelBox& box) {
+  return fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z);
+}
+
 }  // namespace
 
 std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box) {
@@ -67,11 +94,15 @@ std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store,
   };
 }
 
-std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& directory,
-                             Progress& progress) {
+StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& path, Progress& progress) {
   FileSystem& disk = FileSystem::real();
+  const fs::path directory = path.has_filename() ? path : path.parent_path();
+  if (directory.has_parent_path()) disk.makeDirectories(directory.parent_path());
+  const FileLock lock(lockOf(directory), refusalOf(directory));
   std::error_code unreadable;
-  if (fs::exists(directory, unreadable) || unreadable)
+  const bool is_there = fs::exists(directory, unreadable) || unreadable;
+  if (is_there && isPartOf(store, box, directory)) return {.was_there = true};
+  if (is_there)
     throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
   std::vector<BrickKey> bricks;
   const auto holds = bricksOfStorePart(store, box);
@@ -83,6 +114,7 @@ std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, cons
   }
   NewDirectory part(directory);
   const fs::path& building = part.building();
+  disk.writeOwn(building / kPartFile, textOf(box));  // marks what is unfinished as a part
   std::uint64_t bytes = 0, done = 0;
   for (const BrickKey& key : bricks) {
     progress.throwIfCancelled("splitting");
@@ -93,12 +125,10 @@ std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, cons
     progress.advance("splitting", "bricks", ++done, bricks.size());
   }
   bring(store.path() / "index.bin", building / "index.bin");
-  disk.writeOwn(building / kPartFile,
-                fmt::format("{} {} {} {} {} {}\n", box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
   disk.syncAll(building);
   disk.writeOwn(building / "manifest.json", readFile(store.path() / "manifest.json"));
   part.publish();
-  return bytes;
+  return {.bytes = bytes};
 }
 
 VoxelBox boxOfStorePart(const fs::path& directory) {

@@ -11,11 +11,17 @@
 
 namespace kiln {
 
+struct StorePart {
+  std::uint64_t bytes = 0;  // of the bricks that were linked or copied
+  bool was_there = false;   // an earlier call had made it
+};
+
 /// Makes `directory` the part of the store that drawing `box` reads: its bricks are links to the store's where both are
-/// on one file system, else copies. Returns their bytes. throws: Error kExists where something is there, kNoSpace, kIo,
-/// kNotFound.
-std::uint64_t writeStorePart(const StoreReader& store, const VoxelBox& box, const std::filesystem::path& directory,
-                             Progress& progress);
+/// on one file system, else copies. A part for this box that was made of this store before is kept; what a killed
+/// process left unfinished is begun anew. throws: Error kExists where something else is there or another process makes
+/// it, kNoSpace, kIo, kNotFound.
+StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const std::filesystem::path& directory,
+                         Progress& progress);
 
 /// The box that `writeStorePart` made a directory for. throws: Error kNotFound, kFormat where it is no such part.
 VoxelBox boxOfStorePart(const std::filesystem::path& directory);

@@ -51,9 +51,8 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
 
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, std::uint64_t memory_bytes,
                 Progress& progress) {
-  const fs::path place = behindLinks(options.path), temporary = temporaryFor(place);
   FileSystem& disk = FileSystem::real();
-  disk.replaceBy(temporary, place, [&] {
+  disk.replace(options.path, [&](const fs::path& temporary) {
     Image image = readImage(pictures.front(), {}, false, memory_bytes);
     const int width = image.width, height = image.height;
     FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));

@@ -51,6 +51,22 @@ TEST_F(ForeignCache, AnotherFileOfThatNameIsConvertedThoughItIsOlder) {
   EXPECT_FALSE(equalBits(second, readImage(in("first.png"))));
 }
 
+// A program that keeps times, as rsync does, gives other voxels of equal size the time of the former ones.
+TEST_F(ForeignCache, AFileOfEqualSizeAndTime_IsConvertedAnew) {
+  write("v.raw", 3);
+  done(drawn("v.raw", "first.png"));
+  const fs::file_time_type time = fs::last_write_time(in("v.raw"));
+  write("v.raw", 1.5);
+  fs::last_write_time(in("v.raw"), time);
+  EXPECT_NE(done(drawn("v.raw", "second.png")).err.find("converting"), std::string::npos);
+  EXPECT_FALSE(equalBits(readImage(in("second.png")), readImage(in("first.png"))));
+  // A pair of file and store that was copied with its times is one still.
+  fs::copy_file(in("v.raw"), in("w.raw"));
+  fs::last_write_time(in("w.raw"), time);
+  fs::rename(in("v.raw.kiln"), in("w.raw.kiln"));
+  EXPECT_EQ(done(drawn("w.raw", "third.png")).err.find("converting"), std::string::npos);
+}
+
 // As the jobs of a farm do: one converts, the others wait and take its store.
 TEST_F(ForeignCache, ProcessesThatStartAtOnceMakeOneStore) {
   write("v.raw", 3);

@@ -109,6 +109,17 @@ TEST_F(TraceCli, OfAJobOfManyFramesIsOneFileInItsMemory) {
   EXPECT_FALSE(fs::exists(in("u.json"))) << "a dry run does nothing that could be traced";
 }
 
+TEST_F(TraceCli, OnAFullDiskIsNotLeft) {
+  ToolOptions full;
+  full.file_bytes = 20;  // less than a trace begins with
+  const ToolResult result =
+      runTool({"render", in("h.kiln"), "-o", in("p.png"), "--size", "20x20", "--trace", in("t.json")}, full);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err.find("kiln: " + in("t.json") + ": "), 0u) << result.err;
+  for (const auto& entry : fs::directory_iterator(directory_))
+    EXPECT_EQ(entry.path().filename().string(), "h.kiln") << "left behind";
+}
+
 TEST_F(TraceCli, OfARenderThatFailsIsNotLeft) {
   for (const char* file : {"none/t.json", "t.json"}) {
     const bool nowhere = std::string(file) != "t.json";

@@ -28,11 +28,11 @@ void run(const SplitArguments& a, Context& context) {
   const std::vector<VoxelBox> boxes = boxesForRanks(store, transferFunctionFor(picture, store), a.parts);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::filesystem::path path = pathOfFrame(a.output, static_cast<int>(i) + 1);
-    const std::uint64_t bytes = writeStorePart(store, boxes[i], path, context.progress);
+    const StorePart part = writeStorePart(store, boxes[i], path, context.progress);
     context.progress.clear();
     const VoxelBox& box = boxes[i];
     say("{}: voxels {},{},{} to {},{},{}, {}\n", path.string(), box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y,
-        box.hi.z, formatBytes(bytes));
+        box.hi.z, part.was_there ? "is there already" : formatBytes(part.bytes));
   }
 }
 

@@ -1,0 +1,60 @@
+#include "base/same_file.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+bool isTrusted(uid_t owner) { return owner == ::geteuid() || owner == 0; }
+
+struct stat directoryStatus(const fs::path& directory) {
+  struct stat status {};
+  if (::lstat(directory.c_str(), &status) != 0) throw systemError(errno, directory, "reading the directory's owner");
+  if (!S_ISDIR(status.st_mode)) throw Error(ErrorCode::kIo, directory, "", "is no directory; name another output");
+  if (!isTrusted(status.st_uid))
+    throw Error(ErrorCode::kIo, directory, "",
+                "belongs to another user, who could change what is written there; name another output");
+  return status;
+}
+
+}  // namespace
+
+bool leadsTo(const fs::path& path, int open_file) {
+  struct stat open, named;
+  return open_file >= 0 && ::fstat(open_file, &open) == 0 && open.st_nlink > 0 && ::lstat(path.c_str(), &named) == 0 &&
+         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+}
+
+bool isOwnFile(int open_file) {
+  struct stat status;
+  return ::fstat(open_file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1 &&
+         status.st_uid == ::geteuid();
+}
+
+std::int64_t changeTimeNs(const fs::path& path) {
+  struct stat status;
+  if (::stat(path.c_str(), &status) != 0) return 0;
+  return std::int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec;
+}
+
+void requireOwnDirectory(const fs::path& directory) {
+  if ((directoryStatus(directory).st_mode & S_IWOTH) != 0)
+    throw Error(ErrorCode::kIo, directory, "",
+                "may be written to by everybody, who could change what is made in it; name a new directory in it, or "
+                "chmod o-w");
+}
+
+void requireOwner(const fs::path& directory) { directoryStatus(directory); }
+
+bool mayBeFollowed(const fs::path& link) {
+  struct stat status;
+  return ::lstat(link.c_str(), &status) != 0 || isTrusted(status.st_uid);
+}
+
+}  // namespace kiln

@@ -1,0 +1,29 @@
+// Identity and ownership of files: device and inode decide, whatever names or links lead to a file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace kiln {
+
+/// True if `path` itself, and not the target of a link of that name, is the open file. False for -1.
+bool leadsTo(const std::filesystem::path& path, int open_file);
+
+/// True if an open file is a regular file of this user with one name: writing changes nobody else's bytes.
+bool isOwnFile(int open_file);
+
+/// The time of the last change of a file's bytes or attributes (ctime), of a link its target's; 0 where there is no
+/// file. unit: ns since 1970.
+std::int64_t changeTimeNs(const std::filesystem::path& path);
+
+/// Checks that a directory belongs to this user or the administrator; refuses a link in its place. throws: Error kIo.
+void requireOwner(const std::filesystem::path& directory);
+
+/// Checks the owner (requireOwner), and that not everybody may write to the directory. throws: Error kIo.
+void requireOwnDirectory(const std::filesystem::path& directory);
+
+/// True if a link may be followed to write: this user or the administrator made it. Linux has a similar rule
+/// (fs.protected_symlinks) for links that the system follows by itself.
+bool mayBeFollowed(const std::filesystem::path& link);
+
+}  // namespace kiln

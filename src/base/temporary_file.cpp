@@ -1,0 +1,60 @@
+#include "base/temporary_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "base/same_file.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+
+TemporaryFile::TemporaryFile(const fs::path& path) : destination_(path) {
+  // More processes than this do not write one file at once; on a disk without locks each killed one uses up a slot.
+  constexpr int kSlots = 99;
+  for (int slot = 1; slot <= kSlots; ++slot) {
+    path_ = fmt::format("{}.kiln-{:03}.tmp", path.string(), slot);
+    if (claim()) return;
+  }
+  throw Error(ErrorCode::kIo, path, "",
+              fmt::format("cannot be written: {} temporary files such as {} are in the way; remove them", kSlots,
+                          path_.filename().string()));
+}
+
+bool TemporaryFile::claim() {
+  do {
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  } while (file_ < 0 && errno == EINTR);
+  const bool made = file_ >= 0;
+  if (!made && errno != EEXIST) throw systemError(errno, destination_, "creating the file");
+  if (!made) file_ = ::open(path_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file_ < 0) return false;
+  const bool locked = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+  const bool no_locks = !locked && errno != EWOULDBLOCK && errno != EINTR;
+  // The former owner may have renamed the file to its destination before this process got the lock.
+  if ((locked || (made && no_locks)) && isOwnFile(file_) && leadsTo(path_, file_)) {
+    if (::ftruncate(file_, 0) == 0) return true;
+  }
+  if (made) ::unlink(path_.c_str());
+  ::close(std::exchange(file_, -1));
+  return false;
+}
+
+Error TemporaryFile::named(const Error& error) const {
+  const std::string text = error.what(), prefix = path_.string() + ": ";
+  if (!text.starts_with(prefix)) return error;
+  return Error(error.code(), destination_, "", text.substr(prefix.size()));
+}
+
+TemporaryFile::~TemporaryFile() {
+  if (leadsTo(path_, file_)) ::unlink(path_.c_str());
+  ::close(file_);
+}
+
+}  // namespace kiln
