@@ -41,7 +41,6 @@ bool TemporaryFile::claim() {
   if ((locked || (made && no_locks)) && isOwnFile(file_) && leadsTo(path_, file_)) {
     if (::ftruncate(file_, 0) == 0) return true;
   }
-  if (made) ::unlink(path_.c_str());
   ::close(std::exchange(file_, -1));
   return false;
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/memory.h"
+#include "base/output_files.h"
 #include "commands.h"
 #include "output/compare.h"
 #include "output/image_file.h"
@@ -23,6 +24,9 @@ void run(const CompareArguments& arguments) {
   if (!arguments.output.empty()) {
     requireImagePath(arguments.output);
     FileSystem::real().requirePlaceFor(arguments.output);
+    OutputFiles outputs;
+    outputs.add(arguments.output);
+    for (const std::string& read : {arguments.a, arguments.b}) outputs.requireNone(read);
   }
   const std::uint64_t memory_bytes = parseBytes(arguments.memory, "--memory");
   const Image a = readImage(arguments.a, {}, false, memory_bytes);

@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <system_error>
-
 #include "base/memory.h"
+#include "base/output_files.h"
 #include "commands.h"
 #include "render/composite_parts.h"
 #include "say.h"
@@ -10,7 +9,6 @@
 #include "source_arguments.h"
 
 namespace kiln::tool {
-namespace fs = std::filesystem;
 namespace {
 
 struct CompositeArguments {
@@ -22,11 +20,9 @@ struct CompositeArguments {
 void run(const CompositeArguments& a, Context& context) {
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
-  for (const std::string& part : a.parts) {
-    std::error_code ignored;
-    if (fs::equivalent(part, a.output, ignored))
-      throw Error(ErrorCode::kUsage, a.output, "", "is one of the parts; name another picture");
-  }
+  OutputFiles outputs;
+  outputs.add(a.output);
+  for (const std::string& part : a.parts) outputs.requireNone(part);
   const CompositedParts made =
       compositeParts({a.parts.begin(), a.parts.end()}, context.progress, parseBytes(a.memory, "--memory"));
   writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);

@@ -1,5 +1,6 @@
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/output_files.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
 #include "say.h"
@@ -17,6 +18,9 @@ struct ExportArguments {
 void run(const ExportArguments& a, Context& context) {
   if (extensionOf(a.output) != ".vdb")
     throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
+  OutputFiles outputs;
+  outputs.add(a.output, "OUT");
+  outputs.requireNone(a.store);
   const StoreReader store(a.store);
   store.requireLevel(a.level);
   const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite,

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/output_files.h"
 #include "cluster/shared_lists.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
@@ -273,11 +274,50 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
   }
 }
 
+// All files that the command writes.
+OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
+  OutputFiles out;
+  out.add(a.stats, "--stats");
+  out.add(job.trace, "--trace");
+  for (const fs::path& path : namesOf(job.output)) out.add(path);
+  for (const int frame : framesOf(job)) {
+    for (const OutputFile& file : filesOf(job, frame)) out.add(file.path);
+  }
+  return out;
+}
+
+void requireNone(const OutputFiles& outputs, const TransferFunctionChoice& read) {
+  if (const auto* const file = std::get_if<fs::path>(&read)) outputs.requireNone(fileOf(*file));
+}
+
+// That no file is written that the job, or what it names, is read from; files of a foreign volume are known once it is
+// opened (SequenceOptions::store_for).
+void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
+  const OutputFiles outputs = outputsOf(a, job);
+  const auto requireApart = [&](const TransferFunctionChoice& still,
+                                const std::vector<Key<TransferFunctionChoice>>& keys) {
+    requireNone(outputs, still);
+    for (const Key<TransferFunctionChoice>& key : keys) requireNone(outputs, key.value);
+  };
+  std::error_code ignored;
+  if (!fs::is_directory(a.input, ignored)) outputs.requireNone(a.input);
+  requireApart(job.picture.transfer_function, job.animation.functions);
+  for (const VolumeOptions& volume : job.volumes) requireApart(volume.transfer_function, volume.functions);
+  std::set<fs::path> volumes;
+  for (const fs::path& volume : volumesOf(job)) {
+    volumes.insert(volume);
+    for (const int frame : framesOf(job)) volumes.insert(pathOfFrame(volume, frame));
+  }
+  for (const fs::path& volume : volumes) {
+    if (isStore(volume) || !fs::is_directory(volume, ignored)) outputs.requireNone(volume);
+  }
+}
+
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
+  requireInputsApart(a, job);
   if (a.stats.empty() && job.trace.empty()) return;
   FileNames taken;
-  taken.add(a.input);
   for (const fs::path& path : namesOf(job.output)) taken.add(path);
   for (const int frame : framesOf(job)) {
     for (const OutputFile& file : filesOf(job, frame)) taken.add(file.path);
@@ -359,9 +399,12 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   requireStatisticsPlace(a);
   const int first = framesOf(job).front();
   const bool series = isSeries(job);
+  const OutputFiles outputs = outputsOf(a, job);
   forEachVolume(job, [&](const fs::path& volume) {
     const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
-    const fs::path store = madeStoreFor(of_first, input.of(of_first));
+    const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
+    const fs::path store = madeStoreFor(of_first, input.of(of_first), opened);
+    outputs.requireNone(store);
     return store == of_first ? volume : store;
   });
   const DryRun cost = dryRun(job, beside);
@@ -481,13 +524,17 @@ void run(const RenderArguments& a, Context& context) {
   if (a.checkpoint) requireCheckpoint(job);
   const InputOptions input(a, job);
   if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
+  const OutputFiles outputs = outputsOf(a, job);
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
     conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
     conversion.command = context.command_line;
     conversion.time = timeNow();
     conversion.labels = input.areLabels(volume);
-    return requiredClass(storeFor(volume, input.of(volume), conversion, context.progress), conversion.labels);
+    const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
+    fs::path store = storeFor(volume, input.of(volume), conversion, context.progress, opened);
+    outputs.requireNone(store);
+    return requiredClass(std::move(store), conversion.labels);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);

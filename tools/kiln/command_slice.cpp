@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/memory.h"
+#include "base/output_files.h"
 #include "commands.h"
 #include "output/image_file.h"
 #include "render/slice.h"
@@ -20,6 +21,9 @@ struct SliceArguments {
 void run(const SliceArguments& a, Context& context) {
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
+  OutputFiles outputs;
+  outputs.add(a.output);
+  outputs.requireNone(a.store);
   SliceRequest request;
   const std::string axes = "xyz";
   if (a.axis.size() != 1 || axes.find(a.axis) == std::string::npos)

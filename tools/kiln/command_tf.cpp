@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/output_files.h"
 #include "base/srgb.h"
 #include "commands.h"
 #include "output/image_file.h"
@@ -84,6 +85,12 @@ void printLabels(const TransferFunction& f) {
 
 void run(const TfArguments& a) {
   if (!a.output.empty()) requireImagePath(a.output);
+  OutputFiles outputs;
+  outputs.add(a.output);
+  for (const std::string& read : {a.input, a.tf}) {
+    outputs.requireNone(read);
+    outputs.requireNone(fileOf(read));
+  }
   const Subject subject = subjectOf(a);
   std::optional<Window> window;
   if (!a.window.empty()) window = parseWindow(a.window, "--window");

@@ -1,0 +1,64 @@
+#include "base/output_files.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// Nothing where there is no regular file.
+std::optional<struct stat> fileStatus(const fs::path& path) {
+  struct stat status;
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return status;
+}
+
+}  // namespace
+
+void OutputFiles::add(const fs::path& path, const std::string& option) {
+  if (path.empty()) return;
+  if (const std::optional<struct stat> found = fileStatus(path))
+    outputs_.push_back({path, option, found->st_dev, found->st_ino, found->st_nlink > 1});
+}
+
+void OutputFiles::requireNotThis(const fs::path& file) const {
+  if (outputs_.empty()) return;
+  const std::optional<struct stat> found = fileStatus(file);
+  if (!found) return;
+  for (const Output& output : outputs_) {
+    if (output.device != found->st_dev || output.inode != found->st_ino) continue;
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {} is the name of {}, which this command reads; name another file", output.option,
+                            output.path.string(), output.path == file ? "a file" : file.string()));
+  }
+}
+
+bool OutputFiles::mayBeIn(const fs::path& folder) const {
+  std::error_code unknown;
+  const fs::path whole = fs::canonical(folder, unknown);
+  return std::any_of(outputs_.begin(), outputs_.end(), [&](const Output& output) {
+    const fs::path place = fs::canonical(output.path, unknown);
+    return output.linked || unknown ||
+           std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
+  });
+}
+
+void OutputFiles::requireNone(const fs::path& read) const {
+  std::error_code ignored;
+  if (!fs::is_directory(read, ignored)) return requireNotThis(read);
+  if (!mayBeIn(read)) return;
+  for (const auto& entry : fs::recursive_directory_iterator(read, ignored)) requireNotThis(entry.path());
+}
+
+void OutputFiles::requireNoneOf(const std::vector<fs::path>& read) const {
+  for (const fs::path& file : read) requireNotThis(file);
+}
+
+}  // namespace kiln
