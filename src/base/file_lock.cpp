@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -38,11 +37,14 @@ std::string holderOf(const fs::path& lock) {
 }
 
 // An empty file is a lock that is about to be signed.
-bool isLock(int file) {
+bool isLock(int file, const fs::path& path) {
   std::array<char, kHolder.size()> begin;
-  const ssize_t got = ::pread(file, begin.data(), begin.size(), 0);
-  return got == 0 ||
-         (got == static_cast<ssize_t>(begin.size()) && std::string_view(begin.data(), begin.size()) == kHolder);
+  ssize_t got = 0;
+  do {
+    got = ::pread(file, begin.data(), begin.size(), 0);
+  } while (got < 0 && errno == EINTR);
+  if (got < 0) throw systemError(errno, path, "reading the lock");
+  return kHolder.starts_with(std::string_view(begin.data(), static_cast<std::size_t>(got)));
 }
 
 }  // namespace
@@ -65,20 +67,23 @@ FileLock::Attempt FileLock::attempt() {
   constexpr std::array kNoPlace = {EACCES, EPERM, EROFS, ENOENT, ENOTDIR, ENAMETOOLONG, ENOSPC, EDQUOT};
   if (file_ < 0 && std::find(kNoPlace.begin(), kNoPlace.end(), errno) != kNoPlace.end()) return Attempt::kDone;
   if (file_ < 0) throw systemError(errno, path_, "opening the lock");
-  if (!isLock(file_)) {
+  try {
+    if (!isLock(file_, path_))
+      throw Error(ErrorCode::kExists, path_, "", "is in the way of a lock, and is none; move it");
+    const int failed = lockAtOnce(file_) ? 0 : errno;
+    // The former holder may have removed the file: then others lock a new file of that name.
+    if (failed == 0 && leadsTo(path_, file_)) return Attempt::kDone;
+    disk_has_locks_ = failed == 0 || failed == EWOULDBLOCK;
+    struct stat status;
+    if (!disk_has_locks_ && ::fstat(file_, &status) == 0 && status.st_size == 0) removeIfStill(path_, file_);
     ::close(std::exchange(file_, -1));
-    throw Error(ErrorCode::kExists, path_, "", "is in the way of a lock, and is none; move it");
+    return failed == 0 ? Attempt::kAgain : failed == EWOULDBLOCK ? Attempt::kBusy : Attempt::kDone;
+  } catch (const Error&) {
+    struct stat status;
+    if (::fstat(file_, &status) == 0 && status.st_size == 0 && lockAtOnce(file_)) removeIfStill(path_, file_);
+    ::close(std::exchange(file_, -1));
+    throw;
   }
-  const int failed = ::flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
-  // The former holder may have removed the file: then others lock a new file of that name.
-  if (failed == 0 && leadsTo(path_, file_)) return Attempt::kDone;
-  ::close(std::exchange(file_, -1));
-  if (failed == 0 || failed == EINTR) return Attempt::kAgain;
-  if (failed == EWOULDBLOCK) return Attempt::kBusy;
-  disk_has_locks_ = false;
-  struct stat status;
-  if (::lstat(path_.c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_size == 0) ::unlink(path_.c_str());
-  return Attempt::kDone;
 }
 
 // For whoever is refused. The lock is the kernel's, so that a failure here is of no consequence.
@@ -90,8 +95,9 @@ void FileLock::sign() const {
 }
 
 FileLock::~FileLock() {
-  if (leadsTo(path_, file_)) ::unlink(path_.c_str());
-  if (file_ >= 0) ::close(file_);
+  if (file_ < 0) return;
+  removeIfStill(path_, file_);
+  ::close(file_);
 }
 
 fs::path lockOf(const fs::path& output) {

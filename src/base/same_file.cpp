@@ -1,5 +1,6 @@
 #include "base/same_file.h"
 
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -27,8 +28,25 @@ struct stat directoryStatus(const fs::path& directory) {
 
 bool leadsTo(const fs::path& path, int open_file) {
   struct stat open, named;
-  return open_file >= 0 && ::fstat(open_file, &open) == 0 && open.st_nlink > 0 && ::lstat(path.c_str(), &named) == 0 &&
-         open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+  if (::fstat(open_file, &open) != 0) throw systemError(errno, path, "looking at the file");
+  if (open.st_nlink == 0) return false;
+  if (::lstat(path.c_str(), &named) == 0) return open.st_dev == named.st_dev && open.st_ino == named.st_ino;
+  if (errno == ENOENT || errno == ENOTDIR) return false;
+  throw systemError(errno, path, "looking at the file");
+}
+
+void removeIfStill(const fs::path& path, int open_file) noexcept {
+  struct stat open, named;
+  const bool known = ::fstat(open_file, &open) == 0 && ::lstat(path.c_str(), &named) == 0;
+  if (!known || (open.st_dev == named.st_dev && open.st_ino == named.st_ino)) ::unlink(path.c_str());
+}
+
+bool lockAtOnce(int open_file) {
+  int result = 0;
+  do {
+    result = ::flock(open_file, LOCK_EX | LOCK_NB);
+  } while (result != 0 && errno == EINTR);
+  return result == 0;
 }
 
 bool isOwnFile(int open_file) {

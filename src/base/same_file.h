@@ -6,8 +6,15 @@
 
 namespace kiln {
 
-/// True if `path` itself, and not the target of a link of that name, is the open file. False for -1.
+/// True if `path` itself, and not the target of a link of that name, is the open file. throws: Error kIo.
 bool leadsTo(const std::filesystem::path& path, int open_file);
+
+/// Removes a file that this process has locked, unless the name has come to lead to another file.
+void removeIfStill(const std::filesystem::path& path, int open_file) noexcept;
+
+/// Locks an open file (flock) for this process alone. False, with errno, where that fails: EWOULDBLOCK where another
+/// process holds it, another number on a disk without locks.
+bool lockAtOnce(int open_file);
 
 /// True if an open file is a regular file of this user with one name: writing changes nobody else's bytes.
 bool isOwnFile(int open_file);

@@ -2,8 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -35,11 +33,16 @@ bool TemporaryFile::claim() {
   if (!made && errno != EEXIST) throw systemError(errno, destination_, "creating the file");
   if (!made) file_ = ::open(path_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0) return false;
-  const bool locked = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
-  const bool no_locks = !locked && errno != EWOULDBLOCK && errno != EINTR;
-  // The former owner may have renamed the file to its destination before this process got the lock.
-  if ((locked || (made && no_locks)) && isOwnFile(file_) && leadsTo(path_, file_)) {
-    if (::ftruncate(file_, 0) == 0) return true;
+  const bool locked = lockAtOnce(file_), no_locks = !locked && errno != EWOULDBLOCK;
+  try {
+    // A file that was found is empty again, if its former owner has not renamed it to its destination meanwhile.
+    if ((locked || (made && no_locks)) && leadsTo(path_, file_) &&
+        (made || (isOwnFile(file_) && ::ftruncate(file_, 0) == 0)))
+      return true;
+  } catch (const Error& error) {
+    if (made) removeIfStill(path_, file_);
+    ::close(std::exchange(file_, -1));
+    throw named(error);
   }
   ::close(std::exchange(file_, -1));
   return false;
@@ -52,7 +55,7 @@ Error TemporaryFile::named(const Error& error) const {
 }
 
 TemporaryFile::~TemporaryFile() {
-  if (leadsTo(path_, file_)) ::unlink(path_.c_str());
+  removeIfStill(path_, file_);
   ::close(file_);
 }
 

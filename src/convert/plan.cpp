@@ -74,12 +74,15 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
 }
 
-// What a brick leaves to its parents, which overlap by their aprons.
-std::uint64_t leftBytes(const Extent3& by, std::int64_t brick_size, std::uint64_t voxel_bytes) {
+// Bytes that a brick leaves to its parents, which overlap by their aprons. A thin volume has no more than its voxels.
+std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t brick_size, std::uint64_t voxel_bytes) {
+  const auto coarse = [&](int axis) { return (dims[axis] + by[axis] - 1) / by[axis]; };
+  const auto along = [&](int axis) { return std::min(brick_size / by[axis], coarse(axis)); };
   std::int64_t voxels = 1;
   // A half of a parent has one neighbour, a whole one two.
-  for (int axis = 0; axis < 3; ++axis) voxels *= brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron;
-  const Extent3 part = {brick_size / by.x, brick_size / by.y, brick_size / by.z};
+  for (int axis = 0; axis < 3; ++axis)
+    voxels *= std::min(brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron, coarse(axis));
+  const Extent3 part = {along(0), along(1), along(2)};
   const std::uint64_t overlap_bytes = static_cast<std::uint64_t>(voxels - part.count()) * voxel_bytes;
   return CoarsePart::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4;
 }
@@ -93,7 +96,7 @@ std::uint64_t waitingPartBytes(const SourceInfo& info, const ConvertOptions& opt
     const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
     const std::int64_t slices = std::min((by.z + 1) * options.brick_size, dims.z);
     const auto bricks = brickLattice({dims.x, dims.y, slices}, options.brick_size).count();
-    out += static_cast<std::uint64_t>(bricks) * leftBytes(by, options.brick_size, sizeOf(info.type));
+    out += static_cast<std::uint64_t>(bricks) * leftBytes(dims, by, options.brick_size, sizeOf(info.type));
   }
   return out;
 }

@@ -109,6 +109,8 @@ TEST(ConversionPlan, TheIndexIsWithinTheBudget) {
   EXPECT_GT(bricks, 3'000'000u);
   EXPECT_EQ(plan.index_bytes, bricks * kBrickBytes);
   EXPECT_LE(plan.total(), 2048 * kMiB);
+  // Parts of rows, not of cubes, wait for their parents.
+  EXPECT_LT(planOf({3'000'000, 1, 1}, 2048 * kMiB).total(), 64 * kMiB);
 }
 
 // The ranges of a brick's cells are a cube, also of a volume of a few voxels: 512³ of them have 2 GiB.
