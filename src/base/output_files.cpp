@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/folder.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -54,7 +55,10 @@ void OutputFiles::requireNone(const fs::path& read) const {
   std::error_code ignored;
   if (!fs::is_directory(read, ignored)) return requireNotThis(read);
   if (!mayBeIn(read)) return;
-  for (const auto& entry : fs::recursive_directory_iterator(read, ignored)) requireNotThis(entry.path());
+  forEachEntryBelow(read, [&](const fs::directory_entry& entry) {
+    requireNotThis(entry.path());
+    return Walk::kGoOn;
+  });
 }
 
 void OutputFiles::requireNoneOf(const std::vector<fs::path>& read) const {

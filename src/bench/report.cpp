@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "base/folder.h"
 #include "bench/node_slice_drawing.h"
 #include "bench/report_csv.h"
 #include "bench/report_figures.h"
@@ -55,11 +56,12 @@ class PictureFiles {
   // Those of another suite. What else is there is somebody's.
   void removeEarlier() {
     std::vector<fs::path> earlier;
-    for (const auto& entry : fs::directory_iterator(directory_)) {
+    forEachEntry(directory_, [&](const fs::directory_entry& entry) {
       const std::string name = entry.path().filename().string();
       const bool ours = name.starts_with("picture-") || name.starts_with("artifacts-") || name.starts_with("nodes-");
       if (ours && (name.ends_with(".png") || name.ends_with(".svg"))) earlier.push_back(entry.path());
-    }
+      return Walk::kGoOn;
+    });
     for (const fs::path& path : earlier) disk_.removeAll(path);
   }
   std::string stem(std::string_view what, std::size_t case_index, Projection projection) const {
@@ -83,15 +85,15 @@ void requireReportDirectory(const fs::path& directory) {
   const fs::file_status status = fs::status(directory, error);
   if (!fs::exists(status)) return;
   if (!fs::is_directory(status)) throw Error(ErrorCode::kUsage, directory, "", "is no directory; a report is one");
-  for (const auto& entry : fs::directory_iterator(directory)) {
+  forEachEntry(directory, [&](const fs::directory_entry& entry) {
     std::string name = entry.path().filename().string();
     if (name.ends_with(".tmp")) name.resize(name.size() - 4);  // what a kill left of an atomic write
-    if (std::find(kParts.begin(), kParts.end(), name) != kParts.end()) continue;
+    if (std::find(kParts.begin(), kParts.end(), name) != kParts.end()) return Walk::kGoOn;
     throw Error(ErrorCode::kExists, directory, "",
                 "holds '" + name +
                     "', which is no part of a report; name a directory that is new or holds an earlier "
                     "report");
-  }
+  });
 }
 
 void writeReport(const Measurements& m, const fs::path& directory, FileSystem& disk) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/path_status.h"
 #include "base/same_file.h"
 #include "convert/journal.h"
@@ -19,14 +20,17 @@ namespace fs = std::filesystem;
 
 bool isNothing(const fs::path& path) {
   if (!isNameTaken(path)) return true;
-  std::error_code error;
-  bool empty = fs::is_directory(path, error);
-  if (!error && empty) {
-    fs::directory_iterator first(path, error);
-    empty = std::all_of(first, {}, [](const auto& entry) { return entry.path().filename() == kLockInside; });
+  std::error_code unknown;
+  if (!fs::is_directory(path, unknown)) {
+    if (unknown && isThere(path)) throw systemError(unknown.value(), path, "looking into the directory");
+    return false;
   }
-  if (error && isThere(path)) throw systemError(error.value(), path, "looking into the directory");
-  return empty && !error;
+  bool empty = true;
+  forEachEntry(path, [&](const fs::directory_entry& entry) {
+    empty = entry.path().filename() == kLockInside;
+    return empty ? Walk::kGoOn : Walk::kStop;
+  });
+  return empty;
 }
 
 namespace {
@@ -40,17 +44,17 @@ bool isNameInStore(const fs::path& name) {
   return name.string().starts_with("scratch_") && name.extension() == ".tmp";
 }
 
-// Whether the folders in it, which anybody may have given their names, hold anything but files of bricks.
+// True where folders below the directory, which anybody may have named, hold anything but files of bricks.
 bool holdsOthers(const fs::path& directory) {
-  std::error_code error;
-  fs::recursive_directory_iterator at(directory, error);
-  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
-    std::error_code ignored;
-    if (at.depth() == 0 || at->is_directory(ignored)) continue;
-    const std::string name = at->path().filename().string();
-    if (name.find_first_not_of("0123456789_") != name.find('.')) return true;
-  }
-  return static_cast<bool>(error);
+  bool out = false;
+  forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
+    std::error_code unknown;
+    if (entry.path().parent_path() == directory || entry.is_directory(unknown)) return Walk::kGoOn;
+    const std::string name = entry.path().filename().string();
+    out = name.find_first_not_of("0123456789_") != name.find('.');
+    return out ? Walk::kStop : Walk::kGoOn;
+  });
+  return out;
 }
 
 // Files that a desktop leaves in every folder that it shows; nobody keeps anything in them.
@@ -62,11 +66,11 @@ bool isDroppedByDesktop(const fs::path& name) {
 // The names in a directory that are no store's, in alphabetical order.
 std::vector<std::string> strangersIn(const fs::path& directory) {
   std::vector<std::string> out;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(directory, error)) {
+  forEachEntry(directory, [&](const fs::directory_entry& entry) {
     const fs::path name = entry.path().filename();
     if (!isNameInStore(name) && !isDroppedByDesktop(name)) out.push_back(name.string());
-  }
+    return Walk::kGoOn;
+  });
   std::sort(out.begin(), out.end());
   return out;
 }

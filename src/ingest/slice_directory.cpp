@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/folder.h"
 #include "base/path_status.h"
 #include "ingest/dicom_bytes.h"
 #include "ingest/dicom_directory.h"
@@ -45,18 +46,15 @@ std::string named(const std::vector<fs::path>& files) {
 }
 
 std::vector<fs::path> filesIn(const fs::path& directory) {
-  std::error_code error;
   std::vector<fs::path> out;
-  fs::directory_iterator entries(directory, error);
-  if (error) throw systemError(error.value(), directory, "listing the directory");
-  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    // What cannot be looked at, such as a link to nothing, may be a slice that is missing.
+  forEachEntry(directory, [&](const fs::directory_entry& entry) {
+    // An entry without a status, such as a link to nothing, may be a slice that is missing.
     std::error_code unknown;
-    const fs::file_status status = entries->status(unknown);
-    const bool hidden = entries->path().filename().string().starts_with('.');
-    if (!hidden && (unknown || !fs::exists(status) || fs::is_regular_file(status))) out.push_back(entries->path());
-  }
-  if (error) throw systemError(error.value(), directory, "listing the directory");
+    const fs::file_status status = entry.status(unknown);
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && (unknown || !fs::exists(status) || fs::is_regular_file(status))) out.push_back(entry.path());
+    return Walk::kGoOn;
+  });
   std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
     return naturallyBefore(a.filename().string(), b.filename().string());
   });
@@ -65,17 +63,13 @@ std::vector<fs::path> filesIn(const fs::path& directory) {
 
 // All folders below a directory, in natural order of their paths. Links to folders are not followed.
 std::vector<fs::path> foldersBelow(const fs::path& directory) {
-  std::error_code error;
   std::vector<fs::path> out;
-  fs::recursive_directory_iterator entries(directory, error);
-  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
+  forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
     std::error_code unknown;
-    if (entries->path().filename().string().starts_with('.'))
-      entries.disable_recursion_pending();
-    else if (!entries->is_symlink(unknown) && entries->is_directory(unknown))
-      out.push_back(entries->path());
-  }
-  if (error) throw systemError(error.value(), directory, "listing the directory");
+    if (entry.path().filename().string().starts_with('.')) return Walk::kPassOver;
+    if (!entry.is_symlink(unknown) && entry.is_directory(unknown)) out.push_back(entry.path());
+    return Walk::kGoOn;
+  });
   std::sort(out.begin(), out.end(),
             [](const fs::path& a, const fs::path& b) { return naturallyBefore(a.string(), b.string()); });
   return out;

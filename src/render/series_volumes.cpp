@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "base/folder.h"
+#include "base/path_status.h"
 #include "cluster/shared_lists.h"
 #include "grid/shared_world.h"
 #include "output/image_file.h"
@@ -145,12 +147,12 @@ std::vector<int> framesOnDisk(const fs::path& pattern) {
   const std::optional<NumberPlace> place = numberPlace(pattern);
   if (!place) return {};
   std::set<int> out;
-  std::error_code error;
-  for (fs::directory_iterator entry(place->folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::optional<int> number = numberIn(entry->path().filename().string(), place->before);
-    std::error_code ignored;
-    if (number && fs::exists(pathOfFrame(pattern, *number), ignored)) out.insert(*number);
-  }
+  if (!isThere(place->folder)) return {};
+  forEachEntry(place->folder, [&](const fs::directory_entry& entry) {
+    const std::optional<int> number = numberIn(entry.path().filename().string(), place->before);
+    if (number && isThere(pathOfFrame(pattern, *number))) out.insert(*number);
+    return Walk::kGoOn;
+  });
   return {out.begin(), out.end()};
 }
 

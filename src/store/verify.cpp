@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "store/brick_ranges.h"
@@ -174,12 +175,18 @@ class Verification {
   void noteStrangers() {
     std::uint64_t strangers = 0;
     fs::path first;
-    std::error_code unreadable;
-    for (auto entry = fs::recursive_directory_iterator(store_.path(), unreadable);
-         !unreadable && entry != fs::recursive_directory_iterator(); entry.increment(unreadable)) {
-      if (entry->is_directory(unreadable)) continue;
-      const fs::path file = entry->path().lexically_relative(store_.path());
-      if (!isOurs(file) && strangers++ == 0) first = entry->path();
+    const auto look = [&](const fs::directory_entry& entry) {
+      std::error_code unknown;
+      if (entry.is_directory(unknown)) return Walk::kGoOn;
+      const fs::path file = entry.path().lexically_relative(store_.path());
+      if (!isOurs(file) && strangers++ == 0) first = entry.path();
+      return Walk::kGoOn;
+    };
+    try {
+      forEachEntryBelow(store_.path(), look);
+    } catch (const Error& unreadable) {
+      // A folder that cannot be listed holds no brick: bricks are read by their names.
+      progress_.note(unreadable.what());
     }
     if (strangers == 1) progress_.note(first.string() + ": is no part of the store");
     if (strangers > 1)

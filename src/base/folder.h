@@ -1,0 +1,20 @@
+// Lists folders of a disk that may fail.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+namespace kiln {
+
+/// How a walk goes on after an entry. kPassOver: without the entries of this folder.
+enum class Walk { kGoOn, kPassOver, kStop };
+using VisitEntry = std::function<Walk(const std::filesystem::directory_entry&)>;
+
+/// Visits every entry of a folder, in the system's order. An open that a signal interrupts is repeated.
+/// throws: Error kIo, naming the folder, where the system cannot list it.
+void forEachEntry(const std::filesystem::path& folder, const VisitEntry& visit);
+/// Visits the entries of a folder and of all folders below it, each folder before its entries. Links are not followed.
+/// throws: as forEachEntry.
+void forEachEntryBelow(const std::filesystem::path& folder, const VisitEntry& visit);
+
+}  // namespace kiln
