@@ -19,6 +19,7 @@
 #include "base/same_file.h"
 #include "base/temporary_file.h"
 #include "base/text.h"
+#include "base/uninterrupted.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -76,14 +77,6 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
   }
   ::fcntl(file, F_SETFL, flags);
   return done;
-}
-
-// Repeats a call that a signal interrupted, as opens on network and user-space file systems are.
-template <class Call>
-auto uninterrupted(const Call& call) {
-  auto result = call();
-  while (result < 0 && errno == EINTR) result = call();
-  return result;
 }
 
 int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {

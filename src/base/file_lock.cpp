@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/same_file.h"
+#include "base/uninterrupted.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -39,10 +40,7 @@ std::string holderOf(const fs::path& lock) {
 // An empty file is a lock that is about to be signed.
 bool isLock(int file, const fs::path& path) {
   std::array<char, kHolder.size()> begin;
-  ssize_t got = 0;
-  do {
-    got = ::pread(file, begin.data(), begin.size(), 0);
-  } while (got < 0 && errno == EINTR);
+  const ssize_t got = uninterrupted([&] { return ::pread(file, begin.data(), begin.size(), 0); });
   if (got < 0) throw systemError(errno, path, "reading the lock");
   return kHolder.starts_with(std::string_view(begin.data(), static_cast<std::size_t>(got)));
 }
@@ -60,9 +58,11 @@ FileLock::FileLock(fs::path path, const std::function<void()>& waiting) : path_(
 
 FileLock::Attempt FileLock::attempt() {
   constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
-  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | kFlags, 0666);
-  if (file_ < 0) file_ = ::open(path_.c_str(), O_RDONLY | kFlags);  // another user's
-  if (file_ < 0 && errno == EINTR) return Attempt::kAgain;
+  const auto open = [&](int flags) {
+    return uninterrupted([&] { return ::open(path_.c_str(), flags | kFlags, 0666); });
+  };
+  file_ = open(O_RDWR | O_CREAT);
+  if (file_ < 0) file_ = open(O_RDONLY);  // another user's
   // What cannot be made here fails when the output is made.
   constexpr std::array kNoPlace = {EACCES, EPERM, EROFS, ENOENT, ENOTDIR, ENAMETOOLONG, ENOSPC, EDQUOT};
   if (file_ < 0 && std::find(kNoPlace.begin(), kNoPlace.end(), errno) != kNoPlace.end()) return Attempt::kDone;

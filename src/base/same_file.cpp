@@ -7,6 +7,7 @@
 #include <cerrno>
 
 #include "base/error.h"
+#include "base/uninterrupted.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -57,7 +58,8 @@ bool isOwnFile(int open_file) {
 
 std::int64_t changeTimeNs(const fs::path& path) {
   struct stat status;
-  if (::stat(path.c_str(), &status) != 0) return 0;
+  if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) != 0)
+    throw systemError(errno, path, "reading the time of its last change");
   return std::int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec;
 }
 

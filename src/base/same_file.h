@@ -19,8 +19,8 @@ bool lockAtOnce(int open_file);
 /// True if an open file is a regular file of this user with one name: writing changes nobody else's bytes.
 bool isOwnFile(int open_file);
 
-/// The time of the last change of a file's bytes or attributes (ctime), of a link its target's; 0 where there is no
-/// file. unit: ns since 1970.
+/// The time of the last change of a file's bytes or attributes (ctime), of a link its target's. unit: ns since 1970.
+/// throws: Error kIo or kNotFound.
 std::int64_t changeTimeNs(const std::filesystem::path& path);
 
 /// Checks that a directory belongs to this user or the administrator; refuses a link in its place. throws: Error kIo.
