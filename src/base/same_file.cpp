@@ -43,11 +43,7 @@ void removeIfStill(const fs::path& path, int open_file) noexcept {
 }
 
 bool lockAtOnce(int open_file) {
-  int result = 0;
-  do {
-    result = ::flock(open_file, LOCK_EX | LOCK_NB);
-  } while (result != 0 && errno == EINTR);
-  return result == 0;
+  return uninterrupted([&] { return ::flock(open_file, LOCK_EX | LOCK_NB); }) == 0;
 }
 
 bool isOwnFile(int open_file) {

@@ -402,16 +402,10 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     }
   }
 
-  bool forget(const std::string& name) const { return fs::remove(folder_ / name); }
-
   // Returns whether a call failed.
   bool meet(const CallFault& fault) {
     const ToolUnderFault result = runUnderFault(in(folder_, GetParam().arguments), folder_, fault);
-    Folder now = filesOf(folder_);
-    // The kernel holds the lock, not the file: a file that could not be removed locks nothing.
-    if (result.failed_call.ends_with(".lock")) {
-      std::erase_if(now, [&](const auto& file) { return file.first.ends_with(".lock") && forget(file.first); });
-    }
+    const Folder now = filesOf(folder_);
     SCOPED_TRACE(fmt::format("{} at call {}, {}: exit code {}\n{}", nameOf(fault.failure), fault.after_calls,
                              result.failed_call, result.exit_code, result.err));
     // The end of a file may come at its end; closing is over when a signal interrupts it; fopen cannot be repeated.
