@@ -78,7 +78,7 @@ VoxelType elementType(const HeaderFields& fields) {
 
 // Takes axes of length 1 out of a header of more than three dimensions, the last ones first. Axis and dimension of the
 // world go together, so that the matrix must not mix them with others.
-void dropUnitAxes(HeaderFields& fields) {
+void dropUnitMetaImageAxes(HeaderFields& fields) {
   constexpr std::int64_t kMostAxes = 10;  // MetaIO's own limit
   const std::int64_t axes = fields.integers(fields.require("NDims"), 1)[0];
   if (axes <= 3 || axes > kMostAxes) return;
@@ -210,7 +210,7 @@ LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
 
 std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, const SourceOptions& options) {
   Header header = readHeader(File(input));
-  dropUnitAxes(header.fields);
+  dropUnitMetaImageAxes(header.fields);
   requireScalarMetaImage(header.fields);
   SourceInfo info;
   info.format = "MetaImage";

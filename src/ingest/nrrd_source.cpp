@@ -53,7 +53,7 @@ bool isOutsideSpace(const std::string& kind, const std::string& direction) {
 
 // Takes axes of length 1 out of a header of more than three dimensions: one component or one time. Axes that are not of
 // space go first, then the last ones; more dimensions than three stay where other lengths do.
-void dropUnitAxes(HeaderFields& fields) {
+void dropUnitNrrdAxes(HeaderFields& fields) {
   constexpr std::int64_t kMostAxes = 16;  // NRRD_DIM_MAX of the format's own library
   const std::int64_t axes = fields.integers(fields.require("dimension"), 1)[0];
   if (axes <= 3 || axes > kMostAxes) return;
@@ -190,7 +190,7 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
 
 std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
   NrrdHeader header = readNrrdHeader(File(input));
-  dropUnitAxes(header.fields);
+  dropUnitNrrdAxes(header.fields);
   requireScalarNrrd(header.fields);
   SourceInfo info;
   info.format = "NRRD";

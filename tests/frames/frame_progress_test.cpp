@@ -113,7 +113,7 @@ TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
   RenderJob job = parseJob(R"({"image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
                            folder_ / "job.json");
   Listening listening;
-  OpenedJob opened(job, listening, checkpointBytes(job));
+  OpenedJob opened(job, listening, checkpointMemory(job));
   drawInTiles(opened, 7, false, listening);
   expectOneCount(listening.told, "frame 7", "pixels");
   EXPECT_EQ(listening.told.size(), 5u);
