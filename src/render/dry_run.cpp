@@ -42,7 +42,7 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
     out.file_bytes_in_view += entry.file_bytes;
     out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
   }
-  if (out.bricks_in_view == 0) out.empty = reasonForNothing(whole, requestOf(whole, job.speed), manifestsOf(opened));
+  out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), manifestsOf(opened));
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

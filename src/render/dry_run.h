@@ -20,7 +20,7 @@ struct DryRun {
   std::uint64_t file_bytes_in_view = 0;
   /// What all bricks in view take in memory, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
-  EmptyFrame empty = EmptyFrame::kShows;  // why no brick is in view
+  EmptyFrame empty = EmptyFrame::kShows;  // why nothing is to be seen
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;
 };

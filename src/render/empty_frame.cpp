@@ -41,6 +41,21 @@ std::array<glm::dvec3, 8> cornersInView(const VolumeGeometry& volume, const View
   return out;
 }
 
+// A ball of 1/32 of a pixel covers 1/1304 of the pixel; 8 bits round alpha below 1/510 to 0. unit: pixels.
+constexpr double kSmallestBall = 1.0 / 32;
+
+// Whether the ball round the volume's box is smaller than kSmallestBall in the picture.
+bool isTooSmall(const VolumeGeometry& volume, const View& view) {
+  const std::array<glm::dvec3, 8> corners = cornersInView(volume, view);
+  const glm::dvec3 centre = (corners.front() + corners.back()) * 0.5;
+  double radius = 0;
+  for (const glm::dvec3& corner : corners) radius = std::max(radius, glm::distance(centre, corner));
+  if (view.projection == Projection::kOrthographic) return 2 * radius * view.focal_px < kSmallestBall;
+  const bool perspective = view.projection == Projection::kPerspective;
+  const double distance = (perspective ? centre.z : glm::length(centre)) - radius;
+  return distance > 0 && 2 * radius * view.focal_px < kSmallestBall * distance;
+}
+
 // A panorama sees all round.
 std::optional<EmptyFrame> outOfView(const VolumeGeometry& volume, const FrameRequest& request) {
   const View& view = request.view;
@@ -72,11 +87,11 @@ EmptyFrame reasonOf(Mode mode, const TransferFunction& function, const Clipping&
     return EmptyFrame::kValues;
   if (ClipRegion(clipping, volume.geometry()).classify(boxOf(volume.geometry().dims)) == ClipRegion::Overlap::kOutside)
     return EmptyFrame::kClipped;
-  return outOfView(volume.geometry(), request).value_or(EmptyFrame::kCombined);
+  if (const auto why = outOfView(volume.geometry(), request)) return *why;
+  return isTooSmall(volume.geometry(), request.view) ? EmptyFrame::kTooSmall : EmptyFrame::kCombined;
 }
 
-}  // namespace
-
+// requires: the frame is empty.
 EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request,
                             const std::vector<const Manifest*>& manifests) {
   const Mode mode = scene.picture.mode;
@@ -91,12 +106,24 @@ EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request
   return *out;
 }
 
+}  // namespace
+
+// Samples of light fade as the volume becomes smaller than a pixel. Opaque voxels of the voxel lattice may stay
+// visible, and a pixel of another mode has one value or none.
+EmptyFrame emptinessOf(bool draws, const FrameScene& scene, const FrameRequest& request,
+                       const std::vector<const Manifest*>& manifests) {
+  if (!draws) return reasonForNothing(scene, request, manifests);
+  const auto too_small = [&](const Manifest* volume) { return isTooSmall(volume->geometry(), request.view); };
+  const bool fades = scene.picture.mode == Mode::kComposite && request.lattice != Lattice::kVoxel;
+  return fades && std::all_of(manifests.begin(), manifests.end(), too_small) ? EmptyFrame::kTooSmall
+                                                                             : EmptyFrame::kShows;
+}
+
 // Projected voxels may be NaN: visited voxels alone do not make a picture.
 EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
                        const std::vector<const Manifest*>& manifests) {
   const bool composites = scene.picture.mode == Mode::kComposite;
-  if (composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0) return EmptyFrame::kShows;
-  return reasonForNothing(scene, request, manifests);
+  return emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
 }
 
 std::string emptyText(EmptyFrame why) {
@@ -113,6 +140,8 @@ std::string emptyText(EmptyFrame why) {
       return "the volume is behind the eye: the camera looks away from it";
     case EmptyFrame::kOutOfView:
       return "the volume is beside the picture, or the crop: the camera looks past it";
+    case EmptyFrame::kTooSmall:
+      return "the volume is far smaller than a pixel: the eye is too far away, or the zoom too small";
     case EmptyFrame::kCombined:
       return "what the transfer function shows is clipped away, out of view, or the value of no voxel";
   }

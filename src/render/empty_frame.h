@@ -11,13 +11,13 @@
 
 namespace kiln {
 
-/// Returns the reason for an empty frame; kShows if samples were drawn. `request` is made of `scene`; `manifests` are
-/// of the scene's volumes.
+/// Returns the reason for an empty frame; kShows if visible samples were drawn. `request` is made of `scene`;
+/// `manifests` are of the scene's volumes.
 EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
                        const std::vector<const Manifest*>& manifests);
-/// Returns the reason for an empty frame from scene and manifests alone, without voxels. requires: the frame is empty.
-EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request,
-                            const std::vector<const Manifest*>& manifests);
+/// Returns the reason for an empty frame from scene and manifests alone; `draws` if bricks are in view.
+EmptyFrame emptinessOf(bool draws, const FrameScene& scene, const FrameRequest& request,
+                       const std::vector<const Manifest*>& manifests);
 
 /// "the eye looks away from the volume: …". requires: not kShows.
 std::string emptyText(EmptyFrame why);

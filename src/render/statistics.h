@@ -28,8 +28,9 @@ struct LevelStatistics {
 /// - kClipped: the region, the box of the world or the planes leave nothing.
 /// - kBehind: the volume is behind the eye.
 /// - kOutOfView: the volume is beside the picture, or beside its crop.
+/// - kTooSmall: the volume covers so little of a pixel that 8 bits round its alpha to 0.
 /// - kCombined: none of these by itself: what the function shows is clipped away, out of view or in no voxel.
-enum class EmptyFrame : std::uint8_t { kShows, kOpacity, kValues, kClipped, kBehind, kOutOfView, kCombined };
+enum class EmptyFrame : std::uint8_t { kShows, kOpacity, kValues, kClipped, kBehind, kOutOfView, kTooSmall, kCombined };
 
 /// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count. Where a pixel is several
 /// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows, as a crop of rays is: voxels,

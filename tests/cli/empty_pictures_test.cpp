@@ -2,6 +2,7 @@
 // a visible body.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -20,7 +21,8 @@ class EmptyPicturesCli : public ToolTest {
   void SetUp() override { done({"convert", "phantom:head:24x24x24", in("h.kiln")}); }
 
   std::vector<std::string> with(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"render", in("h.kiln"), "-o", in("x.exr"), "--size", "24x24"});
+    more.insert(more.begin(), {"render", in("h.kiln"), "-o", in("x.exr")});
+    if (std::find(more.begin(), more.end(), "--size") == more.end()) more.insert(more.end(), {"--size", "24x24"});
     return more;
   }
   void expectEmpty(const std::vector<std::string>& options, const std::string& why) const {
@@ -72,6 +74,20 @@ TEST_F(EmptyPicturesCli, EachReason_isNamed) {
   expectEmpty({"--tf", in("clear.json"), "--add", in("h.kiln"), "--add-tf", in("clear.json")}, "opacity 0 everywhere");
   expectEmpty({"--tf", in("clear.json"), "--add", in("h.kiln"), "--add-tf", in("beside.json")},
               "clipped away, out of view, or the value of no voxel");
+}
+
+TEST_F(EmptyPicturesCli, VolumeFarSmallerThanAPixel_isNamedForEachProjection) {
+  const std::string why = "far smaller than a pixel";
+  expectEmpty({"--zoom", "1e-5"}, why);
+  expectEmpty({"--zoom", "1e-5", "--add", in("h.kiln")}, why);
+  expectEmpty({"--eye", "0,-1e9,0"}, why);
+  expectEmpty({"--projection", "orthographic", "--height", "1e9", "--view", "front"}, why);
+  expectEmpty({"--projection", "equirectangular", "--size", "48x24", "--eye", "0,-1e7,0"}, why);
+}
+
+TEST_F(EmptyPicturesCli, VolumeOfOnePixel_isNotSaidToBeEmpty) {
+  for (const char* projection : {"perspective", "orthographic"})
+    EXPECT_EQ(done(with({"--zoom", "0.04", "--projection", projection, "--strict"})).err, "");
 }
 
 TEST_F(EmptyPicturesCli, WorldBoxBesideTheVolume_isRefusedAsRegionIs) {
