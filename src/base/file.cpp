@@ -83,6 +83,9 @@ int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {
   return uninterrupted([&] { return ::open(path.c_str(), flags, mode); });
 }
 
+// Opens a pipe or a device, which may wait for its reader. A signal ends the wait (EINTR), so that Ctrl-C does.
+int openInPlace(const fs::path& path, int flags) { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags); }
+
 constexpr int kMostLinks = 40;  // as the system follows
 
 // What a link is a link to; nothing where it is none.
@@ -121,7 +124,7 @@ int openToWrite(const fs::path& path) {
   if (made >= 0 || errno != EEXIST) return made;
   // Opened anew, an open file would be written from its start, over what it has been written to.
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
-  if (isWrittenInPlace(path)) return openUninterrupted(path, O_WRONLY | O_CLOEXEC);
+  if (isWrittenInPlace(path)) return openInPlace(path, 0);
   const int found = openUninterrupted(path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
   if (found >= 0 && isOwnFile(found) && ::ftruncate(found, 0) == 0) return found;
   if (found >= 0) ::close(found);
@@ -136,7 +139,7 @@ int openToAppend(const fs::path& path) {
   if (found >= 0 && ::fstat(found, &status) == 0 && S_ISREG(status.st_mode)) return found;
   if (found >= 0) ::close(found);
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
-  if (isWrittenInPlace(path)) return openUninterrupted(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (isWrittenInPlace(path)) return openInPlace(path, O_APPEND);
   return openUninterrupted(behindLinks(path), kEnd | O_CREAT, 0666);
 }
 

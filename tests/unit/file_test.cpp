@@ -2,9 +2,15 @@
 // that go past the page cache; on a file system that cannot do that, the test shows that nothing depends on it.
 #include "base/file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -87,6 +93,37 @@ TEST(FileSystem, KnowsWhereNothingCanBeMade) {
   EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
   EXPECT_EQ(codeFor(directory), ErrorCode::kIo);
   EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
+}
+
+// A pipe without a reader keeps its writer waiting; the signal of Ctrl-C has to end the wait.
+TEST(FileSystem, WaitForTheReaderOfAPipe_signal_endsWithAnError) {
+  const fs::path path = freshDirectory("pipe_without_reader") / "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  struct sigaction note {}, before {};
+  note.sa_handler = [](int) {};
+  ASSERT_EQ(sigaction(SIGUSR1, &note, &before), 0);
+  std::atomic<bool> ended = false;
+  bool refused = false;
+  std::thread writer([&] {
+    try {
+      FileSystem::real().writeAtomic(path, std::string("text"));
+    } catch (const Error&) {
+      refused = true;
+    }
+    ended = true;
+  });
+  for (int i = 0; i < 200 && !ended; ++i) {  // 2 s; a signal before the wait has no effect
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (!ended) pthread_kill(writer.native_handle(), SIGUSR1);
+  }
+  const bool in_time = ended;
+  // A reader ends the wait in any case, so that a failure is reported.
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  writer.join();
+  ::close(reader);
+  sigaction(SIGUSR1, &before, nullptr);
+  EXPECT_TRUE(in_time);
+  EXPECT_TRUE(refused);
 }
 
 // Known because a pipe gives what was put into it, in order; it holds less than this at a time.

@@ -39,8 +39,11 @@ std::size_t columnsOfTerminal() {
 }  // namespace
 
 void installInterruptHandler() {
-  std::signal(SIGINT, onInterrupt);
-  std::signal(SIGTERM, onInterrupt);
+  // Without SA_RESTART, a signal ends the wait for the reader of a pipe; the library repeats all other calls.
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
 }
 
 TerminalProgress::TerminalProgress() : terminal_(isatty(STDERR_FILENO) != 0) {}
