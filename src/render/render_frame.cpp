@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/elapsed.h"
 #include "base/parallel.h"
@@ -51,9 +53,29 @@ PixelFilter filterOf(const FrameRequest& request) {
   return PixelFilter(request.samples, rays && request.filters_rays);
 }
 
+// The origin of several volumes' view space is near the box around all, whatever their order.
+View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores) {
+  if (stores.size() == 1) return drawnView(view, stores.front()->manifest().geometry());
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  glm::dvec3 lo(kFar), hi(-kFar);
+  for (const StoreReader* const store : stores) {
+    const VolumeGeometry& volume = store->manifest().geometry();
+    for (int corner = 0; corner < 8; ++corner) {
+      glm::dvec3 index(-0.5);
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((corner >> axis & 1) != 0) index[axis] += static_cast<double>(volume.dims[axis]);
+      }
+      const glm::dvec3 at = volume.worldOf(index);
+      lo = glm::min(lo, at), hi = glm::max(hi, at);
+    }
+  }
+  const glm::dvec3 centre = 0.5 * (lo + hi);
+  return nearVolume(view, centre, glm::distance(hi, centre));
+}
+
 // The frame whose pixels are the sub-pixels of the request's.
-FrameRequest ofSubPixels(FrameRequest request, int edge, const VolumeGeometry& volume) {
-  request.view = enlarged(drawnView(request.view, volume), edge);
+FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const StoreReader*>& stores) {
+  request.view = enlarged(drawnViewOf(request.view, stores), edge);
   return request;
 }
 
@@ -107,24 +129,24 @@ struct DrawnPlane {
 };
 
 // A frame that is one plane.
-DrawnPlane planeOf(const FrameRequest& request, const VolumeGeometry& volume, const PixelRect& pixels) {
+DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores, const PixelRect& pixels) {
   const PixelFilter filter = filterOf(request);
   const ImageSize& size = request.view.size;
-  DrawnPlane out{ofSubPixels(request, filter.edge(), volume), filter.samplesOf(pixels, size),
+  DrawnPlane out{ofSubPixels(request, filter.edge(), stores), filter.samplesOf(pixels, size),
                  bandsOf(pixels, size, filter, request.band_px)};
   for (PixelRect& band : out.bands) band = filter.samplesOf(band, size);
   return out;
 }
 
 // Of a frame: itself; of a panorama, the faces that it is made of.
-std::vector<DrawnPlane> planesOf(const FrameRequest& request, const VolumeGeometry& volume) {
+std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, volume, pixels)};
+  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
   std::vector<DrawnPlane> out;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), volume, drawn[i]));
+    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), stores, drawn[i]));
   }
   return out;
 }
@@ -140,7 +162,7 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
                                       BrickWalkCounts& counts) {
   requireRequest(stores, request);
   std::vector<StoredBrick> out;
-  for (const DrawnPlane& plane : planesOf(request, stores.front()->manifest().geometry())) {
+  for (const DrawnPlane& plane : planesOf(request, stores)) {
     const FramePlan plan(stores, plane.request);
     if (plan.mix) {
       counts = plan.mix->counts();
@@ -157,7 +179,7 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
   std::vector<DrawnPlane> planes;
   for (const FrameRequest& eye : eyes) {
     requireRequest(stores, eye);
-    for (DrawnPlane& plane : planesOf(eye, stores.front()->manifest().geometry())) planes.push_back(std::move(plane));
+    for (DrawnPlane& plane : planesOf(eye, stores)) planes.push_back(std::move(plane));
   }
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planes) {
@@ -170,7 +192,7 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
 
 std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
   requireRequest({&store}, request);
-  const DrawnPlane plane = planeOf(request, store.manifest().geometry(), drawnPixels(request.view.size, request.crop));
+  const DrawnPlane plane = planeOf(request, {&store}, drawnPixels(request.view.size, request.crop));
   BrickWalkCounts ignored;
   return FramePlan({&store}, plane.request).bricks->inView(plane.pixels, ignored);
 }
@@ -178,7 +200,7 @@ std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequ
 std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
   std::uint64_t out = 0;
-  for (const DrawnPlane& plane : planesOf(request, stores.front()->manifest().geometry())) {
+  for (const DrawnPlane& plane : planesOf(request, stores)) {
     const FramePlan plan(stores, plane.request);
     out = std::max(out, plan.mix->mostBytes(tilesOf(request.tile_px, plane.pixels, plane.pixels)));
   }
@@ -186,7 +208,7 @@ std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const
 }
 
 FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
-    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), store.manifest().geometry())) {
+    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), cache.stores())) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);

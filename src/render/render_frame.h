@@ -64,7 +64,7 @@ struct FrameRequest {
 };
 
 /// The view in which a frame of the volume is drawn: a parallel view with its origin near the volume (nearVolume).
-/// Slabs of samples are counted from the origin. Of several volumes, `volume` is the first.
+/// Slabs of samples are counted from the origin. Several volumes have theirs near the box around all.
 View drawnView(const View& view, const VolumeGeometry& volume);
 
 /// The bricks that a frame asks for if nothing hides anything, each once; of a panorama, for each of its faces.
