@@ -11,6 +11,8 @@
 #include <mutex>
 #include <vector>
 
+#include "base/spare_pages.h"
+
 namespace kiln {
 
 // The address sanitizer knows the ends of what operator new gives, and not of pages.
@@ -20,6 +22,7 @@ void* takePages(std::size_t bytes) { return ::operator new(bytes, std::align_val
 void* takeZeroPages(std::size_t bytes) { return std::memset(takePages(bytes), 0, bytes); }
 void giveBackPages(void* pages, std::size_t) noexcept { ::operator delete(pages, std::align_val_t(kLargePage)); }
 void sparePages(void* pages, std::size_t bytes) noexcept { giveBackPages(pages, bytes); }
+void boundSparePages(std::size_t) noexcept {}
 
 #else
 
@@ -106,25 +109,37 @@ class SparePages {
 
   // Those that were spared first go.
   void keep(void* pages, std::size_t bytes) {
+    const std::size_t mapped = mappedFor(bytes);
     const std::lock_guard lock(mutex_);
-    spare_.push_back({pages, mappedFor(bytes)});
-    held_bytes_ += mappedFor(bytes);
+    if (mapped > most_bytes_) return unmap(pages, mapped);
+    dropBeyond(most_bytes_ - mapped);
+    spare_.push_back({pages, mapped});
+    held_bytes_ += mapped;
+  }
+
+  void bound(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    most_bytes_ = std::min(bytes, kMostSpare);
+    dropBeyond(most_bytes_);
+  }
+
+ private:
+  void dropBeyond(std::size_t bytes) {
     auto kept = spare_.begin();
-    for (; held_bytes_ > kMostSpare; ++kept) {
+    for (; held_bytes_ > bytes; ++kept) {
       held_bytes_ -= kept->mapped;
       unmap(kept->pages, kept->mapped);
     }
     spare_.erase(spare_.begin(), kept);
   }
 
- private:
   struct Spare {
     void* pages;
     std::size_t mapped;
   };
   std::mutex mutex_;
   std::vector<Spare> spare_;
-  std::size_t held_bytes_ = 0;
+  std::size_t held_bytes_ = 0, most_bytes_ = kMostSpare;
 };
 
 // Never destroyed: what is static may be given back last of all.
@@ -160,11 +175,13 @@ void giveBackPages(void* pages, std::size_t bytes) noexcept {
 }
 
 void sparePages(void* pages, std::size_t bytes) noexcept {
-  if (isPaged(pages) && mappedFor(bytes) <= kMostSpare)
+  if (isPaged(pages))
     sparedPages().keep(pages, bytes);
   else
     giveBackPages(pages, bytes);
 }
+
+void boundSparePages(std::size_t bytes) noexcept { sparedPages().bound(bytes); }
 
 #endif
 

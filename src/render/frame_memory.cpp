@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/large_pages.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/trace.h"
@@ -286,7 +287,14 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
   }
-  return budget_bytes - memory.besideBricks();
+  return budget_bytes - memory.besideBricks() - sparePagesBytes(memory, budget_bytes);
+}
+
+std::uint64_t sparePagesBytes(const FrameMemory& memory, std::uint64_t budget_bytes) {
+  const std::uint64_t needed_bytes = memory.besideBricks() + memory.brick;
+  if (memory.brick < kLargePage || budget_bytes <= needed_bytes) return 0;
+  // An eighth costs few bricks and keeps the pages of one or two.
+  return std::min({std::uint64_t{kMostSpare}, budget_bytes / 8, budget_bytes - needed_bytes});
 }
 
 }  // namespace kiln

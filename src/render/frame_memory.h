@@ -70,4 +70,8 @@ std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job);
 /// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);
 
+/// The share of `budget_bytes` for pages of evicted bricks that wait for the next brick (base/large_pages.h); cacheBytes
+/// does without. unit: bytes.
+std::uint64_t sparePagesBytes(const FrameMemory& memory, std::uint64_t budget_bytes);
+
 }  // namespace kiln

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/span.h"
+#include "base/spare_pages.h"
 #include "grid/shared_world.h"
 #include "render/empty_frame.h"
 #include "render/frame_progress.h"
@@ -137,7 +138,9 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBesid
                      shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
       for_ranks_(shared, readersOf(stores_), memory_.shared),
       cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
-             skipperOf(job_, progress), for_ranks_.files()) {}
+             skipperOf(job_, progress), for_ranks_.files()) {
+  boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
+}
 
 std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
   std::vector<Doubt> out;
