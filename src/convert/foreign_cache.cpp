@@ -124,7 +124,9 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress, const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
-  const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
+  SourceOptions within = source_options;
+  within.memory_bytes = options.memory_bytes;
+  const std::unique_ptr<VolumeSource> source = openSource(input, within);
   if (opened) opened(source->info());
   const fs::path store = besideOf(input);
   if (serves(store, source->info(), options.labels)) {

@@ -26,6 +26,7 @@ class HalfSource : public VolumeSource {
     info_.notes = exact_->info().notes;
   }
   std::uint64_t decodeBytes() const override { return exact_->decodeBytes(); }
+  std::uint64_t heldBytes() const override { return exact_->heldBytes(); }
   void keepDecoded(std::uint64_t bytes) override { exact_->keepDecoded(bytes); }
 
   /// The largest change of a value so far. unit: the volume's values. thread: safe.

@@ -63,8 +63,8 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   const SourceInfo& info = source.info();
   const std::int64_t least = ForwardWindow::slicesOfLayer(info.geometry.dims, options.brick_size);
   const std::int64_t best = std::min(least + options.brick_size, info.geometry.dims.z);
-  const std::uint64_t other_bytes =
-      source.decodeBytes() + usefulLanes(source) * plan.lane_bytes + kBrickBytes * brickCountOf(info, options);
+  const std::uint64_t other_bytes = plan.source_bytes + source.decodeBytes() + usefulLanes(source) * plan.lane_bytes +
+                                    kBrickBytes * brickCountOf(info, options);
   const std::uint64_t left_bytes = options.memory_bytes - std::min(other_bytes, options.memory_bytes);
   const auto fitting = static_cast<std::int64_t>(left_bytes / sliceBytes(info));
   plan.window_on_disk = fitting < least;
@@ -107,17 +107,19 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   const SourceInfo& info = source.info();
   const bool forward = source.order() == ReadOrder::kForward;
   ConversionPlan plan;
+  plan.source_bytes = source.heldBytes();
   plan.lane_bytes = laneBytes(info, options) + (forward ? 0 : source.decodeBytes());
   if (forward) planWindow(plan, source, options);
-  const std::uint64_t smallest = plan.window_bytes + plan.lane_bytes;
+  const std::uint64_t smallest = plan.source_bytes + plan.window_bytes + plan.lane_bytes;
   if (smallest > options.memory_bytes) {
     throw Error(ErrorCode::kBudget, info.files.empty() ? std::filesystem::path() : info.files.front(), "--memory",
                 fmt::format("{} is too little: {} is the smallest that works here ({} to read, {} a thread)",
-                            formatBytes(options.memory_bytes), formatBytes(smallest), formatBytes(plan.window_bytes),
-                            formatBytes(plan.lane_bytes)));
+                            formatBytes(options.memory_bytes), formatBytes(smallest),
+                            formatBytes(plan.source_bytes + plan.window_bytes), formatBytes(plan.lane_bytes)));
   }
   plan.index_bytes = std::min(kBrickBytes * brickCountOf(info, options), options.memory_bytes - smallest);
-  const std::uint64_t fitting = (options.memory_bytes - plan.window_bytes - plan.index_bytes) / plan.lane_bytes;
+  const std::uint64_t fitting =
+      (options.memory_bytes - plan.source_bytes - plan.window_bytes - plan.index_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
   plan.given_bytes = plan.lanes * givenBytes(info, options);
   const std::uint64_t unwritten_bytes = plan.lanes * fileBytes(info, options);

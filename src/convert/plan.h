@@ -8,6 +8,8 @@
 namespace kiln {
 
 struct ConversionPlan {
+  /// What the source holds as long as it is open. unit: bytes.
+  std::uint64_t source_bytes = 0;
   /// Slices of a source that is only read forwards; 0 where any box can be read.
   std::int64_t window_slices = 0;
   bool window_on_disk = false;
@@ -32,7 +34,7 @@ struct ConversionPlan {
   /// Within what the lanes have, pieces of bricks that may be on their way to other processes. unit: bytes.
   std::uint64_t given_bytes = 0;
   std::uint64_t total() const {
-    return window_bytes + lanes * lane_bytes + unwritten_bytes + kept_bytes + parts_bytes + index_bytes;
+    return source_bytes + window_bytes + lanes * lane_bytes + unwritten_bytes + kept_bytes + parts_bytes + index_bytes;
   }
 };
 

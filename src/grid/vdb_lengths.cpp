@@ -6,6 +6,7 @@
 #include <bit>
 #include <map>
 #include <string_view>
+#include <vector>
 
 namespace kiln {
 namespace {
@@ -24,6 +25,29 @@ std::uint32_t bytesOfType(const std::string& type) {
   const auto found = kBytes.find(type);
   return found == kBytes.end() ? 0 : found->second;
 }
+
+// How much shorter a value is in a grid of half precision. Integers stay as they are.
+std::uint64_t halfShortens(const std::string& type) {
+  if (type == "float" || type == "vec2s" || type == "vec3s") return 2;
+  return type == "double" || type == "vec2d" || type == "vec3d" ? 4 : 1;
+}
+
+// The numbers of a map, which is the part of a transform behind its name. 0 for maps that OpenVDB refuses.
+std::uint64_t bytesOfMap(const std::string& map) {
+  constexpr std::uint64_t kVector = 3 * sizeof(double), kMatrix = 16 * sizeof(double), kScale = 5 * kVector;
+  if (map == "AffineMap" || map == "UnitaryMap") return kMatrix;
+  if (map == "TranslationMap") return kVector;
+  if (map == "ScaleMap" || map == "UniformScaleMap") return kScale;
+  return map == "ScaleTranslateMap" || map == "UniformScaleTranslateMap" ? kVector + kScale : 0;
+}
+
+// Slots of the two kinds of inner nodes, below the root and above the leaves, and voxels of a leaf.
+constexpr std::uint64_t kUpperSlots = 1 << 15, kLowerSlots = 1 << 12, kLeafVoxels = 512;
+// Flags of compression.
+constexpr std::uint32_t kZip = 1, kActiveOnly = 2, kBlosc = 4;
+// The memory of a node beside values and masks (allocator, origin, buffer), and of an entry of the root's
+// table, with OpenVDB 10 and glibc, rounded up. unit: bytes.
+constexpr std::uint64_t kNodeExtra = 96, kRootEntry = 96;
 
 }  // namespace
 
@@ -136,18 +160,87 @@ std::uint64_t VdbLengths::descriptor(std::uint64_t at) {
 
 std::uint64_t VdbLengths::gridHead(std::uint64_t at) {
   at_ = at;
-  if (version_ >= kCompressedGrids) take<std::uint32_t>();
+  if (version_ >= kCompressedGrids) grid_compression_ = take<std::uint32_t>();
   metadata();
   transform();
   return at_;
 }
 
-// A frustum names a second map behind its own numbers. Other maps have no length in them.
+// A frustum names a second map behind its own numbers.
 void VdbLengths::transform() {
   constexpr std::uint64_t kFrustumBytes = 8 * sizeof(double);  // a box, the taper and the depth
-  if (text() != "NonlinearFrustumMap") return;
-  skip(kFrustumBytes);
-  text();
+  std::string map = text();
+  if (map == "NonlinearFrustumMap") {
+    skip(kFrustumBytes);
+    map = text();
+  }
+  skip(bytesOfMap(map));
+}
+
+std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
+  const std::uint64_t value_bytes = bytesOfType(values.type);
+  if (value_bytes == 0) return 0;
+  constexpr std::uint64_t kOrigin = 3 * sizeof(std::int32_t);
+  at_ = at;
+  skip(sizeof(std::int32_t));  // the number of buffers, which is 1
+  skip(value_bytes);           // the background
+  const auto tiles = take<std::uint32_t>(), children = take<std::uint32_t>();
+  skip(tiles * (kOrigin + value_bytes + 1));
+  std::uint64_t out = tiles * kRootEntry;
+  for (std::uint32_t i = 0; i < children; ++i) {
+    skip(kOrigin);
+    out += kRootEntry + innerNode(kUpperSlots, values);
+  }
+  return out;
+}
+
+// Returns the memory of the node and all nodes below it.
+std::uint64_t VdbLengths::innerNode(std::uint64_t slots, const Values& values) {
+  constexpr std::uint64_t kLeafMask = kLeafVoxels / 8;
+  const std::uint64_t value_bytes = bytesOfType(values.type);
+  // A slot holds a child or a value, and large values beside the child.
+  const std::uint64_t slot_bytes = sizeof(void*) + (value_bytes > sizeof(void*) ? value_bytes : 0);
+  const std::uint64_t children = bitsOf(slots), active = bitsOf(slots);
+  valuesOfNode(slots, children, active, values);
+  std::uint64_t out = slots * slot_bytes + 2 * slots / 8 + kNodeExtra;
+  if (slots == kLowerSlots) {
+    skip(children * kLeafMask);
+    return out + children * (kLeafVoxels * value_bytes + kLeafMask + kNodeExtra);
+  }
+  for (std::uint64_t i = 0; i < children; ++i) out += innerNode(kLowerSlots, values);
+  return out;
+}
+
+// Returns how many bits of a mask are set.
+std::uint64_t VdbLengths::bitsOf(std::uint64_t slots) {
+  std::vector<std::byte> mask(slots / 8);
+  const std::uint64_t at = at_;
+  skip(mask.size());
+  file_.copy(at, mask);
+  std::uint64_t out = 0;
+  for (const std::byte byte : mask) out += static_cast<std::uint64_t>(std::popcount(std::to_integer<unsigned>(byte)));
+  return out;
+}
+
+void VdbLengths::valuesOfNode(std::uint64_t slots, std::uint64_t children, std::uint64_t active, const Values& values) {
+  const std::uint64_t value_bytes = bytesOfType(values.type);
+  const bool flagged = version_ >= kCompressedGrids;
+  const std::uint32_t compression = flagged ? grid_compression_ : values.compression;
+  std::uint64_t count = flagged ? slots : slots - children;
+  if (flagged) {
+    // 2 and 4 announce one inactive value, 5 two; 3 to 5 a mask of inactive values; 6 gives all values.
+    const auto kind = take<std::uint8_t>();
+    skip(value_bytes * (kind == 5 ? 2 : kind == 2 || kind == 4 ? 1 : 0));
+    if (kind >= 3 && kind <= 5) skip(slots / 8);
+    if ((compression & kActiveOnly) != 0 && kind != 6) count = active;
+  }
+  const std::uint64_t shorter = values.half ? halfShortens(values.type) : 1;
+  if (shorter > 1 && count == 0) return;
+  const std::uint64_t stored_bytes = count * value_bytes / shorter;
+  if ((compression & (kZip | kBlosc)) == 0) return skip(stored_bytes);
+  // A packed length, or the negative length of values that packing would not shorten.
+  const auto packed = take<std::int64_t>();
+  skip(packed > 0 ? static_cast<std::uint64_t>(packed) : 0 - static_cast<std::uint64_t>(packed));
 }
 
 }  // namespace kiln

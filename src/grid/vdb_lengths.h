@@ -2,8 +2,9 @@
 // OpenVDB allocates what a length says before reading that many bytes, so that 100 bytes can take 4 GiB. Method: walk
 // the head of the file and the head of each grid (names, metadata, transform) exactly as OpenVDB reads them, and
 // compare every length with the bytes that follow. Invariant: a walk ends at the byte where OpenVDB's reader ends.
+// treeMemory walks the nodes of a tree, too, because a node takes up to 33 times its bytes of the file.
 // Source: OpenVDB 10, Archive::readHeader, MetaMap::readMeta, DelayedLoadMetadata::readValue, GridDescriptor::read,
-// Archive::readGrid, Transform::read.
+// Archive::readGrid, Transform::read, RootNode::readTopology, InternalNode::readTopology, readCompressedValues.
 #pragma once
 
 #include <cstddef>
@@ -41,6 +42,17 @@ class VdbLengths {
   /// Compression, metadata and transform of a grid: up to its tree. requires: fileHead has returned.
   std::uint64_t gridHead(std::uint64_t at);
 
+  /// The values of a tree, as the file has them.
+  struct Values {
+    std::string type;  // as OpenVDB names it: "float"
+    bool half = false;
+    /// The file's flags of OpenVDB's compression. Files from version 222 on give flags with each grid instead.
+    std::uint32_t compression = 0;
+  };
+  /// Returns the memory that OpenVDB takes for the tree at `at`: nodes and voxels. Walks the nodes without voxels. 0
+  /// for types without a fixed length, such as text and points. unit: bytes. requires: gridHead returned `at`.
+  std::uint64_t treeMemory(std::uint64_t at, const Values& values);
+
  private:
   template <class T>
   T number(std::uint64_t at) const;
@@ -52,11 +64,15 @@ class VdbLengths {
   void delayedLoad(std::uint64_t end);
   void packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_bytes, std::uint64_t count, std::uint64_t end);
   void transform();
+  std::uint64_t innerNode(std::uint64_t slots, const Values& values);
+  std::uint64_t bitsOf(std::uint64_t slots);
+  void valuesOfNode(std::uint64_t slots, std::uint64_t children, std::uint64_t active, const Values& values);
   [[noreturn]] void fail(std::uint64_t at, const std::string& what) const;
 
   VdbFileBytes file_;
   std::uint32_t version_ = 0;
   bool has_places_ = true;  // of grids in the file
+  std::uint32_t grid_compression_ = 0;
   std::uint64_t at_ = 0;
 };
 

@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "grid/openvdb_glue.h"
 #include "ingest/formats.h"
 #include "ingest/linear_source.h"
@@ -36,7 +37,9 @@ struct GridEntry {
 // What io::File does, on our stream: a directory of grids, of which one is read. Nothing is loaded later.
 class GridFile : public openvdb::io::Archive {
  public:
-  explicit GridFile(const fs::path& path) : file_(path), lengths_(vdbLengths(file_)), buffer_(file_), in_(&buffer_) {
+  /// throws: Error kBudget where the grids that must be read take more than `memory_bytes`.
+  GridFile(const fs::path& path, std::uint64_t memory_bytes)
+      : file_(path), memory_bytes_(memory_bytes), lengths_(vdbLengths(file_)), buffer_(file_), in_(&buffer_) {
     lengths_.fileHead(openvdb::OPENVDB_FILE_VERSION);
     in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(in_);
@@ -59,6 +62,8 @@ class GridFile : public openvdb::io::Archive {
   }
 
   const std::vector<GridEntry>& entries() const { return entries_; }
+  /// What the grids take that were read. unit: bytes.
+  std::uint64_t heldBytes() const { return held_bytes_; }
 
   openvdb::GridBase::Ptr load(const GridEntry& entry) {
     if (!inputHasGridOffsets() && !entry.descriptor.isInstance()) return entry.grid;
@@ -79,11 +84,26 @@ class GridFile : public openvdb::io::Archive {
  private:
   std::uint64_t position() { return static_cast<std::uint64_t>(std::streamoff(in_.tellg())); }
   void fill(const GridEntry& entry) {
-    lengths_.gridHead(position());
+    const std::uint64_t tree_at = lengths_.gridHead(position());
+    if (!entry.descriptor.isInstance())
+      charge(entry, lengths_.treeMemory(tree_at,
+                                        {entry.grid->valueType(), entry.descriptor.saveFloatAsHalf(), compression()}));
     readGrid(entry.grid, entry.descriptor, in_);
   }
 
+  void charge(const GridEntry& entry, std::uint64_t bytes) {
+    held_bytes_ += bytes;
+    if (held_bytes_ <= memory_bytes_) return;
+    throw Error(
+        ErrorCode::kBudget, file_.path(), "--memory",
+        fmt::format("{} is too little: grid '{}' is read whole, which takes {}, and the buffers of a conversion "
+                    "come on top",
+                    formatBytes(memory_bytes_), entry.name(), formatBytes(held_bytes_)));
+  }
+
   File file_;
+  const std::uint64_t memory_bytes_;
+  std::uint64_t held_bytes_ = 0;
   VdbLengths lengths_;
   VdbBytes buffer_;
   // The stream keeps the address of this pointer, so it must live as long.
@@ -196,12 +216,14 @@ SourceInfo infoOf(const openvdb::GridBase& grid, VoxelType type, const fs::path&
 template <class Grid, class T>
 class VdbSource : public VolumeSource {
  public:
-  VdbSource(SourceInfo info, typename Grid::ConstPtr grid) : info_(std::move(info)), grid_(std::move(grid)) {
+  VdbSource(SourceInfo info, typename Grid::ConstPtr grid, std::uint64_t held_bytes)
+      : info_(std::move(info)), grid_(std::move(grid)), held_bytes_(held_bytes) {
     info_.background = static_cast<double>(grid_->background());
   }
 
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
+  std::uint64_t heldBytes() const override { return held_bytes_; }
 
   void read(const VoxelBox& box, std::span<std::byte> out) override {
     const VoxelCoord& at = info_.vdb->index_origin;
@@ -217,6 +239,7 @@ class VdbSource : public VolumeSource {
  private:
   SourceInfo info_;
   typename Grid::ConstPtr grid_;
+  std::uint64_t held_bytes_;
 };
 
 // The type of 32 bits that holds every value of a grid of 64 bits, inactive values and the background included.
@@ -236,13 +259,13 @@ std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOpti
   if (options.spacing)
     throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
   initializeOpenVdb();
-  GridFile file(path);
+  GridFile file(path, options.memory_bytes);
   const GridEntry& entry = chooseGrid(path, file.entries(), options);
   if (!scalarOf(*entry.grid)) refuse(path, entry, reasonAgainst(*entry.grid));
   const openvdb::GridBase::Ptr grid = file.load(entry);
   const auto open = [&]<class Grid, class T>(const std::shared_ptr<Grid>& typed, VoxelType type,
                                              std::type_identity<T>) -> std::unique_ptr<VolumeSource> {
-    return std::make_unique<VdbSource<Grid, T>>(infoOf(*grid, type, path, entry), typed);
+    return std::make_unique<VdbSource<Grid, T>>(infoOf(*grid, type, path, entry), typed, file.heldBytes());
   };
   if (const auto f32 = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
     return open(f32, VoxelType::f32, std::type_identity<float>());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -61,6 +62,9 @@ class VolumeSource {
   virtual void finish() {}
   /// What one read holds for a moment beside its `out`: a strip, a tile or a slice that is packed as one. unit: bytes.
   virtual std::uint64_t decodeBytes() const { return 0; }
+  /// The memory that the source holds as long as it is open, beside what keepDecoded allows: a grid that is read whole.
+  /// unit: bytes.
+  virtual std::uint64_t heldBytes() const { return 0; }
   /// Lets the source keep up to `bytes` of what it decoded, as neighbouring boxes share it; of no use to kForward.
   /// requires: no read under way.
   virtual void keepDecoded(std::uint64_t /*bytes*/) {}
@@ -76,6 +80,8 @@ struct SourceOptions {
   std::optional<std::string> grid_name;  // OpenVDB
   std::optional<std::string> series;     // DICOM: the UID of the series where there are several
   bool allow_irregular = false;          // DICOM: slices at unequal distances, missing or tilted
+  /// The most that the source may hold (VolumeSource::heldBytes). unit: bytes.
+  std::uint64_t memory_bytes = UINT64_MAX;
 };
 
 /// That no option is given for a store, which says all of this itself. throws: Error kUsage, naming the option.
@@ -83,7 +89,8 @@ void requireNoOptions(const std::filesystem::path& store, const SourceOptions& o
 
 /// Opens `input` by what it holds (its first bytes, then its name); a directory by the slices in it.
 /// throws: Error kNotFound, kFormat, kUnsupported (naming what it is: vector data, an unknown format), kUsage where raw
-/// data comes without --dims and --type or an option does not apply to the format.
+/// data comes without --dims and --type or an option does not apply to the format; kBudget, before reading a grid that
+/// does not fit in `options.memory_bytes`.
 std::unique_ptr<VolumeSource> openSource(const std::filesystem::path& input, const SourceOptions& options = {});
 
 }  // namespace kiln

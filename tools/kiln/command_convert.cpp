@@ -108,7 +108,9 @@ void run(const ConvertArguments& a, Context& context) {
                 "is a store already: kiln render draws it, kiln export makes a file of OpenVDB of it");
   keepFreedMemory();
   const ThreadLimit threads(a.threads);
-  std::unique_ptr<VolumeSource> source = openSource(a.input, a.source.resolve());
+  SourceOptions source_options = a.source.resolve();
+  source_options.memory_bytes = parseBytes(a.memory, "--memory");
+  std::unique_ptr<VolumeSource> source = openSource(a.input, source_options);
   const HalfSource* rounded = nullptr;
   if (a.half) {
     auto half = std::make_unique<HalfSource>(std::move(source));
@@ -117,7 +119,7 @@ void run(const ConvertArguments& a, Context& context) {
   }
   ConvertOptions options;
   options.brick_size = a.brick_size;
-  options.memory_bytes = parseBytes(a.memory, "--memory");
+  options.memory_bytes = source_options.memory_bytes;
   options.overwrite = a.overwrite;
   options.resume = a.resume;
   options.half = a.half;
