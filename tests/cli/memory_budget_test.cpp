@@ -110,6 +110,9 @@ const std::vector<BudgetRow>& budgetRows() {
       converted("convert raw", "IN/head.raw", {"--dims", "160,160,160", "--type", "u16"}),
       converted("convert gzip", "IN/head.nrrd"),
       converted("convert OpenVDB", "IN/head.vdb"),
+      {"projected values, large bricks",
+       {"render", "IN/large.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500"}},
+      converted("convert large OpenVDB", "IN/large.vdb"),
   };
   return rows;
 }
@@ -144,6 +147,9 @@ class BudgetTable : public ::testing::Test {
     ASSERT_EQ(runTool({"convert", "phantom:head:160x160x160", directory / "head.kiln", "--brick-size", "64"}).exit_code,
               0);
     ASSERT_EQ(runTool({"export", directory / "head.kiln", directory / "head.vdb"}).exit_code, 0);
+    // Bricks of 128 voxels have pages of their own, and the process keeps some of these pages.
+    ASSERT_EQ(runTool({"convert", "phantom:head:288x288x288", directory / "large.kiln"}).exit_code, 0);
+    ASSERT_EQ(runTool({"export", directory / "large.kiln", directory / "large.vdb"}).exit_code, 0);
     const std::vector<std::byte> voxels(160 * 160 * 160 * 2, std::byte{7});
     FileSystem::real().writeAtomic(directory / "head.raw", voxels);
     const std::string header =
