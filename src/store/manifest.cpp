@@ -285,6 +285,22 @@ std::string manifestText(const Manifest& m) {
   return text;
 }
 
+namespace {
+
+// Tables have an entry for each value of the small integer types: a range beyond the type would never end.
+void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root) {
+  if (range.lo > range.hi) root.fail("range", "its first number is above its second");
+  const bool holds = withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    if constexpr (std::is_integral_v<T>)
+      return range.lo >= static_cast<double>(std::numeric_limits<T>::min()) &&
+             range.hi <= static_cast<double>(std::numeric_limits<T>::max());
+    return true;
+  });
+  if (!holds) root.fail("range", fmt::format("has values that {} has not", nameOf(type)));
+}
+
+}  // namespace
+
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path) {
   requireChecksum(text, path);
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
@@ -306,6 +322,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
     const Json named = {{"lo", range[0]}, {"hi", range[1]}};
     Reader ends(named, "range.", path);
     m.range = {ends.number("lo"), ends.number("hi")};
+    requireValuesOf(m.type, m.range, root);
   }
   m.nan_count = root.count("nanCount");
   Reader histogram(root.get("histogram"), "histogram.", path);

@@ -420,7 +420,7 @@ TEST(StoreFormatEdges, StoresOfEarlierFormatsOpen) {
 // A manifest with something unusual under every key.
 Manifest unusualManifest() {
   Manifest m;
-  m.type = VoxelType::i16;
+  m.type = VoxelType::f32;
   m.range = {-std::numeric_limits<double>::infinity(), 0.1};
   m.nan_count = 12345678901234ull;
   m.histogram = {-1024.5, 3071.25, std::vector<std::uint64_t>(256, 7)};
@@ -499,6 +499,18 @@ void forEachKey(const Json& root, F&& f) {
     }
   }
   for (const auto& [inner, unused] : root["levels"][0].items()) f(Json::json_pointer("/levels/0/" + inner), inner);
+}
+
+// Known because no voxel of the type has such a value. A loop over the range of 16 bits would not end.
+TEST(StoreManifest, RangeBeyondItsType_isRefused) {
+  Json json = Json::parse(manifestText(unusualManifest()));
+  json["type"] = "u16";
+  for (const auto& [lo, hi] : {std::pair(0.0, 2147483647.0), {-1.0, 5.0}, {0.0, 4.6e18}, {7.0, 6.0}}) {
+    json["range"] = {lo, hi};
+    EXPECT_NE(complaintOf(json).find("range"), std::string::npos) << lo << " to " << hi;
+  }
+  json["range"] = {0, 65535};
+  EXPECT_EQ(complaintOf(json).find("range"), std::string::npos);
 }
 
 // Known from FORMAT.md: every key is required. A manifest that lacks one, with a checksum that is right, is refused by
