@@ -18,15 +18,15 @@
 namespace kiln {
 namespace {
 
-std::string textOf(const VoxelCoord& v) {
+std::string voxelText(const VoxelCoord& v) {
   return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
 }
 
 void requireVoxels(const char* what, const VoxelBox& region, const Extent3& dims) {
   if (!intersection(region, boxOf(dims)).empty()) return;
-  throw Error(ErrorCode::kUsage, std::string("the ") + what + " from " + textOf(region.lo) + " to " +
-                                     textOf(region.hi) + " (half-open) holds none of the volume's voxels, 0,0,0 to " +
-                                     textOf({dims.x, dims.y, dims.z}));
+  throw Error(ErrorCode::kUsage, std::string("the ") + what + " from " + voxelText(region.lo) + " to " +
+                                     voxelText(region.hi) + " (half-open) holds none of the volume's voxels, 0,0,0 to " +
+                                     voxelText({dims.x, dims.y, dims.z}));
 }
 
 }  // namespace
