@@ -490,7 +490,7 @@ TEST_F(Cli, WrongCommandLines) {
       {{"slice", "", "-o", picture}, "STORE: is empty"},
       {{"render", store, "-o", picture, "--tf", ""}, "--tf: is empty"},
       {{"render", store, "-o", picture, "--size", "70000x10"}, "from 1 to 65536 pixels"},
-      {{"render", store, "-o", picture, "--threads", "-1"}, "--threads: expected a whole number from 0 on, found '-1'"},
+      {{"render", store, "-o", picture, "--threads", "-1"}, "--threads: expected a whole number from 0 to 4096, found '-1'"},
       {{"render", store, "-o", picture, "--interocular", "3"}, "add --stereo"},
       {{"render", store, "-o", in("p_%V.png")}, "add --stereo"},
       {{"render", store, "-o", picture, "--rate", "30"}, "--rate: no video is made"},
