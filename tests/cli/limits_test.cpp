@@ -67,7 +67,10 @@ TEST_F(Limits, FewOpenFiles_drawOrEndInOneLine) {
              {"verify", in("h.kiln")}}) {
       const ToolResult result = runTool(arguments, options);
       EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 1) << arguments[0] << ": " << result.err;
-      EXPECT_LE(result.errorLines().size(), 1u) << result.err;
+      // A conversion that ends in the middle has a note before its error: the bricks that --resume goes on from.
+      const std::vector<std::string> lines = result.errorLines();
+      const bool kept = !lines.empty() && lines.front().find(" bricks are kept in ") != std::string::npos;
+      EXPECT_LE(lines.size(), kept ? 2u : 1u) << result.err;
     }
   }
 }
