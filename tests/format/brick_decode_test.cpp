@@ -251,7 +251,7 @@ TEST(BrickDecode, HostileLengthsInMetadata_areRefusedInLittleMemory) {
       }
     }
   }
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(refused, casesOf(100, 60));  // a fifth as many places under a sanitizer
   if (!kSanitized) {
     EXPECT_LT(peakResidentBytes() - before, 256u << 20);
   }
