@@ -55,7 +55,8 @@ struct TiffFile::Handle {
       return static_cast<tmsize_t>(got);
     } catch (...) {
       if (!handle.thrown) handle.thrown = std::current_exception();
-      return -1;
+      // Not -1: libtiff adds the result to a length, and would clear a byte in front of its buffer.
+      return 0;
     }
   }
   static tmsize_t write(thandle_t, void*, tmsize_t) { return -1; }

@@ -68,11 +68,11 @@ constexpr const char* kNoThread =
   try {
     if (const std::exception_ptr unhandled = std::current_exception()) std::rethrow_exception(unhandled);
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "kiln: %s\n", kNoMemory);
+    kiln::tool::complainPlainly(kNoMemory);
     std::_Exit(1);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again) {
-      std::fprintf(stderr, "kiln: %s\n", kNoThread);
+      kiln::tool::complainPlainly(kNoThread);
       std::_Exit(1);
     }
   } catch (...) {
@@ -137,7 +137,7 @@ std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string&
 void watch(kiln::Ranks& ranks, double seconds) {
   if (seconds > 0)
     ranks.watch(seconds, [&ranks](const std::string& sentence) {
-      std::fprintf(stderr, "kiln: %s\n", sentence.c_str());
+      complain("kiln: {}\n", sentence);
       ranks.abort(1);
     });
 }
@@ -231,7 +231,7 @@ int main(int argc, char** argv) {
     complain("kiln: {}\n", error.what());
     return error.exitCode();
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "kiln: %s\n", kNoMemory);
+    kiln::tool::complainPlainly(kNoMemory);
     return 1;
   } catch (const std::exception& error) {
     complain("kiln: {}\n", unexpected(error));

@@ -15,6 +15,8 @@ void sayJson(std::string_view text) { write(shownInJson(text), stdout); }
 
 void flush() { std::fflush(stdout); }
 
+void complainPlainly(const char* sentence) noexcept { std::fprintf(stderr, "kiln: %s\n", sentence); }
+
 void drawLine(std::string_view line, std::size_t columns) {
   std::string text = shown(line);
   if (text.size() > columns) {

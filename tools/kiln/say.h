@@ -29,6 +29,8 @@ void flush();
 /// Prints to standard error, as `say`.
 template <class... Args>
 void complain(fmt::format_string<Args...> format, Args&&... args);
+/// Prints a sentence of the program's own to standard error without memory. requires: no text of a file or name.
+void complainPlainly(const char* sentence) noexcept;
 /// Draws a line over the last line of a terminal, cut to `columns` bytes; `clearLine` removes the line.
 void drawLine(std::string_view line, std::size_t columns);
 void clearLine();
