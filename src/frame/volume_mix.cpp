@@ -6,6 +6,8 @@
 #include "base/parallel.h"
 #include "base/span.h"
 #include "frame/depth_zones.h"
+#include "splat/cast_cells.h"
+#include "splat/composite_slabs.h"
 #include "splat/join_volumes.h"
 
 namespace kiln {
@@ -32,7 +34,7 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
                                 volume.table, view_.sampling));
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.sampling.level))
-    zones_.push_back({std::move(slabs), {}, {}});
+    zones_.push_back({std::move(slabs), {}, {}, {}});
   float color_unit = 1;
   for (const std::unique_ptr<Volume>& volume : volumes_)
     color_unit = std::max(color_unit, colorUnitOf(volume->mixed.shading));
@@ -55,8 +57,22 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
       zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look, sharing) : nullptr);
     }
   }
+  if (view_.sampling.on_rays) {
+    for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);
+  }
   const PixelRect picture{0, 0, view_.view.size.width, view_.view.size.height};
   for (std::size_t v = 0; v < volumes_.size(); ++v) addBricks(v, picture);
+}
+
+void VolumeMix::addRays(std::size_t volume) {
+  const FrameLevels& levels = volumes_[volume]->levels;
+  std::vector<SlabZone> zones;
+  for (const Zone& zone : zones_) zones.push_back(zone.slabs[volume]);
+  for (std::size_t i = 0; i < zones.size(); ++i) {
+    const int level = zones[i].level;
+    zones_[i].rays.emplace_back(zones, i, levels.projector(level), levels.dims(level), levels.endVoxels(level),
+                                view_.sampling.quincunx);
+  }
 }
 
 void VolumeMix::addBricks(std::size_t volume, const PixelRect& picture) {
@@ -145,38 +161,73 @@ std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick
                                          const std::vector<TilePixels>& tiles, Visibility& visibility,
                                          bool test_samples, float opaque_at,
                                          const std::function<void(std::size_t)>& tile_drawn) {
-  const std::vector<std::unique_ptr<SlabFrame>>& owned = zones_[zone].frames;
-  std::vector<const SlabFrame*> frames;
-  for (const std::unique_ptr<SlabFrame>& frame : owned) frames.push_back(frame.get());
-  std::vector<std::vector<SlabCell>> cells(bricks.size());
+  const Zone& of = zones_[zone];
+  Cells cells(bricks.size());
   parallelFor(bricks.size(), [&](std::size_t i) {
     const Span span(Activity::kCells);
-    if (blocks[i]) cells[i] = interestingCells(*frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
+    if (blocks[i]) cells[i] = interestingCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
   });
-  std::vector<std::vector<SplatCounts>> counts(tiles.size(), std::vector<SplatCounts>(frames.size()));
+  const ZoneBricks drawn{of, bricks, blocks, cells};
+  std::vector<std::vector<SplatCounts>> counts(tiles.size(), std::vector<SplatCounts>(volumes_.size()));
   parallelFor(tiles.size(), [&](std::size_t t) {
     const Span span(Activity::kTile);
-    pool_.lend([&](SweepMemory& memory) {
-      std::vector<SweptCell> touching;
-      for (const TilePixels& square : squaresOf(tiles[t], view_.sweep_px)) {
-        touching.clear();
-        for (std::size_t i = 0; i < bricks.size(); ++i) {
-          if (intersection(bricks[i]->rect, square.rect).empty()) continue;
-          for (const SlabCell& cell : cells[i]) {
-            if (!intersection(cell.bounds.rect, square.rect).empty())
-              touching.push_back({&cell, blocks[i].get(), static_cast<std::size_t>(bricks[i]->brick.store)});
-          }
-        }
-        sweepTogether(frames, touching, square, visibility, test_samples, opaque_at, memory, counts[t]);
-      }
-    });
+    if (of.rays.empty())
+      sweepTile(drawn, tiles[t], visibility, test_samples, opaque_at, counts[t]);
+    else
+      castTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
     tile_drawn(t);
   });
-  std::vector<SplatCounts> total(frames.size());
+  std::vector<SplatCounts> total(volumes_.size());
   for (const std::vector<SplatCounts>& tile : counts) {
     for (std::size_t v = 0; v < total.size(); ++v) total[v].add(tile[v]);
   }
   return total;
+}
+
+void VolumeMix::sweepTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, bool test_samples,
+                          float opaque_at, std::span<SplatCounts> counts) {
+  std::vector<const SlabFrame*> frames;
+  for (const std::unique_ptr<SlabFrame>& frame : drawn.zone.frames) frames.push_back(frame.get());
+  pool_.lend([&](SweepMemory& memory) {
+    std::vector<SweptCell> touching;
+    for (const TilePixels& square : squaresOf(tile, view_.sweep_px)) {
+      touching.clear();
+      for (std::size_t i = 0; i < drawn.bricks.size(); ++i) {
+        const Brick& brick = *drawn.bricks[i];
+        if (intersection(brick.rect, square.rect).empty()) continue;
+        for (const SlabCell& cell : drawn.cells[i]) {
+          if (!intersection(cell.bounds.rect, square.rect).empty())
+            touching.push_back({&cell, drawn.blocks[i].get(), static_cast<std::size_t>(brick.brick.store)});
+        }
+      }
+      sweepTogether(frames, touching, square, visibility, test_samples, opaque_at, memory, counts);
+    }
+  });
+}
+
+// Sums are added volume by volume, so that no bit of them depends on the order of bricks.
+void VolumeMix::castTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
+                         std::span<SplatCounts> counts) {
+  const Zone& zone = drawn.zone;
+  const int slabs = std::max_element(zone.slabs.begin(), zone.slabs.end(), [](const SlabZone& a, const SlabZone& b) {
+                      return a.slabs < b.slabs;
+                    })->slabs;
+  sums_.lend([&](SlabSums& sums) {
+    for (const TilePixels& square : squaresOf(tile, kSweepEdge)) {
+      if (visibility.hidden(square.rect)) continue;
+      sums.reset(square.rect, slabs, square.aovs.normal[0] != nullptr);
+      for (std::size_t v = 0; v < volumes_.size(); ++v) {
+        for (std::size_t i = 0; i < drawn.bricks.size(); ++i) {
+          const Brick& brick = *drawn.bricks[i];
+          if (static_cast<std::size_t>(brick.brick.store) != v || !drawn.blocks[i]) continue;
+          if (intersection(brick.rect, square.rect).empty()) continue;
+          sumCells(zone.rays[v], *zone.frames[v], *drawn.blocks[i], drawn.cells[i], square, visibility, sums,
+                   counts[v]);
+        }
+      }
+      compositeSlabs(sums, zone.slabs.front(), zone.rays.front(), square, opaque_at, visibility);
+    }
+  });
 }
 
 }  // namespace kiln

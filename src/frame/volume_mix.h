@@ -12,6 +12,8 @@
 #include "cache/brick_cache.h"
 #include "frame/memory_pool.h"
 #include "frame/zone_frames.h"
+#include "splat/ray_slabs.h"
+#include "splat/slab_sums.h"
 
 namespace kiln {
 
@@ -74,7 +76,7 @@ class VolumeMix {
                                 float opaque_at, const std::function<void(std::size_t)>& tile_drawn);
 
   /// What its threads have needed so far. unit: bytes.
-  std::uint64_t bytes() const { return pool_.bytes(); }
+  std::uint64_t bytes() const { return pool_.bytes() + sums_.bytes(); }
 
  private:
   struct Volume {
@@ -87,8 +89,24 @@ class VolumeMix {
   struct Zone {
     std::vector<SlabZone> slabs;                     // of each volume
     std::vector<std::unique_ptr<SlabFrame>> frames;  // null where it has none
+    std::vector<RaySlabs> rays;                      // of each volume; empty in the pixel lattice
     std::vector<Brick> bricks;
   };
+  /// Cells of a zone's bricks that may show something. shape: a list a brick.
+  using Cells = std::vector<std::vector<SlabCell>>;
+  /// Bricks of a zone, with their voxels and cells.
+  struct ZoneBricks {
+    const Zone& zone;
+    std::span<const Brick* const> bricks;
+    const Blocks& blocks;
+    const Cells& cells;
+  };
+  /// Draw a tile's pixels of a zone in squares. `counts` has a count for each volume.
+  void sweepTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, bool test_samples,
+                 float opaque_at, std::span<SplatCounts> counts);
+  void castTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
+                std::span<SplatCounts> counts);
+  void addRays(std::size_t volume);
   void addBricks(std::size_t volume, const PixelRect& picture);
   void addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture);
 
@@ -97,7 +115,8 @@ class VolumeMix {
   std::vector<Zone> zones_;
   BrickWalkCounts counts_;
   std::uint64_t reading_bytes_ = 0;  // beyond what a decoded brick takes, at most
-  MemoryPool<SweepMemory> pool_;
+  MemoryPool<SweepMemory> pool_;  // of the pixel lattice
+  MemoryPool<SlabSums> sums_;     // on rays
 };
 
 }  // namespace kiln

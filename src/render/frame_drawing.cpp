@@ -169,7 +169,7 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   const Span span(Activity::kWalk);
-  const bool slabs = (plan_.pixel && request_.lattice == Lattice::kPixel) || plan_.mix;
+  const bool slabs = request_.lattice == Lattice::kPixel;
   ZeroPages<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
   ZeroPages<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,

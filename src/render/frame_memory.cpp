@@ -83,9 +83,11 @@ std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std
       (near ? kSweepBytesOfNearPixel : kSweepBytesOfPixel) * (job.picture.aovs.any() ? 2 : 1);
   const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
   const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
-  // Rays need no sheets and nothing that waits.
+  // Rays need no sheets and nothing that waits; of several volumes they have sums.
   const std::uint64_t swept = drawsSlabs(job) ? padded * padded * volumes * of_pixel : 0;
-  return threads * (swept + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
+  const std::uint64_t summed =
+      castsRays(job) && !job.volumes.empty() ? SlabSums::bytesFor(job.picture.aovs.normal) : 0;
+  return threads * (swept + summed + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
 bool splatsVoxels(const RenderJob& job) {

@@ -27,8 +27,8 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
     if (request.level) store->requireLevel(*request.level);
     requireLattice(request.lattice, store->manifest().volume_class, store->path());
   }
-  if (request.lattice == Lattice::kRay && (!request.volumes.empty() || request.clipping.part || request.deep))
-    throw Error(ErrorCode::kUsage, "--lattice ray: several volumes, parts and deep images have the pixel lattice");
+  if (request.lattice == Lattice::kRay && (request.clipping.part || request.deep))
+    throw Error(ErrorCode::kUsage, "--lattice ray: parts and deep images have the pixel lattice");
   requireInterpolation(request.lattice, request.interpolation);
   requireSamples(request.lattice, request.samples);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);

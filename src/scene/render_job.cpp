@@ -286,9 +286,9 @@ void requireVolumes(const RenderJob& job) {
   const PictureOptions& picture = job.picture;
   if (job.volumes.size() > kMostVolumesOfJob) refuse("volumes", fmt::format("are {} at most", kMostVolumesOfJob));
   if (picture.mode != Mode::kComposite) refuse("--mode", "are composited; draw a projection of each by itself");
-  if (picture.lattice != Lattice::kPixel)
+  if (picture.lattice == Lattice::kVoxel)
     refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, picture.lattice)),
-           "have the pixel lattice; leave --lattice out");
+           "have the lattice pixel or ray; leave --lattice out");
   if (drawsPart(picture)) refuse("--part", "are drawn whole; draw one volume in parts");
 }
 

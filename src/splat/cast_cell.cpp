@@ -69,7 +69,10 @@ class CellCaster {
     field_.interpolate(count_);
     classifyAll();
     attenuateAll();
-    blendAll();
+    if (in_.sums != nullptr)
+      keepAll();
+    else
+      blendAll();
     lightAll();
   }
 
@@ -155,7 +158,7 @@ class CellCaster {
     return meanExtinction(d, l_, intervalOf(d, value, before, after), place, alive, at_point);
   }
 
-  // Their opacities.
+  // Their opacities; of several volumes, their optical depths.
   void attenuateAll() {
     const D d;
     const DI di;
@@ -175,7 +178,8 @@ class CellCaster {
         length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
         if (derives_) tau = finishTau(n, count, w, tau);
       }
-      hn::Store(opacityOf(d, hn::Mul(tau, length)), d, s_.opacity + n);
+      const V depth = hn::Mul(tau, length);
+      hn::Store(in_.sums != nullptr ? depth : opacityOf(d, depth), d, s_.opacity + n);
     }
   }
 
@@ -242,6 +246,27 @@ class CellCaster {
     out_.samples += seen;
   }
 
+  // Keeps all samples with optical depth, for sums over several volumes.
+  HWY_NOINLINE void keepAll() {
+    std::size_t seen = 0;
+    closed_count_ = 0;
+    out_.shown += kept_;
+    for (std::size_t n = 0; n < kept_; ++n) {
+      const float depth = s_.opacity[n];
+      s_.index[seen] = s_.index[n], s_.entry[seen] = s_.entry[n], s_.weight[seen] = depth;
+      if (derives_) {
+        for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
+        if (in_.sums->hasNormals() && depth > 0) {
+          const CellPlaces::Place at = p_.placeOf(s_.code[s_.index[seen]]);
+          in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(seen)));
+        }
+      }
+      seen += depth > 0 ? 1 : 0;
+    }
+    kept_ = seen;
+    out_.samples += seen;
+  }
+
   HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
     const SampleSite site = siteOf(n);
     const SlabZone& zone = frame_.zone();
@@ -302,14 +327,21 @@ class CellCaster {
         red = lit(red), green = lit(green), blue = lit(blue);
       }
       const V weight = hn::LoadU(d, s_.weight + n + i);
-      hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue), hn::Zero(d), d,
-                            s_.rows[0] + 4 * i);
+      hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue),
+                            in_.sums != nullptr ? weight : hn::Zero(d), d, s_.rows[0] + 4 * i);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      float* const to = p_.pixelOf(s_.lit_code[i] & CellPlaces::kPixel);
+      float* const to = lightOf(s_.lit_code[i]);
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
         hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
     }
+  }
+
+  // The four floats that a sample's light is added to.
+  HWY_INLINE float* lightOf(std::int32_t code) const {
+    if (in_.sums == nullptr) return p_.pixelOf(code & CellPlaces::kPixel);
+    const CellPlaces::Place at = p_.placeOf(code);
+    return in_.sums->light(at.slab, at.x, at.y);
   }
 
   HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {

@@ -13,6 +13,7 @@
 #include "base/pixel_rect.h"
 #include "splat/ray_slabs.h"
 #include "splat/slab_frame.h"
+#include "splat/slab_sums.h"
 #include "splat/tile_pixels.h"
 #include "splat/tile_windows.h"
 #include "splat/unit_axis.h"
@@ -30,6 +31,7 @@ struct CellInput {
   bool at_end = false;            // of the volume
   bool in_pairs = false;          // whether two samples may be one, twice as long
   bool gaps = false;              // whether there may be NaN among its voxels
+  SlabSums* sums = nullptr;       // of several volumes: samples are added to the sums, not to the tile
 };
 
 /// What is known of rays and samples, for one cell after the other. Beyond the last one vectors read anything, and use
@@ -71,7 +73,7 @@ struct CellOutput {
   std::uint64_t shown = 0, samples = 0;            // that show something, and that are seen
 };
 
-/// Adds what the cell shows to the tile. Closed pixels have an alpha of one; the visibility structure is not told.
+/// Adds what the cell shows to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure is not told.
 /// requires: as castCells.
 void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
               float opaque_at, CellSamples& samples, CellOutput& out);

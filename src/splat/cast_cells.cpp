@@ -29,13 +29,14 @@ struct SeenCell {
 class Casting {
  public:
   Casting(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile,
-          Visibility& visibility, float opaque_at, SplatCounts& counts)
+          Visibility& visibility, float opaque_at, SlabSums* sums, SplatCounts& counts)
       : rays_(rays),
         frame_(frame),
         block_(block),
         tile_(tile),
         visibility_(visibility),
         opaque_at_(opaque_at),
+        sums_(sums),
         counts_(counts) {}
 
   // One cell is fetched while the one before it is cast, which may hide it.
@@ -75,7 +76,9 @@ class Casting {
     }
     in.rect = seen.rect;
     in.gaps = range.gaps;
-    in.in_pairs = frame_.inPairs(range);
+    in.sums = sums_;
+    // Samples of several volumes meet in single slabs.
+    in.in_pairs = sums_ == nullptr && frame_.inPairs(range);
     CellOutput out;
     castCell(rays_, frame_, in, tile_, opaque_at_, samples_, out);
     counts_.visited += out.shown, counts_.splats += out.samples;
@@ -98,6 +101,7 @@ class Casting {
   const TilePixels& tile_;
   Visibility& visibility_;
   const float opaque_at_;
+  SlabSums* const sums_;  // null where samples are composited at once
   SplatCounts& counts_;
   CellSamples samples_;
 };
@@ -106,7 +110,12 @@ class Casting {
 
 void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
                const TilePixels& tile, Visibility& visibility, float opaque_at, SplatCounts& counts) {
-  Casting(rays, frame, block, tile, visibility, opaque_at, counts).run(cells);
+  Casting(rays, frame, block, tile, visibility, opaque_at, nullptr, counts).run(cells);
+}
+
+void sumCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+              const TilePixels& tile, Visibility& visibility, SlabSums& sums, SplatCounts& counts) {
+  Casting(rays, frame, block, tile, visibility, 1, &sums, counts).run(cells);
 }
 
 }  // namespace kiln

@@ -7,6 +7,7 @@
 
 #include "splat/ray_slabs.h"
 #include "splat/slab_frame.h"
+#include "splat/slab_sums.h"
 
 namespace kiln {
 
@@ -15,5 +16,10 @@ namespace kiln {
 /// is at most kSweepEdge pixels wide and high. Of `opaque_at` SplatFrame says what it is.
 void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
                const TilePixels& tile, Visibility& visibility, float opaque_at, SplatCounts& counts);
+
+/// Adds what the cells of one of several volumes show to the sums, for compositeSlabs. Closed pixels of the tile get
+/// nothing; the tile does not change. requires: as castCells, but for the order of cells; the sums are of `tile.rect`.
+void sumCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+              const TilePixels& tile, Visibility& visibility, SlabSums& sums, SplatCounts& counts);
 
 }  // namespace kiln

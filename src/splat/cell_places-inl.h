@@ -106,6 +106,15 @@ class CellPlaces {
     return hn::Add(hn::IfThenElse(first, hn::Sub(w.t, enter), own), hn::IfThenElse(last, hn::Sub(leave, w.t), own));
   }
 
+  // The pixel of the picture, and the slab, of a sample by its code.
+  struct Place {
+    int x, y, slab;
+  };
+  HWY_INLINE Place placeOf(std::int32_t code) const {
+    return {in_.rect.x0 + (code & (kSweepEdge - 1)), in_.rect.y0 + (code >> kPixelBits & (kSweepEdge - 1)),
+            (code & (kPair - 1)) >> kSlabBits};
+  }
+
   std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
     return tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
   }

@@ -214,11 +214,11 @@ std::vector<Depths> drawnDepths(std::span<const ZonedVolume> volumes, const View
 }
 
 // The lattices of the volumes that reach into depths [near, far), a slab of theirs more on either side; their slabs are
-// as thick as the thickest.
+// as thick as the thickest, on rays as the thinnest.
 struct SharedLattice {
   std::vector<SlabZone> volumes;
   std::vector<bool> reaches;
-  double thickness = 0;
+  double thickness = 0;  // 0 where no volume reaches
 };
 SharedLattice sharedLattice(double scale, double near, double far, std::span<const ZonedVolume> volumes,
                             std::span<const Depths> depths, std::optional<int> level) {
@@ -228,7 +228,12 @@ SharedLattice sharedLattice(double scale, double near, double far, std::span<con
     const double reach = 2 * out.volumes.back().thickness;
     out.reaches.push_back(depths[i].near <= depths[i].far && depths[i].near - reach < far &&
                           depths[i].far + reach >= near);
-    if (out.reaches.back()) out.thickness = std::max(out.thickness, out.volumes.back().thickness);
+    if (!out.reaches.back()) continue;
+    const double own = out.volumes.back().thickness;
+    if (out.thickness == 0)
+      out.thickness = own;
+    else
+      out.thickness = volumes[i].on_rays ? std::min(out.thickness, own) : std::max(out.thickness, own);
   }
   return out;
 }
@@ -268,7 +273,9 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
   if (!(all.near <= all.far)) return out;
   if (view.projection == Projection::kOrthographic) {
     const SharedLattice lattice = sharedLattice(view.focal_px, all.near, all.far, alike, depths, level);
-    const double t = lattice.thickness, near = (std::floor(all.near / t) - 2) * t;
+    double t = lattice.thickness;
+    if (alike.front().on_rays) t = std::max(t, (all.far - all.near) / (kMostRaySlabs - 6));
+    const double near = (std::floor(all.near / t) - 2) * t;
     addShared(lattice, near, t, static_cast<int>(std::ceil((all.far - near) / t)) + 2, out);
     return out;
   }
@@ -281,8 +288,10 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
       const SharedLattice lattice = sharedLattice(view.focal_px / near, near, near + width, alike, depths, level);
       if (lattice.thickness == 0) continue;
       // As in slabZones.
-      const double wanted = lattice.thickness * (near + 0.5 * width) / near;
-      const int slabs = std::max(1, static_cast<int>(std::lround(width / wanted)));
+      const bool rays = alike.front().on_rays;
+      const double wanted = (rays ? 1 : (near + 0.5 * width) / near) * lattice.thickness;
+      const double most = rays ? double{kMostRaySlabs} : 1e9;
+      const int slabs = std::max(1, static_cast<int>(std::lround(std::min(width / wanted, most))));
       addShared(lattice, near, width / slabs, slabs, out);
     }
   }

@@ -75,9 +75,9 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
 
 /// The same slabs for several volumes. shape: a list for each zone, with one for each volume; where the volume does not
 /// reach, it has no slabs. All others of a zone have the same slabs, as thick as the samples are apart of that whose
-/// are the farthest, and kMostSharedSlabs at most.
+/// are the farthest, on rays of that whose are the nearest, and kMostSharedSlabs at most.
 std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volumes, const View& view,
                                                std::optional<int> level);
-inline constexpr int kMostSharedSlabs = 64;
+inline constexpr int kMostSharedSlabs = 32;
 
 }  // namespace kiln

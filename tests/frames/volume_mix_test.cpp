@@ -31,9 +31,9 @@ std::vector<DenseVolume> mixedVolumes() {
   return out;
 }
 
-FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volumes) {
+FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volumes, Lattice lattice) {
   const RandomScene scene = randomScene(seed, volumes[0], kMixSize);
-  FrameRequest out = requestOf(scene, Lattice::kPixel, randomThreshold(seed));
+  FrameRequest out = requestOf(scene, lattice, randomThreshold(seed));
   out.volumes.push_back({scene.transfer_function, scene.shading, scene.clipping});
   Random random(seed + 77);
   const DenseVolume& second = volumes[1];
@@ -50,7 +50,7 @@ std::uint64_t leastBytes(const Paths& stores, const FrameRequest& request) {
   return leastMixBytes({&first, &second}, request);
 }
 
-class VolumeMixEquality : public ::testing::Test {
+class VolumeMixEquality : public ::testing::TestWithParam<Lattice> {
  protected:
   void SetUp() override {
     volumes_ = mixedVolumes();
@@ -67,8 +67,9 @@ class VolumeMixEquality : public ::testing::Test {
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       SCOPED_TRACE("seed " + std::to_string(seed));
-      FrameRequest request = requestAt(seed, volumes_);
+      FrameRequest request = requestAt(seed, volumes_, GetParam());
       request.level = 0;  // smaller bricks have more levels
+      if (GetParam() == Lattice::kRay && i % 2 == 1) request.samples = 2;
       const Image truth = draw(stores(2, 2), request);
       shown += showsSomething(truth) ? 1 : 0;
       EXPECT_TRUE(equalBits(truth, draw(stores(0, 1), request))) << "bricks of 16 and 32";
@@ -97,12 +98,12 @@ class VolumeMixEquality : public ::testing::Test {
   Paths stores_[2];
 };
 
-TEST_F(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
+TEST_P(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
 // The same where each volume has the levels that fit the view, from so near that they change on the way.
-TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
+TEST_P(VolumeMixEquality, HoldsWhereLevelsMix) {
   for (const std::uint64_t seed : {600, 601}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    FrameRequest request = requestAt(seed, volumes_);
+    FrameRequest request = requestAt(seed, volumes_, GetParam());
     Camera camera = cameraFrom(volumes_[0].geometry, randomDirection(seed, 0), Projection::kPerspective);
     camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
     camera.fov_deg = 110;
@@ -118,11 +119,11 @@ TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
   }
 }
 
-TEST_F(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
+TEST_P(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
 
 // Less than the bricks of a tile take is refused in a line that says how much more works.
-TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
-  FrameRequest request = requestAt(502, volumes_);
+TEST_P(VolumeMixEquality, TooLittleMemoryIsRefused) {
+  FrameRequest request = requestAt(502, volumes_, GetParam());
   TransferFunction all{0, {{-1e9, glm::dvec3(1), 0.1}}};
   for (VolumeRequest& volume : request.volumes) volume = {all, {}, {}};
   const std::uint64_t least = leastBytes(stores(1, 1), request);
@@ -137,8 +138,8 @@ TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
 }
 
 // The second of two that shows nothing adds no sample and hides none.
-TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
-  FrameRequest request = requestAt(504, volumes_);
+TEST_P(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
+  FrameRequest request = requestAt(504, volumes_, GetParam());
   TransferFunction all{0, {{-1e9, glm::dvec3(1, 0.5, 0.2), 0.1}}}, nothing{0, {{0, glm::dvec3(1), 0}}};
   request.volumes = {{all, {}, {}}, {nothing, {}, {}}};
   const Image image = draw(stores(1, 1), request);
@@ -146,6 +147,8 @@ TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
   EXPECT_TRUE(showsSomething(image));
   EXPECT_TRUE(equalBits(image, draw({stores_[1][1], stores_[0][1]}, request)));
 }
+
+INSTANTIATE_TEST_SUITE_P(Lattices, VolumeMixEquality, ::testing::Values(Lattice::kPixel, Lattice::kRay));
 
 }  // namespace
 }  // namespace kiln::test

@@ -15,11 +15,13 @@ namespace {
 
 constexpr ImageSize kSetsSize{70, 61};
 
-void expectTheSameOnAllSets(const std::filesystem::path& store, const FrameRequest& request) {
-  const Image best = draw(store, request);
+// `stores`: a path, or paths of several volumes.
+template <class Stores>
+void expectTheSameOnAllSets(const Stores& stores, const FrameRequest& request) {
+  const Image best = draw(stores, request);
   EXPECT_TRUE(showsSomething(best));
   onEveryInstructionSet(
-      [&](std::int64_t target) { EXPECT_TRUE(equalBits(best, draw(store, request))) << "instruction set " << target; });
+      [&](std::int64_t target) { EXPECT_TRUE(equalBits(best, draw(stores, request))) << "instruction set " << target; });
 }
 
 class InstructionSetsFor : public testing::TestWithParam<Lattice> {};
@@ -72,6 +74,22 @@ TEST(InstructionSets, InterpolateTheSame) {
       request.lattice = lattice;
       expectTheSameOnAllSets(store, request);
     }
+  }
+}
+
+TEST(InstructionSets, CompositeSeveralVolumesTheSame) {
+  const DenseVolume volume = smallHead(VoxelType::i16);
+  const std::vector<std::filesystem::path> stores = {makeStore(volume, "head", 32), makeStore(volume, "other", 16)};
+  const ValueRange range = volume.range();
+  TransferFunction soft{volume.geometry.meanSpacing(), {{range.lo, {1, 0.7, 0.5}, 0}, {range.hi, {1, 1, 0.8}, 0.2}}};
+  TransferFunction hard{volume.geometry.meanSpacing(), {{range.lo, {0.2, 0.7, 1}, 0}, {range.hi, {0.4, 1, 0.8}, 0.9}}};
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
+  request.volumes = {{soft, {}, {}}, {hard, {}, {}}};
+  request.aovs.depth = request.aovs.normal = true;
+  for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay}) {
+    request.lattice = lattice;
+    expectTheSameOnAllSets(stores, request);
   }
 }
 
