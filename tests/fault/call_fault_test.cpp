@@ -433,6 +433,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
 
   // Fails `runs` calls of each kind, evenly spread, or every call where there are fewer.
   void meetSome(std::uint64_t runs) {
+    int failed_calls = 0;
     for (const CallFailure failure : {CallFailure::kIo, CallFailure::kInterrupted, CallFailure::kShort,
                                       CallFailure::kEnd, CallFailure::kNoSpace}) {
       if (failure == CallFailure::kNoSpace && !GetParam().writes) continue;
@@ -442,10 +443,11 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       // Other scenarios begin at other calls.
       const std::uint64_t first = std::hash<std::string>()(GetParam().name + nameOf(failure)) % step;
       for (std::uint64_t n = first; n < counted.calls; n += step) {
-        meet({failure, n});
+        failed_calls += meet({failure, n}) ? 1 : 0;
         if (HasFatalFailure()) return;
       }
     }
+    RecordProperty("failed_calls", failed_calls);
   }
 
   fs::path folder_;
