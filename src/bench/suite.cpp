@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kLargestSuite_bytes = 16u << 20;
+constexpr std::size_t kMostCases = 10'000;
 
 bool isPixels(double v) { return v >= 1 && v <= 65536 && v == static_cast<int>(v); }
 bool isEpsilon(double v) { return v >= 0 && v <= kLargestEpsilon && v == static_cast<int>(v); }
@@ -179,7 +180,7 @@ Suite parseSuite(const std::string& text, const fs::path& path) {
   readDrawing(root, suite);
   readArtifactsAndCost(root, suite);
   if (const auto scaling = root.object("scaling")) readScaling(*scaling, suite.scaling);
-  const auto cases = root.objects("cases", "a list of cases [{name, volume, …}, …]");
+  const auto cases = root.objects("cases", "a list of cases [{name, volume, …}, …]", {kMostCases, "cases"});
   if (!cases || cases->empty()) root.refuse("cases", "a list of at least one case {name, volume, …}");
   const int repeat = repeatFrom(root, SuiteCase().repeat);
   std::set<std::string> names;

@@ -8,6 +8,7 @@
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/job_parts.h"
+#include "scene/scene_limits.h"
 
 namespace kiln {
 namespace {
@@ -18,7 +19,7 @@ bool frameNumber(double v) { return v >= 0 && v <= kLastFrame; }
 template <class T, class ValueOf>
 std::vector<Key<T>> keysFrom(const JobObject& owner, Ease ease, const ValueOf& value_of) {
   constexpr std::string_view kExpected = "a list of at least one key [{frame, …}, …]";
-  const auto objects = owner.objects("keyframes", kExpected);
+  const auto objects = owner.objects("keyframes", kExpected, {kMostKeys, "keys"});
   if (!objects || objects->empty()) owner.refuse("keyframes", kExpected);
   std::vector<Key<T>> out;
   for (const JobObject& object : *objects) {
@@ -72,7 +73,7 @@ CameraMatrices matricesFrom(const JobObject& camera) {
   constexpr std::string_view kExpected =
       "a list of matrices, each 4 rows of 4 numbers, camera to world: a turn and a move, the last row 0 0 0 1";
   CameraMatrices out;
-  const auto matrices = camera.matrices("matrices", kExpected, legal::length);
+  const auto matrices = camera.matrices("matrices", kExpected, {kMostMatrices, "matrices"}, legal::length);
   for (const auto& numbers : *matrices) {
     glm::dmat4 matrix;
     for (int row = 0; row < 4; ++row) {

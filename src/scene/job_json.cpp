@@ -164,6 +164,12 @@ void JobObject::refuse(std::string_view key, std::string_view expected) const {
   complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
 }
 
+void JobObject::requireWithin(std::string_view key, ListLimit limit, const json& list) const {
+  if (list.size() > limit.most)
+    complain(key, "expected at most " + std::to_string(limit.most) + " " + std::string(limit.entries) + ", found " +
+                      std::to_string(list.size()));
+}
+
 void JobObject::requireKnown(JobKeys known, JobKeys more) const {
   std::vector<std::string_view> names;
   for (const JobKeys keys : {known, more}) {
@@ -294,13 +300,14 @@ std::optional<std::vector<std::array<double, 2>>> JobObject::pairs(std::string_v
 }
 
 std::optional<std::vector<std::array<double, 16>>> JobObject::matrices(std::string_view key, std::string_view expected,
-                                                                       bool (*legal)(double)) const {
+                                                                       ListLimit limit, bool (*legal)(double)) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
   const auto require = [&](bool right) {
     if (!right) refuse(key, expected);
   };
   require(value->is_array());
+  requireWithin(key, limit, *value);
   std::vector<std::array<double, 16>> out;
   for (const json& matrix : *value) {
     require(matrix.is_array() && matrix.size() == 4);
@@ -323,10 +330,12 @@ std::optional<JobObject> JobObject::object(std::string_view key) const {
   return inside(*value, placeOf(key));
 }
 
-std::optional<std::vector<JobObject>> JobObject::objects(std::string_view key, std::string_view expected) const {
+std::optional<std::vector<JobObject>> JobObject::objects(std::string_view key, std::string_view expected,
+                                                         ListLimit limit) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
   if (!value->is_array()) refuse(key, expected);
+  requireWithin(key, limit, *value);
   std::vector<JobObject> out;
   for (std::size_t i = 0; i < value->size(); ++i) {
     out.push_back(inside((*value)[i], placeOf(key) + "[" + std::to_string(i) + "]"));

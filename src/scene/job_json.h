@@ -21,6 +21,12 @@ namespace kiln {
 /// The word of `known` with the least edit distance to `word`. requires: known is not empty.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
 
+/// The longest a list may be, and the word for its entries: 64 "lights".
+struct ListLimit {
+  std::size_t most;
+  std::string_view entries;
+};
+
 /// An object inside a parsed document; it keeps the document alive.
 /// throws: every member, Error kUsage "FILE: line N, KEY: expected …, found …" where the value is not what it asks for.
 class JobObject {
@@ -55,9 +61,9 @@ class JobObject {
                                                           bool (*legal)(double)) const;
   /// A list of 4 rows of 4 numbers. shape: row by row.
   std::optional<std::vector<std::array<double, 16>>> matrices(std::string_view key, std::string_view expected,
-                                                              bool (*legal)(double)) const;
+                                                              ListLimit limit, bool (*legal)(double)) const;
   std::optional<JobObject> object(std::string_view key) const;
-  std::optional<std::vector<JobObject>> objects(std::string_view key, std::string_view expected) const;
+  std::optional<std::vector<JobObject>> objects(std::string_view key, std::string_view expected, ListLimit limit) const;
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view key, std::string_view expected,
                                                bool (*legal)(double)) const {
@@ -77,6 +83,7 @@ class JobObject {
   using Text = std::shared_ptr<const std::string>;
   JobObject(Json value, Text text, std::filesystem::path path, std::string place);
   [[noreturn]] void complainAt(const std::string& place, const std::string& sentence) const;
+  void requireWithin(std::string_view key, ListLimit limit, const nlohmann::json& list) const;
   void requireOneOf(std::span<const std::string_view> known) const;
   const nlohmann::json* find(std::string_view key) const;
   bool fill(std::string_view key, std::string_view expected, bool (*legal)(double), std::span<double> out) const;

@@ -14,7 +14,8 @@ constexpr JobKey kRootKeys[] = {
          "description": "several in one picture, each where its affine has it, instead of volume"})"},
     {"output",
      R"({"$ref": "text", "description": "the picture, .exr or .png, or a video, .mp4, .mov, .mkv or .webm; a run of # is the frame's number"})"},
-    {"outputs", R"({"type": "array", "items": {"$ref": "output"}, "description": "more files of each frame"})"},
+    {"outputs", R"({"type": "array", "items": {"$ref": "output"}, "maxItems": 64,
+                    "description": "more files of each frame"})"},
     {"video", R"({"$ref": "video"})"},
     {"frames", R"({"description": "such as \"1-100\", \"1-100x2\" or \"1-10,20\"", "type": "string",
                    "pattern": "^ *[0-9]+(-[0-9]+)?(x[0-9]+)?(, *[0-9]+(-[0-9]+)?(x[0-9]+)?)*$"})"},
@@ -106,16 +107,16 @@ constexpr JobKey kStereoKeys[] = {
     {"interocular", R"({"$ref": "positiveLength", "description": "between both eyes"})"},
     {"convergence",
      R"({"$ref": "positiveLength", "description": "the depth at which both see the same; the target's"})"},
-    {"keyframes", R"({"type": "array", "items": {"$ref": "stereoKeyframe"}, "minItems": 1})"},
+    {"keyframes", R"({"type": "array", "items": {"$ref": "stereoKeyframe"}, "minItems": 1, "maxItems": 10000})"},
 };
 
 constexpr JobKey kCameraPathKeys[] = {
     {"turntable", R"({"$ref": "turntable"})"},
-    {"keyframes", R"({"type": "array", "items": {"$ref": "cameraKeyframe"}, "minItems": 1})"},
+    {"keyframes", R"({"type": "array", "items": {"$ref": "cameraKeyframe"}, "minItems": 1, "maxItems": 10000})"},
     {"pivot", R"({"enum": "pivot", "description": "between keyframes, what the orientation turns about"})"},
     {"matrices",
      R"({"description": "camera to world, 4 rows of 4 numbers, for frame 1 and those after it", "minItems": 1,
-                     "type": "array", "items": {"type": "array", "minItems": 4, "maxItems": 4, "items":
+                     "maxItems": 100000, "type": "array", "items": {"type": "array", "minItems": 4, "maxItems": 4, "items":
                        {"type": "array", "minItems": 4, "maxItems": 4, "items": {"$ref": "length"}}}})"},
 };
 
@@ -146,20 +147,20 @@ constexpr JobKey kStereoKeyKeys[] = {
     {"convergence", R"({"$ref": "positiveLength", "description": "in all keys, or in none"})"},
 };
 constexpr JobKey kFunctionKeysKeys[] = {
-    {"keyframes", R"({"type": "array", "items": {"$ref": "functionKeyframe"}, "minItems": 1})"}};
+    {"keyframes", R"({"type": "array", "items": {"$ref": "functionKeyframe"}, "minItems": 1, "maxItems": 10000})"}};
 constexpr JobKey kLightsKeysKeys[] = {
-    {"keyframes", R"({"type": "array", "items": {"$ref": "lightsKeyframe"}, "minItems": 1})"}};
+    {"keyframes", R"({"type": "array", "items": {"$ref": "lightsKeyframe"}, "minItems": 1, "maxItems": 10000})"}};
 constexpr JobKey kClipKeysKeys[] = {
-    {"keyframes", R"({"type": "array", "items": {"$ref": "clipKeyframe"}, "minItems": 1})"}};
+    {"keyframes", R"({"type": "array", "items": {"$ref": "clipKeyframe"}, "minItems": 1, "maxItems": 10000})"}};
 
 constexpr JobKey kTransferFunctionKeys[] = {
     {"unit",
      R"({"type": "number", "minimum": 0, "description": "the length that opacity is per; 0 is the mean spacing"})"},
     {"colorSpace", R"({"enum": "colorSpace"})"},
-    {"points", R"({"type": "array", "items": {"$ref": "point"}, "minItems": 1})"},
-    {"labels", R"({"type": "array", "items": {"$ref": "label"}, "minItems": 1,
+    {"points", R"({"type": "array", "items": {"$ref": "point"}, "minItems": 1, "maxItems": 65536})"},
+    {"labels", R"({"type": "array", "items": {"$ref": "label"}, "minItems": 1, "maxItems": 262144,
                    "description": "of a label volume, instead of points; the others are transparent"})"},
-    {"gradientOpacity", R"({"type": "array", "items": {"$ref": "gradientPoint"}})"},
+    {"gradientOpacity", R"({"type": "array", "items": {"$ref": "gradientPoint"}, "maxItems": 65536})"},
 };
 
 constexpr JobKey kLabelKeys[] = {

@@ -1,6 +1,4 @@
 // The keys of a job that say what a picture shows of the volume and in what light.
-#include <fmt/format.h>
-
 #include <glm/geometric.hpp>
 
 #include "scene/job_names.h"
@@ -97,18 +95,14 @@ Shading shadingFrom(const JobObject& object) {
 }
 
 std::vector<Light> lightsFrom(const JobObject& owner) {
-  const auto lights = owner.objects("lights", "a list of lights [{type, …}, …]");
-  if (lights->size() > kMostLights)
-    owner.complain("lights", fmt::format("expected at most {} lights, found {}", kMostLights, lights->size()));
+  const auto lights = owner.objects("lights", "a list of lights [{type, …}, …]", {kMostLights, "lights"});
   std::vector<Light> out;
   for (const JobObject& light : *lights) out.push_back(lightFrom(light));
   return out;
 }
 
 std::vector<ClipPlane> planesFrom(const JobObject& owner, std::string_view key) {
-  const auto planes = owner.objects(key, "a list of planes [{normal, offset}, …]");
-  if (planes->size() > kMostClipPlanes)
-    owner.complain(key, fmt::format("expected at most {} planes, found {}", kMostClipPlanes, planes->size()));
+  const auto planes = owner.objects(key, "a list of planes [{normal, offset}, …]", {kMostClipPlanes, "planes"});
   std::vector<ClipPlane> out;
   for (const JobObject& plane : *planes) out.push_back(planeFrom(plane));
   return out;

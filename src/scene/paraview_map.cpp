@@ -1,8 +1,11 @@
 #include "scene/paraview_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
+#include "scene/scene_limits.h"
 
 namespace kiln {
 namespace {
@@ -27,6 +30,8 @@ void sortByValue(std::vector<Node>& nodes) {
 std::vector<double> quadruples(const JobObject& object, std::string_view key, std::string_view expected) {
   const std::vector<double> numbers = *object.numberList(key, expected, legal::voxelValue);
   if (numbers.empty() || numbers.size() % 4 != 0) object.refuse(key, expected);
+  if (numbers.size() / 4 > kMostPoints)
+    object.complain(key, fmt::format("expected at most {} points, found {}", kMostPoints, numbers.size() / 4));
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (i % 4 != 0 && !legal::fraction(numbers[i])) object.refuse(key, expected);
   }

@@ -15,13 +15,12 @@
 #include "scene/job_names.h"
 #include "scene/job_parts.h"
 #include "scene/presets.h"
+#include "scene/scene_limits.h"
 #include "scene/transfer_function_json.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr std::size_t kMostVolumesOfJob = 64;
 
 constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
@@ -42,7 +41,7 @@ void readVolumes(const JobObject& root, RenderJob& job) {
     if (root.has(key)) root.complain(key, "is each volume's own where there are several; put it into \"volumes\"");
   }
   constexpr std::string_view kExpected = "a list of at least one volume [{volume, transferFunction, …}, …]";
-  const auto volumes = root.objects("volumes", kExpected);
+  const auto volumes = root.objects("volumes", kExpected, {kMostVolumesOfJob, "volumes"});
   if (volumes->empty()) root.refuse("volumes", kExpected);
   for (const JobObject& object : *volumes) {
     object.requireKnown(job_keys::kVolume);
@@ -146,7 +145,7 @@ std::optional<FrameRate> rateFrom(const JobObject& video) {
 
 void readOutput(const JobObject& root, OutputOptions& output) {
   if (const auto path = root.text("output", "a file name")) putOutput(besideJob(*path, root.path()), output);
-  const auto files = root.objects("outputs", "a list of files [{path, content}, …]");
+  const auto files = root.objects("outputs", "a list of files [{path, content}, …]", {kMostOutputs, "files"});
   for (const JobObject& file : files.value_or(std::vector<JobObject>())) {
     file.requireKnown(job_keys::kOutput);
     const auto path = file.text("path", "a file name");

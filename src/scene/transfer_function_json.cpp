@@ -4,6 +4,7 @@
 
 #include "base/srgb.h"
 #include "scene/label_looks.h"
+#include "scene/scene_limits.h"
 
 namespace kiln {
 namespace {
@@ -33,7 +34,8 @@ TransferPoint pointFrom(const JobObject& object, bool srgb) {
 }
 
 std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
-  const auto points = owner.objects("gradientOpacity", "a list of points [{gradient, factor}, …]");
+  const auto points =
+      owner.objects("gradientOpacity", "a list of points [{gradient, factor}, …]", {kMostPoints, "points"});
   std::vector<GradientPoint> out;
   if (!points) return out;
   for (const JobObject& point : *points) {
@@ -52,7 +54,8 @@ std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
 
 std::vector<LabelLook> labelsFrom(const JobObject& owner, bool srgb) {
   std::vector<LabelLook> out;
-  const auto labels = owner.objects("labels", "a list of labels [{label, color, opacity}, …]");
+  const auto labels =
+      owner.objects("labels", "a list of labels [{label, color, opacity}, …]", {kMostLabelLooks, "labels"});
   std::set<double> known;
   if (labels->empty()) owner.refuse("labels", "a list of at least one label {label, color, opacity}");
   for (const JobObject& object : *labels) {
@@ -88,7 +91,8 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
     out.labels = labelsFrom(object, srgb);
     return out;
   }
-  const auto points = object.objects("points", "a list of points [{value, color, opacity}, …]");
+  const auto points =
+      object.objects("points", "a list of points [{value, color, opacity}, …]", {kMostPoints, "points"});
   if (!points || points->empty()) object.refuse("points", "a list of at least one point {value, color, opacity}");
   for (const JobObject& point : *points) {
     out.points.push_back(pointFrom(point, srgb));

@@ -15,10 +15,16 @@ class Limits : public ToolTest {
 
   // A job with `count` copies of an entry in the list of that name.
   std::string job(const std::string& list, const std::string& entry, std::size_t count) const {
-    std::string text = R"({"kiln": 1, "volume": "h.kiln", "output": "o.png", ")" + list + "\": [";
-    for (std::size_t i = 0; i < count; ++i) text += (i > 0 ? ", " : "") + entry;
-    writeText(in(list + ".json"), text + "]}");
-    return in(list + ".json");
+    return jobWith("\"" + list + "\": " + listOf(entry, count));
+  }
+  static std::string listOf(const std::string& entry, std::size_t count) {
+    std::string out = "[";
+    for (std::size_t i = 0; i < count; ++i) out += (i > 0 ? ", " : "") + entry;
+    return out + "]";
+  }
+  std::string jobWith(const std::string& more) const {
+    writeText(in("many.json"), R"({"kiln": 1, "volume": "h.kiln", "output": "o.png", )" + more + "}");
+    return in("many.json");
   }
 };
 
@@ -39,6 +45,46 @@ TEST_F(Limits, TooManyOfAThing_isRefusedInOneLine) {
   }
   writeText(in("nested.json"), std::string(200000, '[') + std::string(200000, ']'));
   refused({"render", in("nested.json")}, 1, "nested more than 100 deep");
+}
+
+TEST_F(Limits, ListsOfAJobThatAreTooLong_areRefusedInOneLine) {
+  const auto keys = [](const std::string& owner) {
+    return "\"" + owner + R"(": {"keyframes": )" + listOf("{}", 10001) + "}";
+  };
+  for (const char* owner : {"camera", "transferFunction", "lights", "clip"})
+    refused({"render", jobWith(keys(owner))}, 2,
+            owner + std::string(".keyframes: expected at most 10000 keys, found 10001"));
+  refused({"render", jobWith(R"("stereo": {"eye": "both", "keyframes": )" + listOf("{}", 10001) + "}")}, 2,
+          "stereo.keyframes: expected at most 10000 keys, found 10001");
+  refused({"render", jobWith(R"("camera": {"matrices": )" + listOf("0", 100001) + "}")}, 2,
+          "expected at most 100000 matrices, found 100001");
+  refused({"render", job("outputs", "{}", 65)}, 2, "expected at most 64 files, found 65");
+  writeText(in("volumes.json"), R"({"kiln": 1, "output": "o.png", "volumes": )" + listOf("{}", 65) + "}");
+  refused({"render", in("volumes.json")}, 2, "expected at most 64 volumes, found 65");
+  const auto function = [&](const std::string& key, std::size_t count) {
+    return jobWith(R"("transferFunction": {)" + ("\"" + key) + "\": " + listOf("{}", count) + "}");
+  };
+  refused({"render", function("points", 65537)}, 2, "expected at most 65536 points, found 65537");
+  refused({"render", function("labels", 262145)}, 2, "expected at most 262144 labels, found 262145");
+  const std::string point = R"({"value": 0, "color": [0, 0, 0], "opacity": 0})";
+  refused({"render", jobWith(R"("transferFunction": {"points": [)" + point + R"(], "gradientOpacity": )" +
+                             listOf("{}", 65537) + "}")},
+          2, "expected at most 65536 points, found 65537");
+}
+
+TEST_F(Limits, NumbersThatAreNone_areRefusedInOneLine) {
+  for (const char* none : {"nan", "-nan", "inf", "-inf", "1e400", "one"}) {
+    for (const char* option : {"--rank-timeout", "--fov", "--azimuth", "--elevation", "--zoom", "--convergence",
+                               "--interocular", "--opacity-threshold", "--sample-distance", "--deep-error", "--ambient",
+                               "--diffuse", "--specular", "--power"}) {
+      const ToolResult result = runTool({"render", in("h.kiln"), "-o", in("o.exr"), "--size", "16x16", "--stereo",
+                                         "left", "--deep", std::string(option) + "=" + none});
+      EXPECT_EQ(result.exit_code, 2) << option << " " << none << ": " << result.err;
+      EXPECT_EQ(result.errorLines().size(), 1u) << option << " " << none << ": " << result.err;
+    }
+  }
+  refused({"convert", in("h.raw"), in("c.kiln"), "--rank-timeout", "nan"}, 2,
+          "expected a number from 0 to 1000000, found 'nan'");
 }
 
 TEST_F(Limits, AddressSpaceThatIsTooSmall_endsInOneLine) {

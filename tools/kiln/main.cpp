@@ -22,6 +22,7 @@
 #include "cluster/agreement.h"
 #include "commands.h"
 #include "say.h"
+#include "source_arguments.h"
 
 namespace {
 
@@ -212,7 +213,7 @@ void kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
       .add_option("--rank-timeout", context.rank_timeout_s,
                   "under mpirun: end the run with an error once a rank has for so long neither answered nor read, "
                   "written or computed (a stopped process, a disk that does not answer); 0 waits without end")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(kiln::tool::numberFrom(0, 1e6))
       ->capture_default_str()
       ->type_name("SECONDS");
 }

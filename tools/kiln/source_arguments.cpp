@@ -63,6 +63,18 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
   return {refused, ""};
 }
 
+CLI::Validator numberFrom(double least, double most) {
+  const auto refused = [least, most](std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    // NaN is in no range.
+    if (whole && value >= least && value <= most) return std::string();
+    return fmt::format("expected a number from {} to {}, found '{}'", least, most, text);
+  };
+  return {refused, ""};
+}
+
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 SourceOptions SourceArguments::resolve() const {

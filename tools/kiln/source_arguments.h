@@ -13,6 +13,9 @@ namespace kiln::tool {
 /// Of an option or a number of it: a whole number from `least` on.
 CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 
+/// Of an option: a finite number from `least` to `most`.
+CLI::Validator numberFrom(double least, double most);
+
 /// The most that --threads and a job's "threads" may be.
 inline constexpr std::int64_t kMostThreads = 4096;
 
