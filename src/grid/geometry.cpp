@@ -17,6 +17,18 @@ glm::dvec3 VolumeGeometry::spacing() const {
 
 double VolumeGeometry::voxelVolume() const { return std::abs(glm::determinant(glm::dmat3(world_from_index))); }
 
+std::array<glm::dvec3, 8> VolumeGeometry::corners() const {
+  std::array<glm::dvec3, 8> out;
+  for (unsigned corner = 0; corner < out.size(); ++corner) {
+    glm::dvec3 index(-0.5);
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((corner >> axis & 1) != 0) index[axis] += static_cast<double>(dims[axis]);
+    }
+    out[corner] = worldOf(index);
+  }
+  return out;
+}
+
 double VolumeGeometry::shortestEdge() const {
   const glm::dvec3 edges = spacing();
   return std::min({edges.x, edges.y, edges.z});

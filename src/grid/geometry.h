@@ -1,6 +1,7 @@
 // Where a volume is in the world: its extent, the affine from index to world space, and what the axes mean.
 #pragma once
 
+#include <array>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -23,6 +24,8 @@ struct VolumeGeometry {
   std::string unit;
 
   glm::dvec3 worldOf(const glm::dvec3& index) const { return glm::dvec3(world_from_index * glm::dvec4(index, 1.0)); }
+  /// The corners of the box around all voxels' cubes, from index -1/2 to N - 1/2. unit: world.
+  std::array<glm::dvec3, 8> corners() const;
   /// The lengths of the three voxel edges. unit: world.
   glm::dvec3 spacing() const;
   /// The shortest of them. unit: world.

@@ -59,15 +59,8 @@ View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores
   constexpr double kFar = std::numeric_limits<double>::infinity();
   glm::dvec3 lo(kFar), hi(-kFar);
   for (const StoreReader* const store : stores) {
-    const VolumeGeometry& volume = store->manifest().geometry();
-    for (int corner = 0; corner < 8; ++corner) {
-      glm::dvec3 index(-0.5);
-      for (int axis = 0; axis < 3; ++axis) {
-        if ((corner >> axis & 1) != 0) index[axis] += static_cast<double>(volume.dims[axis]);
-      }
-      const glm::dvec3 at = volume.worldOf(index);
-      lo = glm::min(lo, at), hi = glm::max(hi, at);
-    }
+    for (const glm::dvec3& corner : store->manifest().geometry().corners())
+      lo = glm::min(lo, corner), hi = glm::max(hi, corner);
   }
   const glm::dvec3 centre = 0.5 * (lo + hi);
   return nearVolume(view, centre, glm::distance(hi, centre));

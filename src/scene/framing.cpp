@@ -4,7 +4,6 @@
 #include "scene/framing.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -58,18 +57,6 @@ Direction directionOf(PatientFrame frame, const Framing& framing) {
   return turned;
 }
 
-std::array<glm::dvec3, 8> cornersOf(const VolumeGeometry& volume) {
-  std::array<glm::dvec3, 8> corners;
-  for (unsigned corner = 0; corner < corners.size(); ++corner) {
-    glm::dvec3 index;
-    for (int axis = 0; axis < 3; ++axis) {
-      index[axis] = corner >> axis & 1 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
-    }
-    corners[corner] = volume.worldOf(index);
-  }
-  return corners;
-}
-
 // Half the image's extent at depth 1 in x and y, the margin taken off.
 glm::dvec2 usableTangents(double fov_deg, const ImageSize& size) {
   const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / kMargin;
@@ -80,7 +67,7 @@ double fittingDistance(const VolumeGeometry& volume, const Camera& camera, const
   const View view = resolve(camera, size);
   const glm::dvec2 tangents = usableTangents(camera.fov_deg, size);
   double distance = 0;
-  for (const glm::dvec3& corner : cornersOf(volume)) {
+  for (const glm::dvec3& corner : volume.corners()) {
     // Relative to the target: at distance d its depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
     const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
     distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
@@ -126,7 +113,7 @@ VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
     for (int axis = 0; axis < 3; ++axis)
       farthest = std::max({farthest, std::abs(own_origin[axis]), std::abs(origin[axis])});
     volume.world_from_index[3] = glm::dvec4(own_origin - origin, 1);
-    for (const glm::dvec3& corner : cornersOf(volume)) {
+    for (const glm::dvec3& corner : volume.corners()) {
       const glm::dvec3 index = index_from_world * corner;
       lo = glm::min(lo, index);
       hi = glm::max(hi, index);
@@ -151,7 +138,7 @@ double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const I
   plain.fov_deg = 90;
   const View view = resolve(plain, size);
   double half = 0;
-  for (const glm::dvec3& corner : cornersOf(volume)) {
+  for (const glm::dvec3& corner : volume.corners()) {
     const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
     half = std::max({half, std::abs(offset.y), std::abs(offset.x) * size.height / size.width});
   }
@@ -163,7 +150,7 @@ Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const I
   const Direction seen = directionOf(volume.frame, framing);
   const glm::dvec3 centre = centreOf(volume);
   double radius = 0;
-  for (const glm::dvec3& corner : cornersOf(volume)) radius = std::max(radius, glm::distance(corner, centre));
+  for (const glm::dvec3& corner : volume.corners()) radius = std::max(radius, glm::distance(corner, centre));
 
   Camera camera;
   camera.projection = framing.projection;

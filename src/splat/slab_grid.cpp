@@ -63,17 +63,25 @@ constexpr int kZonesOfOctave = 8;
 
 // Depths that the volume spans, its voxels' cubes included.
 std::array<double, 2> depthsOf(const VolumeGeometry& geometry, const View& view) {
-  const glm::dmat4 view_from_index = view.view_from_world * geometry.world_from_index;
   std::array<double, 2> out = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (int corner = 0; corner < 8; ++corner) {
-    glm::dvec4 p(0, 0, 0, 1);
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(geometry.dims[axis]) - 0.5 : -0.5;
-    const double z = (view_from_index * p).z;
+  for (const glm::dvec3& corner : geometry.corners()) {
+    const double z = (view.view_from_world * glm::dvec4(corner, 1)).z;
     out[0] = std::min(out[0], z);
     out[1] = std::max(out[1], z);
   }
   return out;
+}
+
+// Slabs of a parallel view that hold the depths from `nearest` to `farthest`, two more in front and behind. Borders of
+// slabs are multiples of the thickness from the origin of the world, so that they do not depend on what is in view.
+struct ParallelSlabs {
+  double near;
+  int count;
+};
+ParallelSlabs parallelSlabs(const View& view, double nearest, double farthest, double thickness) {
+  const double origin = view.view_from_world[3].z;
+  const double near = origin + (std::floor((nearest - origin) / thickness) - 2) * thickness;
+  return {near, static_cast<int>(std::ceil((farthest - near) / thickness)) + 2};
 }
 
 // As many as it takes; but whole parts of a voxel where these are nearly as large, as between them nothing beats
@@ -167,8 +175,9 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
     SlabZone zone = latticeAt(view.focal_px, volume, level);
     // Up to six more are beside it.
     if (zone.on_rays) zone.thickness = std::max(zone.thickness, (depths[1] - depths[0]) / (kMostRaySlabs - 6));
-    zone.near = (std::floor(depths[0] / zone.thickness) - 2) * zone.thickness;
-    zone.slabs = static_cast<int>(std::ceil((depths[1] - zone.near) / zone.thickness)) + 2;
+    const ParallelSlabs slabs = parallelSlabs(view, depths[0], depths[1], zone.thickness);
+    zone.near = slabs.near;
+    zone.slabs = slabs.count;
     zone.far = zone.near + zone.slabs * zone.thickness;
     return {zone};
   }
@@ -275,8 +284,8 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
     const SharedLattice lattice = sharedLattice(view.focal_px, all.near, all.far, alike, depths, level);
     double t = lattice.thickness;
     if (alike.front().on_rays) t = std::max(t, (all.far - all.near) / (kMostRaySlabs - 6));
-    const double near = (std::floor(all.near / t) - 2) * t;
-    addShared(lattice, near, t, static_cast<int>(std::ceil((all.far - near) / t)) + 2, out);
+    const ParallelSlabs slabs = parallelSlabs(view, all.near, all.far, t);
+    addShared(lattice, slabs.near, t, slabs.count, out);
     return out;
   }
   int exponent;
