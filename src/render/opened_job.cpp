@@ -97,8 +97,6 @@ std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
   for (const VolumeOptions& volume : job.volumes) out.push_back(std::make_unique<StoreReader>(volume.volume));
   if (out.empty()) out.push_back(std::make_unique<StoreReader>(job.volume));
   placeTogether(job, out);
-  for (const std::unique_ptr<StoreReader>& store : out)
-    requireLattice(job.picture.lattice, store->manifest().volume_class, store->path());
   return out;
 }
 

@@ -25,7 +25,6 @@ namespace {
 void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   for (const StoreReader* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
-    requireLattice(request.lattice, store->manifest().volume_class, store->path());
   }
   if (request.lattice == Lattice::kRay && (request.clipping.part || request.deep))
     throw Error(ErrorCode::kUsage, "--lattice ray: parts and deep images have the pixel lattice");

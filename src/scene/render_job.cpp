@@ -254,12 +254,6 @@ void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const 
   if (aovs.depth || aovs.normal) refuse("--aov", "has no depth and no normal; it has value");
 }
 
-void requireLattice(Lattice lattice, VolumeClass volume_class, const std::filesystem::path& store) {
-  if (lattice != Lattice::kRay || volume_class != VolumeClass::kLabels) return;
-  throw Error(ErrorCode::kUsage, store, "",
-              "--lattice ray does not draw labels, between which nothing is interpolated; leave --lattice out");
-}
-
 bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }
 
 void requirePart(const RenderJob& job) {

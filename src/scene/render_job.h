@@ -130,9 +130,6 @@ void requireSampleDistance(Lattice lattice, Mode mode, double voxels);
 /// throws: Error kUsage where the mode has no use for one of them.
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
 
-/// throws: Error kUsage where the lattice does not draw such volumes; `store` is named.
-void requireLattice(Lattice lattice, VolumeClass volume_class, const std::filesystem::path& store);
-
 /// Whether the job draws a partial image, of a part of the volume and without background.
 bool drawsPart(const PictureOptions& picture);
 

@@ -44,7 +44,7 @@ class CellCaster {
 
   void run() {
     const auto cast = [this](std::size_t count) { castFound(count); };
-    CellRays<kGaps, decltype(cast)>(p_, r_, l_, in_, tile_, s_, cast).run();
+    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, cast).run(field_.shown());
   }
 
  private:
@@ -378,7 +378,9 @@ void castCellOn(const RaySlabs& rays, const SlabFrame& frame, const CellInput& i
   const auto cast = [&]<class Field, bool kGaps>(std::type_identity<Field>, std::bool_constant<kGaps>) {
     CellCaster<Field, kGaps>(rays, frame, in, tile, opaque_at, samples, out).run();
   };
-  if (frame.lattice().interpolation != Interpolation::kLinear)
+  if (in.labels != nullptr)
+    cast(std::type_identity<LabelCellField>(), std::false_type());
+  else if (frame.lattice().interpolation != Interpolation::kLinear)
     cast(std::type_identity<CubicCellField>(), std::true_type());
   else if (in.gaps)
     cast(std::type_identity<LinearCellField<true>>(), std::true_type());

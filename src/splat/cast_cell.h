@@ -24,13 +24,15 @@ namespace kiln {
 struct CellInput {
   /// Edge of what is read for a cell, and from plane to plane of it. unit: voxels.
   static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
-  const float* values = nullptr;  // loadUnit's
+  const float* values = nullptr;         // loadUnit's; of labels their opacities
+  const std::int32_t* labels = nullptr;  // of a label volume: LabelVoxels::ranks
   glm::vec3 lo;                   // the voxel before its first. unit: voxels from the anchor
   glm::dvec3 corner, end;         // where it begins and ends, in index space
   PixelRect rect;                 // what of the tile it may be seen in
   bool at_end = false;            // of the volume
   bool in_pairs = false;          // whether two samples may be one, twice as long
   bool gaps = false;              // whether there may be NaN among its voxels
+  bool one_label = false;         // whether all of them are of one label: then `values` is not read
   SlabSums* sums = nullptr;       // of several volumes: samples are added to the sums, not to the tile
 };
 

@@ -1,8 +1,10 @@
 #include "splat/cast_cells.h"
 
 #include <bit>
+#include <memory>
 
 #include "splat/cast_cell.h"
+#include "splat/label_samples.h"
 #include "splat/unit_load.h"
 
 namespace kiln {
@@ -65,8 +67,7 @@ class Casting {
     const VoxelBox& box = seen.cell->box;
     alignas(64) float values[CellInput::kReadEdge * CellInput::kPlane + kUnitSamples];
     CellInput in;
-    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
-    in.values = values;
+    if (!(frame_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == frame_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
@@ -75,10 +76,9 @@ class Casting {
       in.at_end = in.at_end || last || box.lo[a] == 0;
     }
     in.rect = seen.rect;
-    in.gaps = range.gaps;
     in.sums = sums_;
     // Samples of several volumes meet in single slabs.
-    in.in_pairs = sums_ == nullptr && frame_.inPairs(range);
+    in.in_pairs = in.in_pairs && sums_ == nullptr;
     CellOutput out;
     castCell(rays_, frame_, in, tile_, opaque_at_, samples_, out);
     counts_.visited += out.shown, counts_.splats += out.samples;
@@ -87,6 +87,23 @@ class Casting {
       for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)
         close(in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
     }
+  }
+
+  bool loadValuesOf(const VoxelBox& box, float* values, CellInput& in) const {
+    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
+    in.values = values;
+    in.gaps = range.gaps;
+    in.in_pairs = frame_.inPairs(range);
+    return true;
+  }
+  // False where no label is shown.
+  bool loadLabelsOf(const VoxelBox& box, CellInput& in) {
+    if (!labels_) labels_ = std::make_unique_for_overwrite<LabelVoxels>();
+    const LabelsAround around = loadLabels(block_, frame_.lattice(), box.lo, frame_.table(), *labels_);
+    in.values = labels_->opacities, in.labels = labels_->ranks;
+    // Along a ray one label looks the same all over.
+    in.one_label = in.in_pairs = around == LabelsAround::kOne;
+    return around != LabelsAround::kNone;
   }
 
   // In quincunx, of two pixels beside each other one has a ray, and hides for both.
@@ -104,6 +121,7 @@ class Casting {
   SlabSums* const sums_;  // null where samples are composited at once
   SplatCounts& counts_;
   CellSamples samples_;
+  std::unique_ptr<LabelVoxels> labels_;  // where the volume is of labels
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Values and gradients of the samples of a cell, interpolated from its voxels. A field has
+// - shown(): the spaces in which samples may show something; nothing where that is not known;
 // - interpolate(count): prepares the values of the first `count` samples of CellSamples::code;
 // - values(n): the values of a vector of samples from the n-th on; NaN where a voxel with weight is NaN;
 // - findSlopes(n, count), slopes(i): gradients of up to kLit samples of CellSamples::index from the n-th on, then a
@@ -17,10 +18,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "splat/cast_cell.h"
 #include "splat/cubic_weights.h"
+#include "splat/label_samples.h"
 #include "splat/sample_math-inl.h"
+#include "splat/shown_spaces-inl.h"
 #include "splat/unit_axis.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -35,7 +39,14 @@ using D4 = hn::CappedTag<float, 4>;
 template <bool kGaps>
 class LinearCellField {
  public:
-  LinearCellField(const UnitLattice&, const CellInput& in, CellSamples& samples) : in_(in), s_(samples) {}
+  LinearCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
+      : l_(lattice), in_(in), s_(samples) {}
+
+  // Intervals reach beyond the eight voxels around a sample.
+  HWY_INLINE std::optional<Spaces> shown() const {
+    if (kGaps || l_.integral != nullptr) return std::nullopt;
+    return shownSpaces(l_, in_.values);
+  }
 
   // Stores the values before and after each sample along x.
   void interpolate(std::size_t count) {
@@ -102,6 +113,7 @@ class LinearCellField {
 
  private:
   static constexpr int kPlane = CellInput::kPlane;
+  const UnitLattice& l_;
   const CellInput& in_;
   CellSamples& s_;
 };
@@ -114,6 +126,8 @@ class CubicCellField {
  public:
   CubicCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
       : in_(in), s_(samples), interpolation_(lattice.interpolation) {}
+
+  static std::optional<Spaces> shown() { return std::nullopt; }
 
   void interpolate(std::size_t count) {
     const D4 d;
@@ -214,6 +228,136 @@ class CubicCellField {
   const CellInput& in_;
   CellSamples& s_;
   const Interpolation interpolation_;
+};
+
+// Places in the table of labels (splat/label_samples.h), each of which is interpolated by itself; gradients are the
+// B-spline's of opacities that are smoothed before.
+class LabelCellField {
+ public:
+  LabelCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
+      : in_(in), s_(samples), opacities_(lattice, in, samples), cubic_(lattice.interpolation == Interpolation::kCubic) {}
+
+  // The B-spline reaches beyond the eight voxels around a sample.
+  HWY_INLINE std::optional<Spaces> shown() const {
+    if (in_.one_label || cubic_) return std::nullopt;
+    return labelledSpaces(in_.labels);
+  }
+
+  void interpolate(std::size_t count) {
+    if (in_.one_label) return;
+    if (cubic_) {
+      for (std::size_t n = 0; n < count; ++n) s_.pair[n] = placeBySpline(n);
+    } else {
+      for (std::size_t n = 0; n < count; n += hn::Lanes(D())) placeLinearly(n);
+    }
+  }
+
+  HWY_INLINE V values(std::size_t n) const {
+    const D d;
+    return in_.one_label ? hn::Set(d, SampleTable::placeOf(in_.labels[0], 1)) : hn::LoadU(d, s_.pair + n);
+  }
+
+  void findSlopes(std::size_t n, std::size_t count) {
+    if (!in_.one_label) opacities_.findSlopes(n, count);
+  }
+  HWY_INLINE Vector slopes(std::size_t i) const {
+    const D d;
+    return in_.one_label ? Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)} : opacities_.slopes(i);
+  }
+
+ private:
+  static constexpr int kPlane = CellInput::kPlane;
+
+  // Of a vector of samples: of the labels of the eight voxels around each, that with the largest share.
+  HWY_INLINE void placeLinearly(std::size_t n) {
+    const D d;
+    const DI di;
+    const VI offset = hn::Load(di, s_.offset + n);
+    V after[3], before[3];
+    for (int a = 0; a < 3; ++a) {
+      after[a] = hn::Load(d, s_.fraction[a] + n);
+      before[a] = hn::Sub(hn::Set(d, 1.0f), after[a]);
+    }
+    constexpr int kCorners = 8;
+    VI rank[kCorners];
+    V weight[kCorners];
+    for (int i = 0; i < kCorners; ++i) {
+      const int x = i & 1, y = i >> 1 & 1, z = i >> 2;
+      rank[i] = hn::GatherIndex(di, in_.labels + z * kPlane + y * kUnitSamples + x, offset);
+      const V across = hn::Mul(y != 0 ? after[1] : before[1], z != 0 ? after[2] : before[2]);
+      weight[i] = hn::Mul(x != 0 ? after[0] : before[0], across);
+    }
+    const auto sumWhere = [&](auto test) {
+      V sum = hn::Zero(d);
+      for (int i = 0; i < kCorners; ++i)
+        sum = hn::Add(sum, hn::IfThenElseZero(hn::RebindMask(d, test(rank[i])), weight[i]));
+      return sum;
+    };
+    const V shown = sumWhere([&](VI other) { return hn::Gt(other, hn::Set(di, -1)); });
+    V most = hn::Zero(d);
+    VI best = hn::Zero(di);
+    for (const VI& own : rank) {
+      const V share = sumWhere([&](VI other) { return hn::Eq(other, own); });
+      const M first = hn::And(hn::Eq(share, most), hn::RebindMask(d, hn::Lt(own, best)));
+      const M more = hn::And(hn::Or(hn::Gt(share, most), first), hn::RebindMask(d, hn::Gt(own, hn::Set(di, -1))));
+      most = hn::IfThenElse(more, share, most);
+      best = hn::IfThenElse(hn::RebindMask(di, more), own, best);
+    }
+    alignas(64) float shares[CellSamples::kLanes];
+    alignas(64) std::int32_t ranks[CellSamples::kLanes];
+    hn::Store(shown, d, shares);
+    hn::Store(best, di, ranks);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) s_.pair[n + i] = labelPlace(shares[i], ranks[i]);
+  }
+
+  // The same of the 64 voxels around one.
+  float placeBySpline(std::size_t n) const {
+    const D4 d4;
+    const hn::RebindToSigned<D4> di4;
+    constexpr int kEdge = 4;
+    const std::int32_t* const first = in_.labels + s_.offset[n] - (kPlane + kUnitSamples + 1);
+    const auto row = [&](int y, int z) { return first + z * kPlane + y * kUnitSamples; };
+    // The ranks among them, each once.
+    std::int32_t ranks[kEdge * kEdge * kEdge], last = -1;
+    int count = 0;
+    for (int z = 0; z < kEdge; ++z) {
+      for (int y = 0; y < kEdge; ++y) {
+        for (int x = 0; x < kEdge; ++x) {
+          const std::int32_t own = row(y, z)[x];
+          if (own == last) continue;
+          last = own;
+          if (own >= 0 && std::find(ranks, ranks + count, own) == ranks + count) ranks[count++] = own;
+        }
+      }
+    }
+    CubicWeights<float> w[3];
+    for (std::size_t a = 0; a < 3; ++a) w[a] = bSplineWeights(s_.fraction[a][n]);
+    float shown = 0, most = 0;
+    std::int32_t best = 0;
+    for (int i = 0; i < count; ++i) {
+      alignas(16) float sum[kEdge];
+      for (std::size_t x = 0; x < kEdge; x += hn::Lanes(d4)) {
+        auto total = hn::Zero(d4);
+        for (int z = 0; z < kEdge; ++z) {
+          for (int y = 0; y < kEdge; ++y) {
+            const auto is = hn::Eq(hn::LoadU(di4, row(y, z) + x), hn::Set(di4, ranks[i]));
+            const float weight = w[1][static_cast<std::size_t>(y)] * w[2][static_cast<std::size_t>(z)];
+            total = hn::Add(total, hn::IfThenElseZero(hn::RebindMask(d4, is), hn::Set(d4, weight)));
+          }
+        }
+        hn::Store(total, d4, sum + x);
+      }
+      const float share = (w[0][0] * sum[0] + w[0][1] * sum[1]) + (w[0][2] * sum[2] + w[0][3] * sum[3]);
+      shown += share;
+      if (share > most || (share == most && ranks[i] < best)) most = share, best = ranks[i];
+    }
+    return labelPlace(shown, best);
+  }
+
+  const CellInput& in_;
+  CellSamples& s_;
+  CubicCellField opacities_;
+  const bool cubic_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 #include "splat/cell_places-inl.h"
 #include "splat/lanes-inl.h"
@@ -24,17 +25,18 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// kGaps: whether voxels may be NaN. `cast(count)` is called for the first samples of CellSamples::code, and may close
+// `cast(count)` is called for the first samples of CellSamples::code, and may close
 // pixels.
-template <bool kGaps, class Cast>
+template <class Cast>
 class CellRays {
  public:
-  CellRays(const CellPlaces& places, const RaySlabs& rays, const UnitLattice& lattice, const CellInput& in,
-           const TilePixels& tile, CellSamples& samples, Cast cast)
-      : p_(places), r_(rays), l_(lattice), in_(in), tile_(tile), s_(samples), cast_(cast) {}
+  CellRays(const CellPlaces& places, const RaySlabs& rays, const CellInput& in, const TilePixels& tile,
+           CellSamples& samples, Cast cast)
+      : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), cast_(cast) {}
 
-  void run() {
-    if (!findShown()) return;
+  // `shown`: where samples may show something, everywhere if it is not there.
+  void run(const std::optional<Spaces>& shown) {
+    if (!findBox(shown)) return;
     for (int y = in_.rect.y0; y < in_.rect.y1; ++y) {
       const glm::vec3 fy(static_cast<float>(y) + r_.centre_y);
       const glm::vec3 place = r_.place.centre + fy * r_.place.along_y, step = r_.step.centre + fy * r_.step.along_y;
@@ -51,19 +53,17 @@ class CellRays {
   // The slabs that rays go on before those drop out whose pixels are closed.
   static constexpr int kSlabsAtOnce = 6;
 
-  // Where samples may show something; false where none does. Sets the box around it.
-  HWY_INLINE bool findShown() {
+  // The box around what may show something; false where nothing may.
+  HWY_INLINE bool findBox(const std::optional<Spaces>& shown) {
     for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
-    // Intervals and cubic filters reach beyond the eight voxels around a sample.
-    if (kGaps || l_.integral != nullptr || l_.interpolation != Interpolation::kLinear) {
+    if (!shown) {
       shown_.fill(-1);
       return true;
     }
-    const Spaces shown = shownSpaces(l_, in_.values);
-    static_assert(sizeof shown == sizeof shown_);
-    std::memcpy(shown_.data(), shown.data(), sizeof shown_);
+    static_assert(sizeof *shown == sizeof shown_);
+    std::memcpy(shown_.data(), shown->data(), sizeof shown_);
     SpaceBox box{};
-    if (!boxOf(shown, box)) return false;
+    if (!boxOf(*shown, box)) return false;
     for (int a = 0; a < 3; ++a) {
       // Spaces begin half a voxel before the cell. A little more than them, as places are rounded.
       constexpr double kHalf = 0.51;
@@ -199,7 +199,6 @@ class CellRays {
 
   const CellPlaces& p_;
   const RaySlabs& r_;
-  const UnitLattice& l_;
   const CellInput& in_;
   const TilePixels& tile_;
   CellSamples& s_;

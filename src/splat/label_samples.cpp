@@ -2,79 +2,33 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
-
-#include "scene/label_looks.h"
 
 namespace kiln {
 namespace {
 
-constexpr int kWide = LabelSamples::kWide;
+constexpr int kWide = LabelVoxels::kWide;
 
 // Binomial, by how far they reach: sums of them are exact halves.
 constexpr float kSmoothing[kMostLabelSmoothing + 1][kMostLabelSmoothing + 1] = {
     {1}, {0.5f, 0.25f}, {0.375f, 0.25f, 0.0625f}, {0.3125f, 0.234375f, 0.09375f, 0.015625f}};
 
-// The voxels along an axis that a sample takes, and their weights.
-struct LabelTaps {
-  int count = 0;
-  std::array<int, 4> at{};
-  std::array<float, 4> weight{};
-};
-
-// Counted from the first voxel that is read, `reach` before the one that the axis counts from.
-LabelTaps labelTapsOf(const UnitAxis& axis, std::size_t sample, int reach, bool cubic) {
-  LabelTaps out;
-  if (cubic) {
-    out.count = 4;
-    for (std::size_t n = 0; n < 4; ++n)
-      out.at[n] = axis.value.at[n][sample] + reach, out.weight[n] = axis.value.weight[n][sample];
-    return out;
-  }
-  const float t = axis.fraction[sample];
-  const int base = axis.base[sample] + reach;
-  out.count = t == 0 ? 1 : 2;
-  out.at = {base, base + 1};
-  out.weight = {1 - t, t};
-  return out;
-}
-
-// The place of a sample of which so much is shown, of that label the most. In whole steps, which a place keeps for
-// every rank: which others there are changes no bit.
-float placeFor(float shown, int rank) {
-  constexpr float kSteps = 128;
-  const float rise = std::clamp(0.5f + kLabelRise * (shown - 0.5f), 0.0f, 1.0f);
-  const float solid = std::floor(rise * kSteps + 0.5f) / kSteps;
-  return solid > 0 ? SampleTable::placeOf(rank, solid) : 0.0f;
-}
-
-class LabelUnit {
+class LabelLoad {
  public:
-  LabelUnit(const BrickBlock& block, const UnitLattice& lattice, const UnitInput& unit, const SampleTable& table,
-            LabelSamples& out)
-      : block_(block),
-        l_(lattice),
-        u_(unit),
-        table_(table),
-        out_(out),
-        reach_(lattice.label_smoothing),
-        cubic_(lattice.interpolation == Interpolation::kCubic) {
+  LabelLoad(const BrickBlock& block, const UnitLattice& lattice, const SampleTable& table, LabelVoxels& out)
+      : block_(block), table_(table), out_(out), reach_(lattice.label_smoothing) {
     for (std::size_t a = 0; a < 3; ++a) {
       inner_[a] = lattice.voxels[a] + 2 * kUnitMargin;
       wide_[a] = inner_[a] + 2 * reach_;
     }
   }
 
-  bool run(const VoxelCoord& lo) {
+  LabelsAround run(const VoxelCoord& lo) {
     withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) { load<T>(lo); });
-    if (one_ && first_ < 0) return false;
-    if (one_)
-      fill();
-    else
-      sample();
-    return true;
+    if (one_) return first_ < 0 ? LabelsAround::kNone : LabelsAround::kOne;
+    smooth();
+    return LabelsAround::kSeveral;
   }
 
  private:
@@ -92,17 +46,29 @@ class LabelUnit {
     }
     const T* const voxels = block_.data<T>();
     T last = voxels[at[0][0] + at[1][0] + at[2][0]];
-    int rank = first_ = rankOf(last);
+    std::int32_t rank = first_ = rankOf(last);
+    float opacity = table_.opacityOf(rank);
     one_ = true;
+    const auto reach = static_cast<std::size_t>(reach_);
+    const auto inner = [&](std::size_t a, std::size_t i) {
+      return i >= reach && i < reach + static_cast<std::size_t>(inner_[a]);
+    };
     for (std::size_t k = 0; k < static_cast<std::size_t>(wide_[2]); ++k) {
       for (std::size_t j = 0; j < static_cast<std::size_t>(wide_[1]); ++j) {
         const T* const row = voxels + at[1][j] + at[2][k];
-        int* const to = out_.ranks + (k * kWide + j) * kWide;
+        float* const opacities = out_.smoothed[0] + (k * kWide + j) * kWide;
+        std::array<std::int32_t, kWide> ranks;
         for (std::size_t i = 0; i < static_cast<std::size_t>(wide_[0]); ++i) {
           const T value = row[at[0][i]];
-          if (value != last) last = value, rank = rankOf(value), one_ = one_ && rank == first_;
-          to[i] = rank;
+          if (value != last) {
+            last = value, rank = rankOf(value), opacity = table_.opacityOf(rank);
+            one_ = one_ && rank == first_;
+          }
+          ranks[i] = rank, opacities[i] = opacity;
         }
+        if (!inner(1, j) || !inner(2, k)) continue;
+        const std::size_t row_of_unit = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
+        std::copy_n(ranks.data() + reach, inner_[0], out_.ranks + row_of_unit * kUnitSamples);
       }
     }
   }
@@ -112,47 +78,9 @@ class LabelUnit {
     return table_.rankOf(static_cast<float>(static_cast<double>(value) - table_.offset()));
   }
 
-  template <class To>
-  void forEachRow(const To& to) const {
-    for (int k = u_.first[2]; k < u_.end[2]; ++k) {
-      for (int j = u_.first[1]; j < u_.end[1]; ++j) to(j, k, out_.places + (k * kUnitSamples + j) * kUnitSamples);
-    }
-  }
-
-  // One label and no surface near.
-  void fill() {
-    forEachRow([&](int, int, float* places) {
-      std::fill(places + u_.first[0], places + u_.end[0], SampleTable::placeOf(first_, 1));
-    });
-    for (int row = 0; row < inner_[1] * inner_[2]; ++row)
-      std::fill_n(out_.opacities + row * kUnitSamples, inner_[0], 0.0f);
-  }
-
-  void sample() {
-    smooth();
-    columns_ = {wide_[0], 0};
-    for (int i = u_.first[0]; i < u_.end[0]; ++i) {
-      const LabelTaps& taps = along_x_[static_cast<std::size_t>(i)] =
-          labelTapsOf(*u_.axis[0], static_cast<std::size_t>(i), reach_, cubic_);
-      for (std::size_t n = 0; n < static_cast<std::size_t>(taps.count); ++n)
-        columns_ = {std::min(columns_.first, taps.at[n]), std::max(columns_.second, taps.at[n] + 1)};
-    }
-    forEachRow([&](int j, int k, float* places) {
-      setRows(labelTapsOf(*u_.axis[1], static_cast<std::size_t>(j), reach_, cubic_),
-              labelTapsOf(*u_.axis[2], static_cast<std::size_t>(k), reach_, cubic_));
-      setPlaces(places);
-    });
-  }
-
   // Along one axis after the other, each of which then has fewer voxels.
   void smooth() {
     float *from = out_.smoothed[0], *to = out_.smoothed[1];
-    for (int k = 0; k < wide_[2]; ++k) {
-      for (int j = 0; j < wide_[1]; ++j) {
-        const int row = (k * kWide + j) * kWide;
-        for (int i = row; i < row + wide_[0]; ++i) from[i] = table_.opacityOf(out_.ranks[i]);
-      }
-    }
     const int stride[3] = {1, kWide, kWide * kWide};
     std::array<int, 3> size = wide_;
     for (std::size_t a = 0; a < 3 && reach_ > 0; ++a) {
@@ -178,11 +106,82 @@ class LabelUnit {
     }
   }
 
+  const BrickBlock& block_;
+  const SampleTable& table_;
+  LabelVoxels& out_;
+  const int reach_;
+  std::array<int, 3> inner_{}, wide_{};
+  bool one_ = false;  // whether all voxels are one label, or none that is shown
+  int first_ = -1;
+};
+
+// The voxels along an axis that a sample takes, counted from the first one that is read, and their weights.
+struct LabelTaps {
+  int count = 0;
+  std::array<int, 4> at{};
+  std::array<float, 4> weight{};
+};
+
+LabelTaps labelTapsOf(const UnitAxis& axis, std::size_t sample, bool cubic) {
+  LabelTaps out;
+  if (cubic) {
+    out.count = 4;
+    for (std::size_t n = 0; n < 4; ++n)
+      out.at[n] = axis.value.at[n][sample], out.weight[n] = axis.value.weight[n][sample];
+    return out;
+  }
+  const float t = axis.fraction[sample];
+  const int base = axis.base[sample];
+  out.count = t == 0 ? 1 : 2;
+  out.at = {base, base + 1};
+  out.weight = {1 - t, t};
+  return out;
+}
+
+class LabelUnit {
+ public:
+  LabelUnit(const UnitLattice& lattice, const UnitInput& unit, LabelSamples& out)
+      : u_(unit), out_(out), cubic_(lattice.interpolation == Interpolation::kCubic) {
+    for (std::size_t a = 0; a < 3; ++a) inner_[a] = lattice.voxels[a] + 2 * kUnitMargin;
+  }
+
+  // One label and no surface near.
+  void fill() {
+    forEachRow([&](int, int, float* places) {
+      std::fill(places + u_.first[0], places + u_.end[0], SampleTable::placeOf(out_.voxels.ranks[0], 1));
+    });
+    for (int row = 0; row < inner_[1] * inner_[2]; ++row)
+      std::fill_n(out_.voxels.opacities + row * kUnitSamples, inner_[0], 0.0f);
+  }
+
+  void sample() {
+    columns_ = {inner_[0], 0};
+    for (int i = u_.first[0]; i < u_.end[0]; ++i) {
+      const LabelTaps& taps = along_x_[static_cast<std::size_t>(i)] =
+          labelTapsOf(*u_.axis[0], static_cast<std::size_t>(i), cubic_);
+      for (std::size_t n = 0; n < static_cast<std::size_t>(taps.count); ++n)
+        columns_ = {std::min(columns_.first, taps.at[n]), std::max(columns_.second, taps.at[n] + 1)};
+    }
+    forEachRow([&](int j, int k, float* places) {
+      setRows(labelTapsOf(*u_.axis[1], static_cast<std::size_t>(j), cubic_),
+              labelTapsOf(*u_.axis[2], static_cast<std::size_t>(k), cubic_));
+      setPlaces(places);
+    });
+  }
+
+ private:
+  template <class To>
+  void forEachRow(const To& to) const {
+    for (int k = u_.first[2]; k < u_.end[2]; ++k) {
+      for (int j = u_.first[1]; j < u_.end[1]; ++j) to(j, k, out_.places + (k * kUnitSamples + j) * kUnitSamples);
+    }
+  }
+
   void setRows(const LabelTaps& y, const LabelTaps& z) {
     rows_count_ = 0;
     for (std::size_t c = 0; c < static_cast<std::size_t>(z.count); ++c) {
       for (std::size_t b = 0; b < static_cast<std::size_t>(y.count); ++b, ++rows_count_) {
-        rows_[rows_count_] = out_.ranks + (z.at[c] * kWide + y.at[b]) * kWide;
+        rows_[rows_count_] = out_.voxels.ranks + (z.at[c] * inner_[1] + y.at[b]) * kUnitSamples;
         weights_[rows_count_] = y.weight[b] * z.weight[c];
       }
     }
@@ -191,7 +190,7 @@ class LabelUnit {
   // The ranks of the voxels that the row of samples takes, each once, in order.
   void findRanks() {
     ranks_.clear();
-    int last = rows_[0][columns_.first];
+    std::int32_t last = rows_[0][columns_.first];
     ranks_.push_back(last);
     for (std::size_t r = 0; r < rows_count_; ++r) {
       for (int x = columns_.first; x < columns_.second; ++x) {
@@ -210,10 +209,10 @@ class LabelUnit {
       return;
     }
     std::array<float, kUnitSamples> shown{}, most{};
-    std::array<int, kUnitSamples> best{};
-    for (const int rank : ranks_) {
+    std::array<std::int32_t, kUnitSamples> best{};
+    for (const std::int32_t rank : ranks_) {
       if (rank < 0) continue;
-      std::array<float, kWide> column{};
+      std::array<float, LabelVoxels::kEdge> column{};
       for (std::size_t r = 0; r < rows_count_; ++r) {
         for (int x = columns_.first; x < columns_.second; ++x)
           column[static_cast<std::size_t>(x)] += rows_[r][x] == rank ? weights_[r] : 0.0f;
@@ -228,32 +227,38 @@ class LabelUnit {
       }
     }
     for (auto i = static_cast<std::size_t>(u_.first[0]); i < static_cast<std::size_t>(u_.end[0]); ++i)
-      places[i] = placeFor(shown[i], best[i]);
+      places[i] = labelPlace(shown[i], best[i]);
   }
 
-  const BrickBlock& block_;
-  const UnitLattice& l_;
   const UnitInput& u_;
-  const SampleTable& table_;
   LabelSamples& out_;
-  const int reach_;
   const bool cubic_;
-  std::array<int, 3> inner_{}, wide_{};
-  bool one_ = false;  // whether all voxels are one label, or none that is shown
-  int first_ = -1;
+  std::array<int, 3> inner_{};
   std::array<LabelTaps, kUnitSamples> along_x_;
   std::size_t rows_count_ = 0;  // of voxels that the row of samples in turn takes
-  std::array<const int*, 16> rows_;
+  std::array<const std::int32_t*, 16> rows_;
   std::array<float, 16> weights_;
   std::pair<int, int> columns_;  // that samples take, half-open
-  std::vector<int> ranks_;
+  std::vector<std::int32_t> ranks_;
 };
 
 }  // namespace
 
+LabelsAround loadLabels(const BrickBlock& block, const UnitLattice& lattice, const VoxelCoord& lo,
+                        const SampleTable& table, LabelVoxels& out) {
+  return LabelLoad(block, lattice, table, out).run(lo);
+}
+
 bool sampleLabels(const BrickBlock& block, const UnitLattice& lattice, const UnitInput& unit, const VoxelCoord& lo,
                   const SampleTable& table, LabelSamples& out) {
-  return LabelUnit(block, lattice, unit, table, out).run(lo);
+  const LabelsAround around = loadLabels(block, lattice, lo, table, out.voxels);
+  if (around == LabelsAround::kNone) return false;
+  LabelUnit places(lattice, unit, out);
+  if (around == LabelsAround::kOne)
+    places.fill();
+  else
+    places.sample();
+  return true;
 }
 
 }  // namespace kiln

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -41,51 +42,81 @@ HWY_INLINE void addBits(M mask, std::size_t x, std::uint8_t* to) {
   }
 }
 
+// The voxels around the spaces, a bit each: bit x of the y-th row of plane z.
+constexpr int kSpaceRows = kSpaces + 2;
+struct VoxelBits {
+  static constexpr std::size_t kBytes = 16;  // of a plane's rows, with some beyond them
+  std::uint16_t rows[kSpaceRows][kBytes] = {};
+};
+// Where a row of them begins. shape: as UnitInput's values.
+constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
+  constexpr int kFirst = kUnitMargin - 1, kEdge = kUnitVoxels + 2 * kUnitMargin;
+  return ((z + kFirst) * kEdge + y + kFirst) * kUnitSamples + kFirst;
+}
+
+// Those that have one of the voxels at a corner: around each space, along x, then along y, then along z.
+HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
+  std::uint64_t planes[kSpaceRows];
+  for (int z = 0; z < kSpaceRows; ++z) {
+    std::uint8_t rows[VoxelBits::kBytes];
+    for (std::size_t y = 0; y < VoxelBits::kBytes; ++y) {
+      const unsigned row = voxels.rows[z][y];
+      rows[y] = static_cast<std::uint8_t>((row | row >> 1) | (row >> 2 & 0x80));
+    }
+    std::uint64_t before, after;
+    std::memcpy(&before, rows, sizeof before);
+    std::memcpy(&after, rows + 1, sizeof after);
+    planes[z] = before | after | std::uint64_t{rows[kSpaceRows - 1]} << 56;
+  }
+  Spaces out;
+  for (std::size_t z = 0; z < kSpaces; ++z)
+    out[z] = planes[z] | planes[z + 1] | planes[z + 1 < kSpaces ? z + 1 : kSpaceRows - 1];
+  return out;
+}
+
 // Those in which samples may show something. shape: `values` as UnitInput's.
 HWY_INLINE Spaces shownSpaces(const UnitLattice& l, const float* values) {
   const D d;
-  constexpr int kRows = kSpaces + 2, kFirst = kUnitMargin - 1, kEdge = kUnitVoxels + 2 * kUnitMargin;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   // Of each row of voxels, which are above where extinction begins, and which below where it ends. Values beyond the
   // table's ends are as those at the ends.
   const V scale = hn::Set(d, l.table_scale);
   const V begin = hn::Set(d, l.visible_after < 0 ? -kFar : l.visible_after);
   const V end = hn::Set(d, l.visible_before > l.table_last ? kFar : l.visible_before);
-  constexpr std::size_t kBytes = 16;  // of a plane's rows, with some beyond them
-  std::uint16_t voxels[2][kRows][kBytes] = {};
-  for (int z = 0; z < kRows; ++z) {
-    for (int y = 0; y < kRows; ++y) {
-      const float* const row = values + ((z + kFirst) * kEdge + y + kFirst) * kUnitSamples + kFirst;
+  VoxelBits above, below;
+  for (int z = 0; z < kSpaceRows; ++z) {
+    for (int y = 0; y < kSpaceRows; ++y) {
+      const float* const row = values + rowOfVoxels(y, z);
       std::uint8_t bits[2][8] = {};
       for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(d)) {
         const V place = hn::Mul(hn::LoadU(d, row + x), scale);
         addBits(hn::Gt(place, begin), x, bits[0]);
         addBits(hn::Lt(place, end), x, bits[1]);
       }
-      for (int i = 0; i < 2; ++i) std::memcpy(&voxels[i][z][y], bits[i], 2);
+      std::memcpy(&above.rows[z][y], bits[0], 2);
+      std::memcpy(&below.rows[z][y], bits[1], 2);
     }
   }
-  // Those around each space, along x, then along y, then along z.
-  std::uint64_t planes[2][kRows];
-  for (int i = 0; i < 2; ++i) {
-    for (int z = 0; z < kRows; ++z) {
-      std::uint8_t rows[kBytes];
-      for (std::size_t y = 0; y < kBytes; ++y) {
-        const unsigned row = voxels[i][z][y];
-        rows[y] = static_cast<std::uint8_t>((row | row >> 1) | (row >> 2 & 0x80));
-      }
-      std::uint64_t before, after;
-      std::memcpy(&before, rows, sizeof before);
-      std::memcpy(&after, rows + 1, sizeof after);
-      planes[i][z] = before | after | std::uint64_t{rows[kRows - 1]} << 56;
-    }
-  }
-  Spaces out;
-  for (std::size_t z = 0; z < kSpaces; ++z) {
-    const std::size_t last = z + 1 < kSpaces ? z + 1 : kRows - 1;
-    out[z] = (planes[0][z] | planes[0][z + 1] | planes[0][last]) & (planes[1][z] | planes[1][z + 1] | planes[1][last]);
-  }
+  Spaces out = spacesAround(above);
+  const Spaces also = spacesAround(below);
+  for (std::size_t z = 0; z < kSpaces; ++z) out[z] &= also[z];
   return out;
+}
+
+// Those beside a voxel of a label that is shown (LabelVoxels::ranks).
+HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
+  const DI di;
+  VoxelBits shown;
+  for (int z = 0; z < kSpaceRows; ++z) {
+    for (int y = 0; y < kSpaceRows; ++y) {
+      const std::int32_t* const row = ranks + rowOfVoxels(y, z);
+      std::uint8_t bits[8] = {};
+      for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(di))
+        addBits(hn::RebindMask(D(), hn::Gt(hn::LoadU(di, row + x), hn::Set(di, -1))), x, bits);
+      std::memcpy(&shown.rows[z][y], bits, 2);
+    }
+  }
+  return spacesAround(shown);
 }
 
 // Along each axis the first and the last of them; false where there are none.

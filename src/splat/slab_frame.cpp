@@ -109,6 +109,15 @@ UnitLattice unitLattice(const SlabZone& zone, const std::array<Refinement, 3>& r
   return out;
 }
 
+// How far the opacities of labels are smoothed, where the apron holds as much: on rays the farther, the larger voxels
+// are in the picture. unit: voxels.
+std::int64_t labelSmoothing(const SlabZone& zone, const Projector& projector) {
+  if (!zone.on_rays) return kMostLabelSmoothing;
+  const double scale = projector.focal() / (projector.perspective() ? zone.near : 1);
+  return std::clamp(std::lround(std::cbrt(projector.voxelVolume()) * scale), long{kLeastLabelSmoothing},
+                    long{kMostLabelSmoothing});
+}
+
 // How far beyond its core a brick's samples reach the pixels of slabs that it owns: along the axis where it is the
 // most, a footprint across and half a slab and a sample's own depth along the view.
 std::int64_t ghostsOf(const SlabZone& zone, const Projector& projector, const FootprintTable& footprint,
@@ -167,8 +176,8 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
   }
   ghosts_ = sharing.owned && !zone.on_rays ? ghostsOf(zone, projector, footprint_, sampleReach()) : 0;
   // What the apron holds beyond the voxels of samples and of their gradients.
-  const std::int64_t left = kApron - ghosts_ - (zone.refined() ? 2 : 1);
-  lattice_.label_smoothing = static_cast<int>(std::clamp<std::int64_t>(left, 0, kMostLabelSmoothing));
+  const std::int64_t left = kApron - ghosts_ - (zone.on_rays || zone.refined() ? 2 : 1);
+  lattice_.label_smoothing = static_cast<int>(std::clamp<std::int64_t>(left, 0, labelSmoothing(zone, projector)));
 }
 
 double SlabFrame::sampleReach() const {

@@ -282,7 +282,7 @@ class Sweep {
     if (!m_.labels) m_.labels = std::make_unique<LabelSamples>();
     const SlabFrame& f = *frames_[unit.volume];
     if (!sampleLabels(*unit.block, f.lattice(), in, unit.lo, f.table(), *m_.labels)) return false;
-    in.values = m_.labels->opacities;
+    in.values = m_.labels->voxels.opacities;
     in.label_places = m_.labels->places;
     return true;
   }

@@ -5,6 +5,7 @@
 
 #include "support/drawing.h"
 #include "support/lattices.h"
+#include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"
 #include "support/scalar_kernels.h"
@@ -72,6 +73,32 @@ TEST(InstructionSets, InterpolateTheSame) {
     request.interpolation = interpolation;
     for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay}) {
       request.lattice = lattice;
+      expectTheSameOnAllSets(store, request);
+    }
+  }
+}
+
+TEST(InstructionSets, DrawLabelsTheSame) {
+  const DenseVolume volume = fill({{40, 33, 37}, VoxelType::u8}, [](auto x, auto y, auto z) {
+    const glm::dvec3 p(x - 20, y - 16, z - 18);
+    const double r = glm::length(p);
+    return r < 9 ? (p.x < 0.3 * p.z ? 3 : 7) : std::abs(r - 12) < 1.5 && p.y > -4 ? 50 : r < 15 ? 9 : 0;
+  });
+  const auto store = makeStore(volume, "labels", 16, true);
+  FrameRequest request;
+  request.transfer_function.labels = {{3, "", {0.8, 0.3, 0.2}, 0.9},
+                                      {7, "", {0.2, 0.6, 0.3}, 0.9},
+                                      {9, "", {0.9, 0.8, 0.6}, 0.02},
+                                      {50, "", {0.3, 0.4, 0.9}, 0.4}};
+  request.shading.specular = 0.3;
+  request.aovs.depth = request.aovs.normal = true;
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
+  for (const Lattice lattice : kLattices) {
+    request.lattice = lattice;
+    for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
+      if (lattice == Lattice::kVoxel && interpolation != Interpolation::kLinear) continue;
+      SCOPED_TRACE(testing::Message() << nameOf(lattice) << ' ' << static_cast<int>(interpolation));
+      request.interpolation = interpolation;
       expectTheSameOnAllSets(store, request);
     }
   }

@@ -41,6 +41,7 @@ FrameRequest labelRequest(std::uint64_t seed, const DenseVolume& volume, Lattice
   out.view = resolve(cameraFrom(volume.geometry, randomDirection(seed, 0), projection), kLabelsSize);
   out.level = 0;  // smaller bricks have more levels
   if (seed % 2 == 0) out.aovs = {true, true};
+  if (seed % 3 == 1 && lattice != Lattice::kVoxel) out.interpolation = Interpolation::kCubic;
   return out;
 }
 
@@ -68,6 +69,28 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
     EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(small, request))) << "cropped";
   }
   EXPECT_GT(shown, casesOf(1, 0));
+}
+
+// Known because nothing of it is said to be part of the picture.
+TEST_P(Labels, WithAnotherVolumeAreDrawnAlike) {
+  if (GetParam() == Lattice::kVoxel) GTEST_SKIP() << "draws one volume";
+  const DenseVolume volume = labelBodies();
+  const DenseVolume amounts = cheese({{40, 41, 39}, VoxelType::u8, anisotropicAffine()}, 4, {0, 200});
+  const auto stores = [&](int brick_size, const char* name) {
+    return std::vector{makeStore(volume, std::string(name) + "_labels", brick_size, true),
+                       makeStore(amounts, std::string(name) + "_amounts", brick_size)};
+  };
+  const auto large = stores(64, "large"), small = stores(16, "small");
+  FrameRequest request = labelRequest(44, volume, GetParam());
+  const TransferFunction fog{request.transfer_function.unit, {{20, {1, 1, 1}, 0}, {200, {1, 0.8, 0.6}, 0.03}}};
+  request.volumes = {{request.transfer_function, {}, {}}, {fog, {}, {}}};
+  const Image truth = draw(large, request);
+  EXPECT_TRUE(showsSomething(truth));
+  EXPECT_TRUE(equalBits(truth, draw(small, request))) << "bricks of 16";
+  const ThreadLimit one(1);
+  request.tile_px = 128;
+  request.sweep_px = 32;
+  EXPECT_TRUE(equalBits(truth, draw(small, request))) << "one thread, other tiles";
 }
 
 // Known because labels that no voxel has change no picture, whatever more of the volume may hold them.
@@ -110,7 +133,7 @@ TEST_P(Labels, WhatNoRangeHoldsIsNotRead) {
   EXPECT_EQ(statistics.bricks_read, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Lattices, Labels, ::testing::ValuesIn(kLabelLattices),
+INSTANTIATE_TEST_SUITE_P(Lattices, Labels, ::testing::ValuesIn(kLattices),
                          [](const auto& info) { return std::string(nameOf(info.param)); });
 
 }  // namespace

@@ -8,9 +8,6 @@ namespace kiln::test {
 
 inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel, Lattice::kRay};
 
-/// Those that draw labels.
-inline constexpr Lattice kLabelLattices[] = {Lattice::kPixel, Lattice::kVoxel};
-
 inline void setLattice(FrameRequest& request, Lattice lattice) { request.lattice = lattice; }
 
 inline const char* nameOf(Lattice lattice) { return nameIn(kLatticeNames, lattice).data(); }

@@ -304,22 +304,13 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
   }
 }
 
-TEST(RenderJob, SamplesOnRaysAreOfValuesAndHaveADistance) {
+TEST(RenderJob, SamplesOnRaysAreCompositedAndHaveADistance) {
   const RenderJob job = parseJob(R"({"volume": "a.kiln", "lattice": "ray", "sampleDistance": 0.75})", "job.json");
   EXPECT_EQ(job.picture.lattice, Lattice::kRay);
   EXPECT_EQ(job.picture.sample_distance, 0.75);
   EXPECT_NO_THROW(requireSampleDistance(Lattice::kRay, Mode::kComposite, 0.75));
   EXPECT_THROW(requireSampleDistance(Lattice::kVoxel, Mode::kComposite, 0.75), Error);
   EXPECT_THROW(requireMode(Mode::kMip, Lattice::kRay, Interpolation::kLinear, {}), Error);
-  EXPECT_NO_THROW(requireLattice(Lattice::kRay, VolumeClass::kUnknown, "a.kiln"));
-  EXPECT_NO_THROW(requireLattice(Lattice::kPixel, VolumeClass::kLabels, "a.kiln"));
-  try {
-    requireLattice(Lattice::kRay, VolumeClass::kLabels, "a.kiln");
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find("a.kiln"), std::string::npos) << error.what();
-  }
 }
 
 TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
