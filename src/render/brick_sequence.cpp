@@ -11,6 +11,7 @@
 #include "render/background.h"
 #include "render/composite_parts.h"
 #include "render/composite_ranks.h"
+#include "render/empty_frame.h"
 #include "render/rank_boxes.h"
 #include "render/ranked_sequence.h"
 #include "render/split_store.h"
@@ -133,7 +134,7 @@ class BrickSequence : public RankedSequence {
       if (ranks_.first()) hear(report);
       return;
     }
-    composite(drawn);
+    composite(drawn, report.statistics);
     if (!ranks_.first()) return;
     attempt(report, [&] {
       OpenedJob& opened = frames_.openedFor(toDraw()[i]);
@@ -161,13 +162,14 @@ class BrickSequence : public RankedSequence {
     return failed[0] == 0;
   }
 
-  void composite(DrawnFrame& drawn) {
+  void composite(DrawnFrame& drawn, FrameStatistics& statistics) {
     auto& [image, view] = drawn.views.front();
     const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
     const std::vector<PartPixel> made =
         compositeDirectly(ranks_, image, *order, static_cast<float>(job_.picture.opacity_threshold));
     if (!ranks_.first()) return;
     image = colorsOf(made, image.width);
+    statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
     layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
   }

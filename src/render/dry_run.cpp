@@ -43,6 +43,7 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
     out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
   }
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), manifestsOf(opened));
+  out.one_colour = isOfOneColour(whole, manifestsOf(opened));
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

@@ -21,6 +21,7 @@ struct DryRun {
   /// What all bricks in view take in memory, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
   EmptyFrame empty = EmptyFrame::kShows;  // why nothing is to be seen
+  bool one_colour = false;                // FrameStatistics::one_colour
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;
 };

@@ -41,6 +41,9 @@ std::array<glm::dvec3, 8> cornersInView(const VolumeGeometry& volume, const View
   return out;
 }
 
+// The largest alpha that 8 bits round to 0.
+constexpr float kFaintAlpha = 1.0f / 510;
+
 // A ball of 1/32 of a pixel covers 1/1304 of the pixel; 8 bits round alpha below 1/510 to 0. unit: pixels.
 constexpr double kSmallestBall = 1.0 / 32;
 
@@ -91,6 +94,30 @@ EmptyFrame reasonOf(Mode mode, const TransferFunction& function, const Clipping&
   return isTooSmall(volume.geometry(), request.view) ? EmptyFrame::kTooSmall : EmptyFrame::kCombined;
 }
 
+bool cuts(const Clipping& clipping, const Manifest& volume) {
+  return !ClipRegion(clipping, volume.geometry()).showsAll();
+}
+
+// Whether region, box of the world or planes cut a volume.
+bool cutsSome(const FrameScene& scene, const std::vector<const Manifest*>& manifests) {
+  if (scene.volumes.empty()) return cuts(scene.picture.clipping, *manifests.front());
+  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+    if (cuts(scene.volumes[i].clipping, *manifests[i])) return true;
+  }
+  return false;
+}
+
+// A function without a difference is of one colour on purpose, and gradients make differences of their own.
+bool isBeside(const TransferFunction& function, const ValueRange& range) {
+  const auto& points = function.points;
+  if (!function.labels.empty() || !function.gradient_opacity.empty() || points.empty()) return false;
+  const auto differs = [&](const TransferPoint& point) {
+    return point.color != points.front().color || point.opacity != points.front().opacity;
+  };
+  return range.lo < range.hi && std::any_of(points.begin(), points.end(), differs) &&
+         (range.hi < points.front().value || range.lo > points.back().value);
+}
+
 // requires: the frame is empty.
 EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request,
                             const std::vector<const Manifest*>& manifests) {
@@ -119,11 +146,30 @@ EmptyFrame emptinessOf(bool draws, const FrameScene& scene, const FrameRequest& 
                                                                              : EmptyFrame::kShows;
 }
 
-// Projected voxels may be NaN: visited voxels alone do not make a picture.
+bool isVisible(const Image& image) {
+  for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) {
+    if (image.rgba[alpha] > kFaintAlpha) return true;
+  }
+  return false;
+}
+
+bool isOfOneColour(const FrameScene& scene, const std::vector<const Manifest*>& manifests) {
+  if (scene.volumes.empty()) return isBeside(scene.transfer_function, manifests.front()->range);
+  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+    if (isBeside(scene.volumes[i].transfer_function, manifests[i]->range)) return true;
+  }
+  return false;
+}
+
+// Projected voxels may be NaN: visited voxels alone do not make a picture. A part of a picture may be faint where the
+// whole is not.
 EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
                        const std::vector<const Manifest*>& manifests) {
-  const bool composites = scene.picture.mode == Mode::kComposite;
-  return emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
+  const bool composites = scene.picture.mode == Mode::kComposite, is_part = scene.picture.clipping.part.has_value();
+  const EmptyFrame out =
+      emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
+  if (out != EmptyFrame::kShows || !composites || is_part || drawn.visible) return out;
+  return cutsSome(scene, manifests) ? EmptyFrame::kThin : EmptyFrame::kFaint;
 }
 
 std::string emptyText(EmptyFrame why) {
@@ -142,24 +188,34 @@ std::string emptyText(EmptyFrame why) {
       return "the volume is beside the picture, or the crop: the camera looks past it";
     case EmptyFrame::kTooSmall:
       return "the volume is far smaller than a pixel: the eye is too far away, or the zoom too small";
+    case EmptyFrame::kThin:
+      return "the region, the box of the world or the clip planes leave too thin a part of the volume to be seen: "
+             "alpha "
+             "is below 1/510 everywhere";
+    case EmptyFrame::kFaint:
+      return "the transfer function is too transparent, or what it shows too small, to be seen: alpha is below 1/510 "
+             "everywhere";
     case EmptyFrame::kCombined:
       return "what the transfer function shows is clipped away, out of view, or the value of no voxel";
   }
   return "something is drawn";
 }
 
-void warnOfEmptyFrames(const std::vector<FrameStatistics>& frames, bool several, Progress& progress) {
-  std::map<EmptyFrame, std::vector<int>> empty;
+void warnOfDoubtfulFrames(const std::vector<FrameStatistics>& frames, bool several, Progress& progress) {
+  std::map<std::string, std::vector<int>> doubtful;
   for (const FrameStatistics& frame : frames) {
-    if (frame.empty != EmptyFrame::kShows) empty[frame.empty].push_back(frame.frame);
+    if (frame.empty != EmptyFrame::kShows)
+      doubtful[fmt::format("empty: {}", emptyText(frame.empty))].push_back(frame.frame);
+    else if (frame.one_colour)
+      doubtful[fmt::format("of one colour: {}", kOneColourText)].push_back(frame.frame);
   }
-  for (auto& [why, numbers] : empty) {
+  for (auto& [why, numbers] : doubtful) {
     std::sort(numbers.begin(), numbers.end());
     const std::string which = !several ? "the picture is"
                               : numbers.size() == 1
                                   ? fmt::format("frame {} is", numbers.front())
                                   : fmt::format("{} frames ({}) are", numbers.size(), framesText(numbers));
-    progress.warn(fmt::format("{} empty: {}", which, emptyText(why)));
+    progress.warn(fmt::format("{} {}", which, why));
   }
 }
 

@@ -158,6 +158,7 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
 void OpenedJob::judge(DrawnFrame& drawn) const {
   if (drawn.continued) return;
   drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), manifestsOf(stores_));
+  drawn.statistics.one_colour = isOfOneColour(drawn.scene, manifestsOf(stores_));
 }
 
 void OpenedJob::noteDeepSamples(Progress& progress) const {

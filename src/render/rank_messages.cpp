@@ -13,6 +13,8 @@ void eachNumber(Statistics& s, const Do& what) {
   what(s.frame);
   what(s.samples);
   what(s.empty);
+  what(s.visible);
+  what(s.one_colour);
   what(s.threads);
   what(s.busy);
   for (auto* seconds : {&s.wall_s, &s.load_s, &s.output_s}) what(*seconds);

@@ -14,6 +14,7 @@
 #include "base/span.h"
 #include "render/aov_planes.h"
 #include "render/background.h"
+#include "render/empty_frame.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
 #include "render/pixel_filter.h"
@@ -121,7 +122,8 @@ struct DrawnPlane {
 };
 
 // A frame that is one plane.
-DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores, const PixelRect& pixels) {
+DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores,
+                   const PixelRect& pixels) {
   const PixelFilter filter = filterOf(request);
   const ImageSize& size = request.view.size;
   DrawnPlane out{ofSubPixels(request, filter.edge(), stores), filter.samplesOf(pixels, size),
@@ -225,6 +227,7 @@ Image FramePainter::draw(const PixelRect& pixels) {
                     : drawFiltered(*drawing_, pixels, filter, request_, of_sub_pixels_.view);
   {
     const Span span(Activity::kFinish);
+    cost_.visible = cost_.visible || isVisible(image);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);
   }
   count(begin, before);
@@ -236,6 +239,7 @@ FrameStatistics FramePainter::finish() {
   const BusyTimes before = BusyTimes::now();
   FrameStatistics out = drawing_->finish();
   count(begin, before);
+  out.visible = cost_.visible;
   out.wall_s = cost_.wall_s;
   out.busy = cost_.busy;
   out.threads = ThreadLimit::active();

@@ -101,7 +101,7 @@ class FramePainter {
  private:
   const FrameRequest request_, of_sub_pixels_;
   void count(std::chrono::steady_clock::time_point begin, const BusyTimes& before);
-  FrameStatistics cost_;  // the time of all pieces so far
+  FrameStatistics cost_;  // time and visibility of all pieces so far
   std::unique_ptr<FrameDrawing> drawing_;
 };
 

@@ -82,7 +82,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
   }
   noteDamage(result.statistics.frames.back(), progress);
-  warnOfEmptyFrames({result.statistics.frames.back()}, false, progress);
+  warnOfDoubtfulFrames({result.statistics.frames.back()}, false, progress);
   opened.describeMemory(result.statistics);
   result.image = std::move(drawn.views.front().image);
   result.camera = drawn.scene.camera;

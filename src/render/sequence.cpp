@@ -169,7 +169,7 @@ SequenceResult runSequence(const RenderJob& given, const SequenceOptions& option
                               ? shareSequence(job, options, progress, listener)
                               : Sequence(job, options, progress, listener).run();
   if (trace) trace->finish();
-  warnOfEmptyFrames(result.statistics.frames, framesOf(job).size() > 1, progress);
+  warnOfDoubtfulFrames(result.statistics.frames, framesOf(job).size() > 1, progress);
   return result;
 }
 

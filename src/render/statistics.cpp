@@ -105,6 +105,7 @@ void FrameStatistics::addContributing(const StoredBrick& brick, std::uint64_t fi
 
 void FrameStatistics::merge(const FrameStatistics& other) {
   load_s += other.load_s;
+  visible = visible || other.visible;
   voxels_visited += other.voxels_visited;
   voxels_splats += other.voxels_splats;
   nodes_tested += other.nodes_tested;

@@ -29,8 +29,21 @@ struct LevelStatistics {
 /// - kBehind: the volume is behind the eye.
 /// - kOutOfView: the volume is beside the picture, or beside its crop.
 /// - kTooSmall: the volume covers so little of a pixel that 8 bits round its alpha to 0.
+/// - kThin: the region, the box of the world or the planes leave so little that 8 bits round its alpha to 0.
+/// - kFaint: 8 bits round the alpha of each pixel to 0.
 /// - kCombined: none of these by itself: what the function shows is clipped away, out of view or in no voxel.
-enum class EmptyFrame : std::uint8_t { kShows, kOpacity, kValues, kClipped, kBehind, kOutOfView, kTooSmall, kCombined };
+enum class EmptyFrame : std::uint8_t {
+  kShows,
+  kOpacity,
+  kValues,
+  kClipped,
+  kBehind,
+  kOutOfView,
+  kTooSmall,
+  kThin,
+  kFaint,
+  kCombined
+};
 
 /// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count. Where a pixel is several
 /// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows, as a crop of rays is: voxels,
@@ -41,6 +54,8 @@ struct FrameStatistics {
   int frame = 1;         // its number
   unsigned samples = 1;  // a pixel
   EmptyFrame empty = EmptyFrame::kShows;
+  bool visible = false;     // before the background, an alpha is above those that 8 bits round to 0
+  bool one_colour = false;  // all values of a volume lie beside its transfer function
   double wall_s = 0, load_s = 0, output_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;

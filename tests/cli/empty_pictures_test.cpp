@@ -15,6 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+const std::vector<std::string> kThinSlab = {"--clip", "0,1,0,-0.3", "--clip", "0,-1,0,0.300001"};
+constexpr const char* kHaze = R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0},
+                                             {"value": 1000, "color": [1, 1, 1], "opacity": 0.002}]})";
+
 class EmptyPicturesCli : public ToolTest {
  protected:
   EmptyPicturesCli() : ToolTest("empty_") {}
@@ -26,8 +30,12 @@ class EmptyPicturesCli : public ToolTest {
     return more;
   }
   void expectEmpty(const std::vector<std::string>& options, const std::string& why) const {
+    expectWarning(options, "the picture is empty: ", why);
+    expectDryWarning(options, why);
+  }
+  void expectWarning(const std::vector<std::string>& options, const std::string& what, const std::string& why) const {
     const ToolResult result = done(with(options));
-    EXPECT_NE(result.err.find("warning: the picture is empty: "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("warning: " + what), std::string::npos) << result.err;
     EXPECT_NE(result.err.find(why), std::string::npos) << why << " is not in: " << result.err;
     EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
     EXPECT_TRUE(fs::exists(in("x.exr")));
@@ -36,6 +44,8 @@ class EmptyPicturesCli : public ToolTest {
     const ToolResult failed = runTool(strict);
     EXPECT_EQ(failed.exit_code, 1) << failed.err;
     EXPECT_NE(failed.err.find("--strict: all is done, but there was a warning"), std::string::npos) << failed.err;
+  }
+  void expectDryWarning(const std::vector<std::string>& options, const std::string& why) const {
     std::vector<std::string> dry = with(options);
     dry.push_back("--dry-run");
     EXPECT_NE(done(dry).err.find(why), std::string::npos) << why;
@@ -49,6 +59,9 @@ TEST_F(EmptyPicturesCli, Nothing_isSaidOfAPictureThatShowsSomething) {
                                                   {"--mode", "mip"},
                                                   {"--mode", "average"},
                                                   {"--projection", "orthographic"},
+                                                  {"--deep", "--samples", "1"},
+                                                  {"--checkpoint"},
+                                                  {"--part", "1/2"},
                                                   {"--add", in("h.kiln"), "--add-tf", "ct-bone"}}) {
     std::vector<std::string> command = with(options);
     command.push_back("--strict");
@@ -83,6 +96,74 @@ TEST_F(EmptyPicturesCli, VolumeFarSmallerThanAPixel_isNamedForEachProjection) {
   expectEmpty({"--eye", "0,-1e9,0"}, why);
   expectEmpty({"--projection", "orthographic", "--height", "1e9", "--view", "front"}, why);
   expectEmpty({"--projection", "equirectangular", "--size", "48x24", "--eye", "0,-1e7,0"}, why);
+}
+
+// The whole body is a haze, and a slab of a millionth of a voxel holds next to nothing of it.
+TEST_F(EmptyPicturesCli, ThinPart_isNamedForEachLatticeAndProjection) {
+  writeText(in("haze.json"), kHaze);
+  const std::vector<std::string> haze = {"--tf", in("haze.json")};
+  const auto with_haze = [&](std::vector<std::string> options) {
+    options.insert(options.end(), haze.begin(), haze.end());
+    return options;
+  };
+  for (const std::vector<std::string>& options : {std::vector<std::string>{},
+                                                  {"--lattice", "ray"},
+                                                  {"--projection", "orthographic", "--background", "1,1,1"},
+                                                  {"--projection", "equirectangular", "--size", "48x24"},
+                                                  {"--stereo", "both", "--interocular", "20"},
+                                                  {"--checkpoint"},
+                                                  {"--deep", "--samples", "1"},
+                                                  {"--add", in("h.kiln"), "--add-tf", in("haze.json")}}) {
+    std::vector<std::string> strict = with_haze(options);
+    strict.push_back("--strict");
+    EXPECT_EQ(done(with(strict)).err, "") << (options.empty() ? "" : options.back());
+    std::vector<std::string> thin = with_haze(options);
+    thin.insert(thin.end(), kThinSlab.begin(), kThinSlab.end());
+    expectWarning(thin, "the picture is empty: ", "too thin a part of the volume to be seen");
+  }
+  expectWarning(with_haze({"--world-region", "-200,-0.000001,1500,200,0.000001,1900"}),
+                "the picture is empty: ", "too thin a part of the volume to be seen");
+  // A partial image may be faint where the whole picture is not.
+  std::vector<std::string> part = with_haze({"--part", "1/2", "--strict"});
+  part.insert(part.end(), kThinSlab.begin(), kThinSlab.end());
+  EXPECT_EQ(done(with(part)).err, "");
+}
+
+// A slab of one sample is visible from the side.
+TEST_F(EmptyPicturesCli, PartOfOneVoxel_isNotSaidToBeEmpty) {
+  EXPECT_EQ(done(with({"--clip", "0,1,0,6", "--clip", "0,-1,0,6", "--strict"})).err, "");
+}
+
+TEST_F(EmptyPicturesCli, TransparentFunction_isNamed) {
+  writeText(in("faint.json"), R"({"points": [{"value": -1000, "color": [1, 1, 1], "opacity": 0},
+                                             {"value": 3000, "color": [1, 1, 1], "opacity": 1e-7}]})");
+  expectWarning({"--tf", in("faint.json")}, "the picture is empty: ", "too transparent");
+  expectWarning({"--tf", in("faint.json"), "--lattice", "voxel"}, "the picture is empty: ", "too transparent");
+}
+
+// The phantom has values from 0 to some 2500.
+TEST_F(EmptyPicturesCli, FunctionOrWindowBesideTheValues_isNamed) {
+  const auto expectOneColour = [&](const std::vector<std::string>& options) {
+    const std::string why = "all values of a volume lie beside its transfer function or window";
+    expectWarning(options, "the picture is of one colour: ", why);
+    expectDryWarning(options, why);
+  };
+  writeText(in("above.json"), R"({"points": [{"value": 30000, "color": [1, 0, 0], "opacity": 0.5},
+                                             {"value": 30001, "color": [0, 1, 0], "opacity": 1}]})");
+  writeText(in("below.json"), R"({"points": [{"value": -30001, "color": [1, 0, 0], "opacity": 0},
+                                             {"value": -30000, "color": [0, 1, 0], "opacity": 1}]})");
+  writeText(in("constant.json"), R"({"points": [{"value": 30000, "color": [1, 0, 0], "opacity": 0.5}]})");
+  expectOneColour({"--tf", in("above.json")});
+  expectOneColour({"--tf", in("below.json")});
+  expectOneColour({"--tf", "grayscale", "--window", "-50000,10"});
+  expectOneColour({"--mode", "mip", "--window", "50000,10"});
+  expectOneColour({"--add", in("h.kiln"), "--add-tf", in("below.json")});
+  EXPECT_EQ(done(with({"--tf", in("constant.json"), "--strict"})).err, "");
+  EXPECT_EQ(done(with({"--tf", "grayscale", "--window", "0,10", "--strict"})).err, "");
+  for (const auto& [window, warns] : {std::pair{"50000,10", true}, {"0,100", false}}) {
+    const ToolResult slice = done({"slice", in("h.kiln"), "-o", in("s.png"), "--window", window});
+    EXPECT_EQ(slice.err.find("the picture is of one colour") != std::string::npos, warns) << slice.err;
+  }
 }
 
 TEST_F(EmptyPicturesCli, VolumeOfOnePixel_isNotSaidToBeEmpty) {
@@ -131,6 +212,15 @@ TEST_F(EmptyPicturesCli, Ranks_warnAsOneProcessDoes) {
   EXPECT_NE(result.err.find("warning: the picture is empty: the region"), std::string::npos) << result.err;
   command.push_back("--strict");
   EXPECT_EQ(runTool(command, two).exit_code, 1);
+  writeText(in("haze.json"), kHaze);
+  for (const char* const how : {"tiles", "bricks"}) {
+    const ToolResult whole = done(with({"--distribute", how, "--strict"}), two);
+    EXPECT_EQ(whole.err.find("warning"), std::string::npos) << how << ": " << whole.err;
+    std::vector<std::string> slab = {"--tf", in("haze.json"), "--distribute", how};
+    slab.insert(slab.end(), kThinSlab.begin(), kThinSlab.end());
+    const ToolResult thin = done(with(slab), two);
+    EXPECT_NE(thin.err.find("too thin a part"), std::string::npos) << how << ": " << thin.err;
+  }
 }
 
 // Known because a label volume has a colour for each label, unlike amounts.

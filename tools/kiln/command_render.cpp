@@ -432,7 +432,10 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
       a.memory.value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left), formatBytes(cost.decoded_bytes_in_view));
-  if (cost.empty != EmptyFrame::kShows) progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
+  if (cost.empty != EmptyFrame::kShows)
+    progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
+  else if (cost.one_colour)
+    progress.warn(fmt::format("the picture is of one colour: {}", kOneColourText));
   if (a.strict) requireNoWarnings(progress.warnings());
 }
 
@@ -705,12 +708,12 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
 }
 
 void addCostOptions(CLI::App& command, RenderArguments& a) {
-  addMemory(command, a.memory, fmt::format("image, index and bricks; {} if not given", kDefaultMemory));
+  addMemory(command, a.memory,
+            fmt::format("image, index and bricks, and for converting INPUT first; {} if not given", kDefaultMemory));
   command.add_option("--threads", a.threads, "threads; 0 takes all")->check(wholeNumberFrom(0, kMostThreads));
-  command.add_flag(
-      "--strict", a.strict,
-      "exit with 1 where a warning says that the picture is not what was asked for: it is empty, bricks are "
-      "damaged, or a frame or unit is unknown");
+  command.add_flag("--strict", a.strict,
+                   "exit with 1 where a warning says that the picture is not what was asked for: it is empty or of one "
+                   "colour, bricks are damaged, or a frame or unit is unknown");
   command.add_flag("--dry-run", a.dry_run, "draw nothing; say how many bricks, what disk and what memory it takes");
   command.add_option("--stats", a.stats, "write what the render cost, as JSON")->type_name("FILE");
   command

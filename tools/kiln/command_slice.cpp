@@ -18,6 +18,12 @@ struct SliceArguments {
   std::optional<std::int64_t> index;
 };
 
+void warnBeside(const Window& window, const ValueRange& range, Progress& progress) {
+  if (range.hi >= window.centre - 0.5 * window.width && range.lo <= window.centre + 0.5 * window.width) return;
+  progress.warn(fmt::format("the picture is of one colour: all values of the volume, {:g} to {:g}, lie beside --window",
+                            range.lo, range.hi));
+}
+
 void run(const SliceArguments& a, Context& context) {
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
@@ -33,8 +39,11 @@ void run(const SliceArguments& a, Context& context) {
   request.index = a.index;
   request.memory_bytes = parseBytes(a.memory, "--memory");
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
-  const Image image = renderSlice(StoreReader(a.store), request, context.progress);
+  const StoreReader store(a.store);
+  const Image image = renderSlice(store, request, context.progress);
   writeImage(image, {}, {}, a.output);
+  if (request.window && !store.manifest().range.empty())
+    warnBeside(*request.window, store.manifest().range, context.progress);
   context.progress.clear();
   say("{}: {} x {} pixels\n", a.output, image.width, image.height);
 }
