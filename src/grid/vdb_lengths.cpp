@@ -19,9 +19,9 @@ constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
 // The length of a value of a type with one length. OpenVDB reads that many bytes whatever the file says.
 std::uint32_t bytesOfType(const std::string& type) {
   static const std::map<std::string, std::uint32_t, std::less<>> kBytes = {
-      {"bool", 1},    {"float", 4},  {"double", 8}, {"int32", 4},  {"int64", 8},  {"mat4s", 64},
-      {"mat4d", 128}, {"quats", 16}, {"quatd", 32}, {"vec2i", 8},  {"vec2s", 8},  {"vec2d", 16},
-      {"vec3i", 12},  {"vec3s", 12}, {"vec3d", 24}, {"vec4i", 16}, {"vec4s", 16}, {"vec4d", 32}};
+      {"bool", 1},    {"mask", 1},   {"float", 4},  {"double", 8}, {"int32", 4}, {"int64", 8},  {"mat4s", 64},
+      {"mat4d", 128}, {"quats", 16}, {"quatd", 32}, {"vec2i", 8},  {"vec2s", 8}, {"vec2d", 16}, {"vec3i", 12},
+      {"vec3s", 12},  {"vec3d", 24}, {"vec4i", 16}, {"vec4s", 16}, {"vec4d", 32}};
   const auto found = kBytes.find(type);
   return found == kBytes.end() ? 0 : found->second;
 }
@@ -177,9 +177,10 @@ void VdbLengths::transform() {
   skip(bytesOfMap(map));
 }
 
+bool VdbLengths::knowsMemoryOf(const std::string& type) { return bytesOfType(type) != 0; }
+
 std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
   const std::uint64_t value_bytes = bytesOfType(values.type);
-  if (value_bytes == 0) return 0;
   constexpr std::uint64_t kOrigin = 3 * sizeof(std::int32_t);
   at_ = at;
   skip(sizeof(std::int32_t));  // the number of buffers, which is 1

@@ -49,8 +49,10 @@ class VdbLengths {
     /// The file's flags of OpenVDB's compression. Files from version 222 on give flags with each grid instead.
     std::uint32_t compression = 0;
   };
-  /// Returns the memory that OpenVDB takes for the tree at `at`: nodes and voxels. Walks the nodes without voxels. 0
-  /// for types without a fixed length, such as text and points. unit: bytes. requires: gridHead returned `at`.
+  /// Whether values of this type have one length: not text and points.
+  static bool knowsMemoryOf(const std::string& type);
+  /// Returns the memory that OpenVDB takes for the tree at `at`: nodes and voxels. Walks the nodes without voxels.
+  /// unit: bytes. requires: gridHead returned `at`; knowsMemoryOf(values.type).
   std::uint64_t treeMemory(std::uint64_t at, const Values& values);
 
  private:

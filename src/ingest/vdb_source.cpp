@@ -85,10 +85,20 @@ class GridFile : public openvdb::io::Archive {
   std::uint64_t position() { return static_cast<std::uint64_t>(std::streamoff(in_.tellg())); }
   void fill(const GridEntry& entry) {
     const std::uint64_t tree_at = lengths_.gridHead(position());
-    if (!entry.descriptor.isInstance())
+    if (!entry.descriptor.isInstance()) {
+      requireKnownMemory(entry);
       charge(entry, lengths_.treeMemory(tree_at,
                                         {entry.grid->valueType(), entry.descriptor.saveFloatAsHalf(), compression()}));
+    }
     readGrid(entry.grid, entry.descriptor, in_);
+  }
+
+  // A file without places of its grids is read whole, points and texts included.
+  void requireKnownMemory(const GridEntry& entry) const {
+    if (VdbLengths::knowsMemoryOf(entry.grid->valueType())) return;
+    throw Error(ErrorCode::kUnsupported, file_.path(), fmt::format("grid '{}' ({})", entry.name(), entry.type()),
+                "must be read to reach the other grids of a file that was written to a pipe, and needs memory of "
+                "unknown amount; write the file to a disk, or without this grid");
   }
 
   void charge(const GridEntry& entry, std::uint64_t bytes) {

@@ -200,6 +200,17 @@ TEST_F(Vdb, HostileLengths_takeLittleMemory) {
   }
 }
 
+// A file of a pipe is read whole. The memory of points is not known before, and a mask has a known length.
+TEST_F(Vdb, PipedGridBesideOthers_ofUnknownMemory_isRefused) {
+  for (const VdbKind kind : {VdbKind::kPointIndex, VdbKind::kPointData}) {
+    expectRefused(write({{kind, "a"}, {VdbKind::kFloat, "b"}}, false), ErrorCode::kUnsupported,
+                  "needs memory of unknown amount");
+    EXPECT_EQ(openVdb(write({{kind, "a"}, {VdbKind::kFloat, "b"}}), {})->info().vdb->grid_name, "b");
+  }
+  for (const VdbKind kind : {VdbKind::kMask, VdbKind::kBool, VdbKind::kVec3})
+    EXPECT_EQ(openVdb(write({{kind, "a"}, {VdbKind::kFloat, "b"}}, false), {})->info().vdb->grid_name, "b");
+}
+
 TEST_F(Vdb, TilesAndLevelSetsAreAsOpenVdbReadsThem) {
   for (const VdbKind kind : {VdbKind::kTiles, VdbKind::kLevelSet}) {
     const fs::path path = write({{kind, "a"}});
