@@ -218,6 +218,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   const std::unique_ptr<Ranks> alone = oneRank();
   Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
   const SourceInfo& info = source.info();
+  requireRoomForIndex(info, options);
+  const ConversionPlan plan = planConversion(source, options);
   std::size_t notes = 0;
   if (ranks.first()) {
     for (const std::string& note : info.notes) progress.note(note);
@@ -225,8 +227,6 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     if (!ranks.alone() && source.order() == ReadOrder::kForward)
       progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
   }
-  requireRoomForIndex(info, options);
-  const ConversionPlan plan = planConversion(source, options);
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;
   Manifest draft = draftOf(info, options);

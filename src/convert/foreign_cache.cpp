@@ -8,6 +8,7 @@
 #include "base/file_lock.h"
 #include "convert/destination.h"
 #include "convert/journal.h"
+#include "convert/plan.h"
 #include "convert/source_state.h"
 #include "ingest/formats.h"
 #include "store/store_reader.h"
@@ -90,6 +91,11 @@ bool namesStore(const fs::path& input, const SourceOptions& source_options) {
   return true;
 }
 
+std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const fs::path& input, SourceOptions options) {
+  options.memory_bytes = memory_bytes;
+  return openSource(input, options);
+}
+
 // Where labels are asked for, a store of amounts is made anew.
 bool serves(const fs::path& store, const SourceInfo& info, bool labels) {
   return isStoreOf(store, info) && (!labels || StoreReader(store).manifest().volume_class == VolumeClass::kLabels);
@@ -108,11 +114,11 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info) {
   }
 }
 
-fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options,
+fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options, std::uint64_t memory_bytes,
                       const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
   fs::path store = besideOf(input);
-  const std::unique_ptr<VolumeSource> source = openSource(input, source_options);
+  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, input, source_options);
   if (opened) opened(source->info());
   if (isStoreOf(store, source->info())) return store;
   throw Error(
@@ -124,9 +130,7 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress, const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
-  SourceOptions within = source_options;
-  within.memory_bytes = options.memory_bytes;
-  const std::unique_ptr<VolumeSource> source = openSource(input, within);
+  const std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, input, source_options);
   if (opened) opened(source->info());
   const fs::path store = besideOf(input);
   if (serves(store, source->info(), options.labels)) {
@@ -140,6 +144,8 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   });
   if (serves(store, source->info(), options.labels)) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
+  // A budget that is too small gives its error alone, without a note before.
+  planConversion(*source, options);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
   replacing.overwrite = replacing.resume = true;

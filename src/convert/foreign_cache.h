@@ -17,8 +17,10 @@ std::filesystem::path storeFor(const std::filesystem::path& input, const SourceO
                                const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});
 
-/// The same where nothing is to be made. throws: Error kUsage where a foreign file has no such store yet.
+/// The same where nothing is to be made; the source is opened in at most `memory_bytes`. throws: Error kUsage where a
+/// foreign file has no such store yet; kBudget.
 std::filesystem::path madeStoreFor(const std::filesystem::path& input, const SourceOptions& source_options,
+                                   std::uint64_t memory_bytes,
                                    const std::function<void(const SourceInfo&)>& opened = {});
 
 /// Whether each file of the source is as it was when `store` was made of them (of older stores, was last written before

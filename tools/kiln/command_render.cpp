@@ -403,7 +403,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   forEachVolume(job, [&](const fs::path& volume) {
     const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
     const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
-    const fs::path store = madeStoreFor(of_first, input.of(of_first), opened);
+    const fs::path store = madeStoreFor(of_first, input.of(of_first), job.speed.memory_bytes, opened);
     outputs.requireNone(store);
     return store == of_first ? volume : store;
   });
@@ -530,7 +530,7 @@ void run(const RenderArguments& a, Context& context) {
   const OutputFiles outputs = outputsOf(a, job);
   options.store_for = [&](const fs::path& volume) {
     ConvertOptions conversion;
-    conversion.memory_bytes = std::max(job.speed.memory_bytes, ConvertOptions().memory_bytes);
+    conversion.memory_bytes = job.speed.memory_bytes;
     conversion.command = context.command_line;
     conversion.time = timeNow();
     conversion.labels = input.areLabels(volume);
