@@ -34,6 +34,19 @@ void keepFreedMemory() {
 #endif
 }
 
+void shareHeaps() {
+#ifdef __GLIBC__
+  constexpr int kHeaps = 4;
+  mallopt(M_ARENA_MAX, kHeaps);
+#endif
+}
+
+void returnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 std::uint64_t parseBytes(std::string_view text, std::string_view option) {
   const auto refuse = [&] {
     return Error(ErrorCode::kUsage, std::string(option) + (option.empty() ? "'" : ": '") + std::string(text) +

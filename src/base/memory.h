@@ -17,6 +17,13 @@ std::uint64_t peakResidentBytes();
 /// clears each page before it gives it again: for work whose buffers of a few MiB come and go all the time.
 void keepFreedMemory();
 
+/// From here on all threads together have few heaps: each heap keeps a few MiB of freed memory, which nobody counts.
+/// For work whose threads seldom allocate.
+void shareHeaps();
+
+/// Gives freed memory back to the system: for work of another kind whose buffers are counted anew.
+void returnFreedMemory();
+
 /// "2G", "512M", "64K", "1.5GiB" or a plain number of bytes; K, M, G and T are powers of 1024.
 /// throws: Error kUsage, which names `option` where there is one.
 std::uint64_t parseBytes(std::string_view text, std::string_view option = {});

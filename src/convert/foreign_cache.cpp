@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/file_lock.h"
+#include "base/memory.h"
 #include "convert/destination.h"
 #include "convert/journal.h"
 #include "convert/plan.h"
@@ -130,7 +131,7 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
                   Progress& progress, const std::function<void(const SourceInfo&)>& opened) {
   if (namesStore(input, source_options)) return input;
-  const std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, input, source_options);
+  std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, input, source_options);
   if (opened) opened(source->info());
   const fs::path store = besideOf(input);
   if (serves(store, source->info(), options.labels)) {
@@ -151,6 +152,9 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   replacing.overwrite = replacing.resume = true;
   replacing.lock = &lock;
   convert(*source, store, replacing, progress);
+  // The picture has the whole budget for itself.
+  source.reset();
+  returnFreedMemory();
   return store;
 }
 

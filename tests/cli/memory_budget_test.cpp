@@ -142,6 +142,10 @@ std::vector<BudgetRow> largePictureRows() {
       {"means, many bricks",
        24,
        {"render", "IN/huge.kiln", "-o", "IN/o.exr", "--mode", "average", "--size", "400x400", "--level", "0"}},
+      {"maxima, many threads",
+       48,
+       {"render", "IN/noise.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500", "--level", "0", "--threads",
+        "64"}},
       rendered("rays, many bricks", 24, {"--size", "400x400", "--lattice", "ray", "--level", "0", "--tf", "grayscale"},
                "IN/o.exr", "IN/huge.kiln"),
       {"slice, large bricks", 16, {"slice", "IN/large.kiln", "-o", "IN/o.png"}},
@@ -231,6 +235,8 @@ class BudgetTable : public ::testing::Test {
     made({"convert", "phantom:head:288x288x288", in("large.kiln")});
     made({"convert", "phantom:head:512x512x512", in("huge.kiln")});
     made({"export", in("large.kiln"), in("large.vdb")});
+    writeText(in("noise320.raw"), randomVolume({320, 320, 320}, VoxelType::u16, 2).stored(false));
+    made({"convert", in("noise320.raw"), in("noise.kiln"), "--dims", "320,320,320", "--type", "u16"});
     made({"convert", in("large.vdb"), in("large.vdb.kiln")});
   }
 

@@ -508,6 +508,7 @@ void applyProgress(const std::string& kind, TerminalProgress& progress) {
 void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.progress, context.progress);
+  shareHeaps();
   const RenderJob job = jobOf(a);
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1)) return;
   SequenceOptions options;
