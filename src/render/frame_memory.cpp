@@ -107,7 +107,7 @@ constexpr int kNoBands = 1 << 24;
 
 PixelFilter filterOf(const RenderJob& job) {
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
-  return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama);
+  return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama && !drawsDeep(job));
 }
 
 // unit: sub-pixels.

@@ -162,7 +162,12 @@ void OpenedJob::judge(DrawnFrame& drawn) const {
 }
 
 void OpenedJob::noteDeepSamples(Progress& progress) const {
-  if (!drawsDeep(job_) || job_.picture.samples) return;
+  if (!drawsDeep(job_)) return;
+  if (job_.picture.lattice == Lattice::kRay) {
+    progress.note("a deep picture has a ray a pixel, and a pixel of a flat one is the mean of several");
+    return;
+  }
+  if (job_.picture.samples) return;
   RenderJob flat = drawn_job_;
   flat.output.deep = false;
   std::erase_if(flat.output.files, [](const OutputFile& file) { return file.content == Content::kDeep; });

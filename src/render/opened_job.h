@@ -69,8 +69,7 @@ class OpenedJob {
   std::vector<Doubt> doubts() const;
   /// Sets why the frame shows nothing, if it does.
   void judge(DrawnFrame& drawn) const;
-  /// A deep picture has one sample a pixel. If a flat picture of the job would have more, notes how both can be
-  /// compared.
+  /// A deep picture has one sample a pixel. If a flat picture of the job would have more, notes how they differ.
   void noteDeepSamples(Progress& progress) const;
   /// What the memory is for, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;

@@ -27,8 +27,8 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   for (const StoreReader* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
   }
-  if (request.lattice == Lattice::kRay && (request.clipping.part || request.deep))
-    throw Error(ErrorCode::kUsage, "--lattice ray: parts and deep images have the pixel lattice");
+  if (request.lattice == Lattice::kRay && request.clipping.part)
+    throw Error(ErrorCode::kUsage, "--lattice ray: parts have the pixel lattice");
   requireInterpolation(request.lattice, request.interpolation);
   requireSamples(request.lattice, request.samples);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
@@ -50,7 +50,7 @@ BusyTimes busySince(const BusyTimes& before) {
 
 PixelFilter filterOf(const FrameRequest& request) {
   const bool rays = request.mode == Mode::kComposite && request.lattice == Lattice::kRay;
-  return PixelFilter(request.samples, rays && request.filters_rays);
+  return PixelFilter(request.samples, rays && request.filters_rays && !request.deep);
 }
 
 // The origin of several volumes' view space is near the box around all, whatever their order.

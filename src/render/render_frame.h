@@ -45,7 +45,7 @@ struct FrameRequest {
   int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
   bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
   Aovs aovs;                      // what the image has planes of
-  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in the pixel lattice, samples == 1
+  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, rays unfiltered
   /// Of a part's pixels, what layers of edges take at most. unit: bytes.
   std::uint64_t edge_pixel_bytes = EdgeLayers::kMostPixelBytes;
   std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized

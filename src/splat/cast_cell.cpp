@@ -218,8 +218,9 @@ class CellCaster {
     return out;
   }
 
-  // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, and what it is multiplied
-  // by. A pixel that reaches the threshold is closed; its colours are divided by its alpha when they are all there.
+  // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, what it is multiplied by,
+  // and, for its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its colours are
+  // divided by its alpha when they are all there.
   void blendAll() {
     std::size_t seen = 0;
     closed_count_ = 0;
@@ -237,6 +238,7 @@ class CellCaster {
         for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
         if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, s_.opacity[n], closes);
       }
+      s_.opacity[seen] = before;
       seen += weight > 0 ? 1 : 0;
       if (!closes) continue;
       s_.closed[closed_count_++] = {pixel, alpha};
@@ -330,10 +332,29 @@ class CellCaster {
       hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue),
                             in_.sums != nullptr ? weight : hn::Zero(d), d, s_.rows[0] + 4 * i);
     }
+    if (tile_.deep != nullptr && in_.sums == nullptr) return addDeep(n, count);
     for (std::size_t i = 0; i < count; ++i) {
       float* const to = lightOf(s_.lit_code[i]);
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
         hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
+    }
+  }
+
+  // Adds light as `light` does, and each sample as a layer; the one that closes a pixel also has what that adds.
+  HWY_NOINLINE void addDeep(std::size_t n, std::size_t count) {
+    const SlabZone& zone = frame_.zone();
+    const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t code = s_.lit_code[i];
+      float* const to = p_.pixelOf(code & CellPlaces::kPixel);
+      float before[4] = {0, 0, 0, s_.opacity[n + i]}, after[4] = {0, 0, 0, before[3] + s_.weight[n + i]};
+      for (int c = 0; c < 3; ++c) before[c] = to[c], after[c] = to[c] = to[c] + s_.rows[0][4 * i + c];
+      if (const float alpha = after[3]; alpha >= opaque_at_) {
+        for (float& channel : after) channel /= alpha;
+      }
+      const CellPlaces::Place at = p_.placeOf(code);
+      tile_.deep->add(at.x, at.y, depthOf(at.slab), depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1)), before,
+                      after);
     }
   }
 

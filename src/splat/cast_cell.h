@@ -26,14 +26,14 @@ struct CellInput {
   static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
   const float* values = nullptr;         // loadUnit's; of labels their opacities
   const std::int32_t* labels = nullptr;  // of a label volume: LabelVoxels::ranks
-  glm::vec3 lo;                   // the voxel before its first. unit: voxels from the anchor
-  glm::dvec3 corner, end;         // where it begins and ends, in index space
-  PixelRect rect;                 // what of the tile it may be seen in
-  bool at_end = false;            // of the volume
-  bool in_pairs = false;          // whether two samples may be one, twice as long
-  bool gaps = false;              // whether there may be NaN among its voxels
-  bool one_label = false;         // whether all of them are of one label: then `values` is not read
-  SlabSums* sums = nullptr;       // of several volumes: samples are added to the sums, not to the tile
+  glm::vec3 lo;                          // the voxel before its first. unit: voxels from the anchor
+  glm::dvec3 corner, end;                // where it begins and ends, in index space
+  PixelRect rect;                        // what of the tile it may be seen in
+  bool at_end = false;                   // of the volume
+  bool in_pairs = false;                 // whether two samples may be one, twice as long
+  bool gaps = false;                     // whether there may be NaN among its voxels
+  bool one_label = false;                // whether all of them are of one label: then `values` is not read
+  SlabSums* sums = nullptr;              // of several volumes: samples are added to the sums, not to the tile
 };
 
 /// What is known of rays and samples, for one cell after the other. Beyond the last one vectors read anything, and use
@@ -75,8 +75,8 @@ struct CellOutput {
   std::uint64_t shown = 0, samples = 0;            // that show something, and that are seen
 };
 
-/// Adds what the cell shows to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure is not told.
-/// requires: as castCells.
+/// Adds what the cell shows to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure
+/// is not told. requires: as castCells.
 void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
               float opaque_at, CellSamples& samples, CellOutput& out);
 

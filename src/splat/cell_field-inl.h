@@ -235,7 +235,10 @@ class CubicCellField {
 class LabelCellField {
  public:
   LabelCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
-      : in_(in), s_(samples), opacities_(lattice, in, samples), cubic_(lattice.interpolation == Interpolation::kCubic) {}
+      : in_(in),
+        s_(samples),
+        opacities_(lattice, in, samples),
+        cubic_(lattice.interpolation == Interpolation::kCubic) {}
 
   // The B-spline reaches beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {

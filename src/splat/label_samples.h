@@ -1,8 +1,8 @@
-// The voxels and the samples of a unit of a label volume. Labels are names, and no number between two of them means anything: what is
-// interpolated is, of each label, 1 in its voxels and 0 elsewhere. A place is solid where half and more of what is
-// interpolated there is shown, and of those labels it is the one that has the most. So surfaces run smoothly between
-// voxels, whatever lies on their other side, and none has a gap where several meet. At a voxel's centre it is the
-// voxel's own label.
+// The voxels and the samples of a unit of a label volume. Labels are names, and no number between two of them means
+// anything: what is interpolated is, of each label, 1 in its voxels and 0 elsewhere. A place is solid where half and
+// more of what is interpolated there is shown, and of those labels it is the one that has the most. So surfaces run
+// smoothly between voxels, whatever lies on their other side, and none has a gap where several meet. At a voxel's
+// centre it is the voxel's own label.
 //
 // Steps of whole voxels would be seen in the shading. Gradients are therefore of opacities that are smoothed before, as
 // far as the apron reaches beyond the samples that a brick draws: the farther, the larger voxels are in the picture.

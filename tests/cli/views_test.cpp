@@ -89,6 +89,9 @@ TEST_F(ViewsCli, ADeepPictureOfAutomaticSamplesSaysWhatAFlatOneHas) {
             std::string::npos);
   // A picture of large voxels has one sample a pixel anyhow.
   EXPECT_EQ(drawn("deep.exr", {"--deep", "--size", "400x400"}).err.find("sample"), std::string::npos);
+  // Rays are filtered where they are flat.
+  EXPECT_NE(drawn("deep.exr", {"--deep", "--lattice", "ray"}).err.find("a deep picture has a ray a pixel"),
+            std::string::npos);
 }
 
 TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {

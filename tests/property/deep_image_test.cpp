@@ -16,6 +16,7 @@
 #include "output/image_file.h"
 #include "render/render_job_run.h"
 #include "support/drawing.h"
+#include "support/lattices.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"
 #include "support/test_store.h"
@@ -26,8 +27,9 @@ namespace fs = std::filesystem;
 
 constexpr ImageSize kDeepSize{70, 60};
 
-FrameRequest deepRequest(const RandomScene& scene, const DeepBound& bound) {
-  FrameRequest request = requestOf(scene, Lattice::kPixel, 0.99);
+FrameRequest deepRequest(const RandomScene& scene, const DeepBound& bound, Lattice lattice = Lattice::kPixel) {
+  FrameRequest request = requestOf(scene, lattice, 0.99);
+  request.filters_rays = false;
   request.background = {};
   request.deep = bound;
   return request;
@@ -67,12 +69,17 @@ class DeepImages : public ::testing::Test {
   Progress silent_;
 };
 
-TEST_F(DeepImages, AreTheFlatPicture) {
+class DeepImagesOf : public DeepImages, public ::testing::WithParamInterface<Lattice> {};
+
+INSTANTIATE_TEST_SUITE_P(Lattices, DeepImagesOf, ::testing::Values(Lattice::kPixel, Lattice::kRay),
+                         [](const auto& info) { return std::string(nameOf(info.param)); });
+
+TEST_P(DeepImagesOf, AreTheFlatPicture) {
   int several = 0;
   for (std::uint64_t seed = 300; seed < casesOf(308u, 303u); ++seed) {
     const RandomScene scene = randomScene(seed, volume_, kDeepSize);
     const DeepBound bound{seed % 3 == 0 ? 5 : 1024, seed % 3 == 1 ? 0.01f : 0};
-    FrameRequest request = deepRequest(scene, bound);
+    FrameRequest request = deepRequest(scene, bound, GetParam());
     const Image image = draw(store_, request);
     request.deep.reset();
     EXPECT_TRUE(equalBits(colorsOf(image), draw(store_, request))) << seed;
@@ -94,11 +101,29 @@ TEST_F(DeepImages, AreTheFlatPicture) {
   EXPECT_GT(several, casesOf(1000, 300));
 }
 
-TEST_F(DeepImages, DoNotDependOnWhatDoesNotChangeAPicture) {
+TEST_P(DeepImagesOf, OfSeveralVolumesAreTheFlatPicture) {
+  const RandomScene scene = randomScene(309, volume_, kDeepSize);
+  FrameRequest request = deepRequest(scene, {1024, 0}, GetParam());
+  request.clipping = {};
+  TransferFunction other = scene.transfer_function;
+  for (TransferPoint& point : other.points) point.opacity *= 0.1;
+  request.volumes = {{scene.transfer_function, {}, {}}, {other, {}, {}}};
+  const Image image = draw({store_, store_}, request);
+  EXPECT_TRUE(showsSomething(image));
+  for (int y = 0; y < kDeepSize.height; ++y) {
+    for (int x = 0; x < kDeepSize.width; ++x) {
+      const std::array<double, 4> flat = laidOver(samplesAt(image, x, y));
+      for (std::size_t c = 0; c < 4; ++c)
+        ASSERT_NEAR(flat[c], image.pixel(x, y)[c], 1e-5 * std::max(1.0, flat[c])) << x << ", " << y;
+    }
+  }
+}
+
+TEST_P(DeepImagesOf, DoNotDependOnWhatDoesNotChangeAPicture) {
   const auto other = makeStore(volume_, "deep_large", 64);
   for (std::uint64_t seed = 310; seed < 313; ++seed) {
     const RandomScene scene = randomScene(seed, volume_, {150, 140});
-    FrameRequest request = deepRequest(scene, {6, 0.001f});
+    FrameRequest request = deepRequest(scene, {6, 0.001f}, GetParam());
     request.level = 0;
     const Image whole = draw(store_, request);
     request.crop = PixelRect{60, 33, 141, 130};
@@ -131,9 +156,10 @@ RenderJob jobOf(const fs::path& store, const RandomScene& scene) {
 }
 
 // OpenEXR's own reader lays deep samples over one another when it is asked for flat rows.
-TEST_F(DeepImages, InFilesFlattenWithinHalfAFloatsRounding) {
+TEST_P(DeepImagesOf, InFilesFlattenWithinHalfAFloatsRounding) {
   for (std::uint64_t seed = 320; seed < 326; ++seed) {
     RenderJob job = jobOf(store_, randomScene(seed, volume_, kDeepSize));
+    job.picture.lattice = GetParam();
     job.output.path = directory_ / "deep.exr";
     job.output.deep = true;
     job.output.deep_bound.samples = 12;

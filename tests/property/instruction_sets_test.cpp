@@ -21,8 +21,9 @@ template <class Stores>
 void expectTheSameOnAllSets(const Stores& stores, const FrameRequest& request) {
   const Image best = draw(stores, request);
   EXPECT_TRUE(showsSomething(best));
-  onEveryInstructionSet(
-      [&](std::int64_t target) { EXPECT_TRUE(equalBits(best, draw(stores, request))) << "instruction set " << target; });
+  onEveryInstructionSet([&](std::int64_t target) {
+    EXPECT_TRUE(equalBits(best, draw(stores, request))) << "instruction set " << target;
+  });
 }
 
 class InstructionSetsFor : public testing::TestWithParam<Lattice> {};
