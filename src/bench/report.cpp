@@ -14,6 +14,7 @@
 #include "bench/report_html.h"
 #include "bench/report_json.h"
 #include "scene/job_names.h"
+#include "store/store_reader.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -81,6 +82,7 @@ class PictureFiles {
 }  // namespace
 
 void requireReportDirectory(const fs::path& directory) {
+  requireOutsideStores(directory, "-o");
   std::error_code error;
   const fs::file_status status = fs::status(directory, error);
   if (!fs::exists(status)) return;
@@ -96,10 +98,14 @@ void requireReportDirectory(const fs::path& directory) {
   });
 }
 
+std::vector<fs::path> reportFiles(const fs::path& directory) {
+  return {suiteFileOf(directory), directory / "measurements.csv", directory / "report.json", directory / "report.html"};
+}
+
 void writeReport(const Measurements& m, const fs::path& directory, FileSystem& disk) {
   disk.makeDirectories(directory);
   PictureFiles(m, directory / "pictures", disk).write();
-  disk.writeOwn(directory / "suite.json", m.suite.text);
+  disk.writeOwn(suiteFileOf(directory), m.suite.text);
   disk.writeOwn(directory / "measurements.csv", measurementsCsv(m));
   disk.writeOwn(directory / "report.json", measurementsJson(m));
   disk.writeOwn(directory / "report.html", measurementsHtml(m));

@@ -104,6 +104,7 @@ fs::path placeOf(const fs::path& out) {
 
 Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk, const FileLock* locked)
     : out_(placeOf(out)), building_(out_), disk_(disk), lock_(locked) {
+  requireOutsideStores(out_);
   if (lock_ == nullptr) {
     if (out_.has_parent_path()) disk_.makeDirectories(out_.parent_path());
     lock_ = &own_lock_.emplace(lockOf(out_), refusalOf(out_));

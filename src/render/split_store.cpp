@@ -97,6 +97,7 @@ std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store,
 StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& path, Progress& progress) {
   FileSystem& disk = FileSystem::real();
   const fs::path directory = path.has_filename() ? path : path.parent_path();
+  requireOutsideStores(directory, "-o");
   if (directory.has_parent_path()) disk.makeDirectories(directory.parent_path());
   const FileLock lock(lockOf(directory), refusalOf(directory));
   std::error_code unreadable;

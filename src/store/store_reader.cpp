@@ -29,6 +29,15 @@ bool holds(VoxelType type, double value) {
   });
 }
 
+// Finished, or begun by a conversion: a folder of slices may hold one file of such a name, too.
+bool holdsStore(const fs::path& folder) {
+  std::error_code unknown;
+  const auto holds_both = [&](const char* a, const char* b) {
+    return fs::exists(folder / a, unknown) && fs::exists(folder / b, unknown);
+  };
+  return holds_both("manifest.json", "index.bin") || holds_both("journal.bin", "bricks");
+}
+
 File opened(const fs::path& path, std::uint64_t bytes) {
   try {
     return File(path);
@@ -154,6 +163,20 @@ std::uint64_t StoreReader::largestFileBytes() const {
 
 bool isStore(const fs::path& directory) {
   return isThere(directory / "manifest.json");
+}
+
+void requireOutsideStores(const fs::path& path, const std::string& option) {
+  if (isWrittenInPlace(path)) return;
+  std::error_code unknown;
+  // The folders that are there, of a name whose folders are still to be made.
+  fs::path folder = behindLinks(path.has_filename() ? path : path.parent_path()).parent_path();
+  folder = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder, unknown), unknown);
+  for (; !unknown && folder.has_relative_path(); folder = folder.parent_path()) {
+    if (!holdsStore(folder)) continue;
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}{} would be in the store {}, which holds its own files only; name another folder",
+                            option.empty() ? "" : option + ": ", path.string(), folder.string()));
+  }
 }
 
 }  // namespace kiln

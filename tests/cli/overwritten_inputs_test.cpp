@@ -29,9 +29,10 @@ class OverwrittenInputs : public ToolTest {
   }
 
   // Each command with the output `found`, which leads to `read`.
-  void expectRefused(const std::vector<std::string>& command, const std::string& read) {
+  void expectRefused(const std::vector<std::string>& command, const std::string& read,
+                     const std::string& mention = "which this command reads") {
     const std::vector<std::byte> before = readFile(in(read));
-    refused(command, 2, "which this command reads");
+    refused(command, 2, mention);
     EXPECT_EQ(readFile(in(read)), before) << read;
   }
   std::vector<std::string> rendering(const std::string& input, const std::vector<std::string>& more) const {
@@ -47,7 +48,8 @@ TEST_F(OverwrittenInputs, OfRender_AreRefusedByAnyName) {
   fs::create_hard_link(in("v.kiln/bricks/0/0_0_0.vdb"), in("brick.png"));
   fs::create_hard_link(in("slices/s1.tif"), in("slice.json"));
   for (const char* option : {"--stats", "--trace"}) {
-    expectRefused(rendering("v.kiln", {option, in("link.json")}), "v.kiln/manifest.json");
+    expectRefused(rendering("v.kiln", {option, in("link.json")}), "v.kiln/manifest.json",
+                  "link.json would be in the store");
     expectRefused(rendering("v.kiln", {option, in("hard.json")}), "v.kiln/index.bin");
     expectRefused(rendering("job.json", {option, in("job.json")}), "job.json");
     expectRefused(rendering("job.json", {option, in("tf.json")}), "tf.json");
@@ -73,7 +75,7 @@ TEST_F(OverwrittenInputs, OfOtherCommands_AreRefusedByAnyName) {
   const std::string brick = "v.kiln/bricks/0/0_0_0.vdb";
   expectRefused({"compare", in("p.png"), in("p.png"), "-o", in("same.png")}, "p.png");
   expectRefused({"slice", in("v.kiln"), "-o", in("brick.png")}, brick);
-  expectRefused({"export", in("v.kiln"), in(brick), "--overwrite"}, brick);
+  expectRefused({"export", in("v.kiln"), in(brick), "--overwrite"}, brick, "would be in the store");
   expectRefused({"export", in("v.kiln"), in("brick.vdb"), "--overwrite"}, brick);
   expectRefused({"tf", in("tf.json"), "-o", in("function.png")}, "tf.json");
   expectRefused({"tf", in("v.kiln"), "--tf", in("tf.json"), "-o", in("function.png")}, "tf.json");
@@ -81,6 +83,80 @@ TEST_F(OverwrittenInputs, OfOtherCommands_AreRefusedByAnyName) {
   done({"render", in("v.kiln"), "-o", in("part.exr"), "--size", "16x16", "--part", "1/1"});
   fs::create_symlink(in("part.exr"), in("whole.exr"));
   expectRefused({"composite", in("part.exr"), "-o", in("whole.exr")}, "part.exr");
+}
+
+TEST_F(OverwrittenInputs, OfBench_AreRefusedByAnyName) {
+  fs::create_directories(in("report"));
+  writeText(in("suite.json"), R"({"kiln_suite": 1, "cases": [{"name": "V", "volume": "v.kiln", "transferFunction": "tf.json"}]})");
+  for (const char* file : {"suite.json", "tf.json"}) {
+    fs::create_hard_link(in(file), in("report/report.json"));
+    expectRefused({"bench", in("suite.json"), "-o", in("report"), "--quick"}, file);
+    fs::remove(in("report/report.json"));
+  }
+}
+
+// Names at which a command keeps unfinished work are none for its other outputs.
+TEST_F(OverwrittenInputs, NamesOfUnfinishedWork_AreNoOutputs) {
+  const std::string another = "is the name of another file of this command";
+  for (const char* option : {"--stats", "--trace"}) {
+    for (const char* name : {"z.png.tiles", "z.png.tiles.lock"})
+      refused({"render", in("v.kiln"), "--size", "16x16", "-o", in("z.png"), "--checkpoint", option, in(name)}, 2,
+              another);
+    const std::vector<std::string> video = {"render", in("v.kiln"), "--turntable", "2", "-o", in("v.mp4"), "--dry-run"};
+    const auto with = [&](const std::string& name) {
+      std::vector<std::string> out = video;
+      out.insert(out.end(), {option, in(name)});
+      return out;
+    };
+    refused(with("v.mp4.lock"), 2, another);
+    fs::create_directories(in("v.mp4.frames"));
+    fs::create_directory_symlink(in("v.mp4.frames"), in("frames"));
+    for (const char* name : {"v.mp4.frames", "v.mp4.frames/s.json", "frames/s.json"})
+      refused(with(name), 2, "where the frames of the video are kept until it is made");
+    fs::remove(in("frames"));
+    fs::remove(in("v.mp4.frames"));
+    refused(with("v.mp4.frames"), 2, "where the frames of the video are kept until it is made");
+  }
+  writeText(in("video.json"), R"({"volume": "v.kiln", "output": "v.mp4", "camera": {"turntable": {"frames": 2}},
+                                  "outputs": [{"path": "v.mp4.frames/d_#.exr", "content": "depth"}]})");
+  refused({"render", in("video.json"), "--dry-run"}, 2, "where the frames of the video are kept until it is made");
+  EXPECT_FALSE(fs::exists(in("v.mp4.frames")));
+}
+
+TEST_F(OverwrittenInputs, NewFilesInAStore_AreRefusedByEveryCommand) {
+  const auto names = [&] {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::recursive_directory_iterator(in("v.kiln"))) out.push_back(entry.path().string());
+    return out;
+  };
+  const std::vector<std::string> before = names();
+  fs::create_directory_symlink(in("v.kiln"), in("folder"));
+  fs::create_symlink(in("v.kiln/new.png"), in("new.png"));
+  done({"render", in("v.kiln"), "-o", in("part.exr"), "--size", "16x16", "--part", "1/1"});
+  writeText(in("suite.json"), R"({"kiln_suite": 1, "cases": [{"name": "V", "volume": "v.kiln"}]})");
+  const std::string mention = "would be in the store";
+  for (const char* place : {"v.kiln", "v.kiln/bricks/0", "folder", "v.kiln/../folder/bricks"}) {
+    const std::string to = in(place) + "/new";
+    refused(rendering("v.kiln", {"--stats", to + ".json"}), 2, mention);
+    refused(rendering("v.kiln", {"--trace", to + ".json"}), 2, mention);
+    refused({"render", in("p.kiln"), "-o", to + ".png"}, 2, mention);
+    refused({"render", in("v.kiln"), "--turntable", "2", "-o", to + "_#.png"}, 2, mention);
+    refused({"slice", in("v.kiln"), "-o", to + ".png"}, 2, mention);
+    refused({"tf", "ct-bone", "-o", to + ".png"}, 2, mention);
+    refused({"compare", in("p.png"), in("p.png"), "-o", to + ".png"}, 2, mention);
+    refused({"composite", in("part.exr"), "-o", to + ".exr"}, 2, mention);
+    refused({"export", in("v.kiln"), to + ".vdb"}, 2, mention);
+    refused({"split", in("v.kiln"), "-o", to + "_#.kiln", "--parts", "2"}, 2, mention);
+    refused({"convert", in("v.nhdr"), to + ".kiln"}, 2, mention);
+    refused({"convert", in("v.nhdr"), to + "/deeper/new.kiln/"}, 2, mention);
+    refused({"bench", in("suite.json"), "-o", to}, 2, mention);
+  }
+  refused({"slice", in("v.kiln"), "-o", in("new.png")}, 2, mention);
+  EXPECT_EQ(names(), before);
+  // A folder with a file of such a name is no store.
+  fs::create_directories(in("notes"));
+  writeText(in("notes/manifest.json"), "{}");
+  done(rendering("v.kiln", {"--stats", in("notes/s.json")}));
 }
 
 }  // namespace

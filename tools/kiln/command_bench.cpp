@@ -2,6 +2,7 @@
 #include "bench/report_text.h"
 #include "bench/run_suite.h"
 #include "commands.h"
+#include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
 
@@ -14,11 +15,26 @@ struct BenchArguments {
   bool quick = false;
 };
 
+// A report's suite.json may be the suite of the next one: the file gets the text that was read.
+void requireInputsApart(const Suite& suite, const fs::path& directory) {
+  OutputFiles outputs;
+  for (const fs::path& file : reportFiles(directory)) {
+    if (file != suiteFileOf(directory)) outputs.add(file);
+  }
+  outputs.requireNone(suite.path);
+  outputs.add(suiteFileOf(directory));
+  for (const SuiteCase& c : suite.cases) {
+    outputs.requireNone(c.volume);
+    if (const auto* const file = std::get_if<fs::path>(&c.transfer_function)) outputs.requireNone(fileOf(*file));
+  }
+}
+
 void run(const BenchArguments& a, Context& context) {
   Suite suite = readSuite(a.suite);
   if (a.quick) suite = quickened(suite);
   const fs::path directory = a.output;
   requireReportDirectory(directory);
+  requireInputsApart(suite, directory);
   const BenchOptions options{storesOf(directory), context.command_line, timeNow()};
   const auto report = [&](const Measurements& m, const MeasuredRun& measured) {
     context.progress.clear();

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/memory.h"
-#include "base/output_files.h"
 #include "commands.h"
 #include "output/compare.h"
 #include "output/image_file.h"
 #include "output/image_memory.h"
+#include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
 

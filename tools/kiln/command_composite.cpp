@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "base/memory.h"
-#include "base/output_files.h"
 #include "commands.h"
+#include "output_files.h"
 #include "render/composite_parts.h"
 #include "say.h"
 #include "scene/job_names.h"

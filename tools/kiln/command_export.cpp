@@ -1,8 +1,8 @@
 #include "base/file.h"
 #include "base/memory.h"
-#include "base/output_files.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
+#include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
 

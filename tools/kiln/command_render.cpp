@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/file_lock.h"
 #include "base/memory.h"
-#include "base/output_files.h"
 #include "cluster/shared_lists.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
 #include "find_program.h"
+#include "output_files.h"
 #include "render/dry_run.h"
 #include "render/empty_frame.h"
 #include "render/frame_checkpoint.h"
@@ -274,6 +275,19 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
   }
 }
 
+// Files that the command makes beside its pictures until these are whole.
+std::vector<fs::path> passingFiles(const RenderArguments& a, const RenderJob& job) {
+  std::vector<fs::path> out;
+  if (const fs::path& video = job.output.video.path; !video.empty()) out.push_back(lockOf(behindLinks(video)));
+  if (!a.checkpoint) return out;
+  for (const int frame : framesOf(job)) {
+    if (filesOf(job, frame).empty()) continue;
+    out.push_back(checkpointOf(job, frame));
+    out.push_back(lockOf(out.back()));
+  }
+  return out;
+}
+
 // All files that the command writes.
 OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
   OutputFiles out;
@@ -283,6 +297,7 @@ OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
   for (const int frame : framesOf(job)) {
     for (const OutputFile& file : filesOf(job, frame)) out.add(file.path);
   }
+  for (const fs::path& path : passingFiles(a, job)) out.add(path);
   return out;
 }
 
@@ -313,17 +328,36 @@ void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
   }
 }
 
+// True for the folder itself, too; neither needs to be there.
+bool isIn(const fs::path& path, const fs::path& folder) {
+  std::error_code unknown;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(folder), unknown),
+                 place = fs::weakly_canonical(fs::absolute(behindLinks(path)), unknown);
+  return std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
+}
+
+// That nothing is put into the folder of a video's frames, which is removed with all that is in it.
+void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const char* option) {
+  if (!keepsFramesForVideo(job) || path.empty() || !isIn(path, keptFramesOf(job.output.video))) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: {} is in {}, where the frames of the video are kept until it is made; name another file",
+                          option, path.string(), keptFramesOf(job.output.video).string()));
+}
+
 // That what is written beside the pictures is written over nothing else that the command writes.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   requireInputsApart(a, job);
+  for (const fs::path& path : namesOf(job.output)) requireOutsideKeptFrames(job, path, "-o");
   if (a.stats.empty() && job.trace.empty()) return;
   FileNames taken;
   for (const fs::path& path : namesOf(job.output)) taken.add(path);
   for (const int frame : framesOf(job)) {
     for (const OutputFile& file : filesOf(job, frame)) taken.add(file.path);
   }
+  for (const fs::path& path : passingFiles(a, job)) taken.add(path);
   for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
     if (name.empty()) continue;
+    requireOutsideKeptFrames(job, name, option);
     if (!taken.add(name))
       throw Error(ErrorCode::kUsage,
                   fmt::format("{}: {} is the name of another file of this command", option, name.string()));

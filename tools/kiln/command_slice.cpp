@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include "base/memory.h"
-#include "base/output_files.h"
 #include "commands.h"
 #include "output/image_file.h"
+#include "output_files.h"
 #include "render/slice.h"
 #include "say.h"
 #include "scene_arguments.h"

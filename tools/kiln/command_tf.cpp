@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "base/output_files.h"
 #include "base/srgb.h"
 #include "commands.h"
 #include "output/image_file.h"
+#include "output_files.h"
 #include "render/transfer_function_picture.h"
 #include "say.h"
 #include "scene/presets.h"

@@ -1,18 +1,19 @@
 // The files that a command is going to write, so that none of them is a file that the command reads: by device and
-// inode, whatever links, hard links or spellings lead to it.
+// inode, whatever links, hard links or spellings lead to it. Nor is a file put into the folder of a store.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
-namespace kiln {
+namespace kiln::tool {
 
 class OutputFiles {
  public:
   /// `option` is what named the file, for the message, such as "--stats". A name without a regular file behind it, as
-  /// of a device, is no file that could be lost.
+  /// of a device, is no file that could be lost. throws: Error kUsage where the file would be in a store's folder.
   void add(const std::filesystem::path& path, const std::string& option = "-o");
 
   /// Call this for each file or folder that is read, before anything is written. Files in folders of a folder count,
@@ -32,6 +33,7 @@ class OutputFiles {
   void requireNotThis(const std::filesystem::path& file) const;
   bool mayBeIn(const std::filesystem::path& folder) const;
   std::vector<Output> outputs_;
+  std::set<std::filesystem::path> folders_;  // in which the outputs are
 };
 
-}  // namespace kiln
+}  // namespace kiln::tool

@@ -1,4 +1,5 @@
-#include "base/output_files.h"
+
+#include "output_files.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -8,9 +9,11 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/folder.h"
+#include "store/store_reader.h"
 
-namespace kiln {
+namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
@@ -25,6 +28,8 @@ std::optional<struct stat> fileStatus(const fs::path& path) {
 
 void OutputFiles::add(const fs::path& path, const std::string& option) {
   if (path.empty()) return;
+  if (const fs::path folder = behindLinks(path).parent_path(); folders_.insert(folder).second)
+    requireOutsideStores(path, option);
   if (const std::optional<struct stat> found = fileStatus(path))
     outputs_.push_back({path, option, found->st_dev, found->st_ino, found->st_nlink > 1});
 }
@@ -65,4 +70,4 @@ void OutputFiles::requireNoneOf(const std::vector<fs::path>& read) const {
   for (const fs::path& file : read) requireNotThis(file);
 }
 
-}  // namespace kiln
+}  // namespace kiln::tool
