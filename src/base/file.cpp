@@ -228,9 +228,9 @@ bool FileNames::add(const fs::path& path) {
   auto folder = folders_.find(named);
   if (folder == folders_.end()) {
     std::error_code unknown;
-    const fs::path absolute = fs::absolute(named.empty() ? "." : named),
-                   whole = fs::weakly_canonical(absolute, unknown);
-    folder = folders_.emplace(named, unknown ? absolute : whole).first;
+    const fs::path absolute = fs::absolute(named.empty() ? "." : named, unknown),
+                   whole = unknown ? named : fs::weakly_canonical(absolute, unknown);
+    folder = folders_.emplace(named, unknown ? named : whole).first;
   }
   return names_.insert((folder->second / place.filename()).string()).second;
 }
@@ -355,9 +355,12 @@ void FileSystem::syncAll(const fs::path& path) {
 
 void FileSystem::removeAll(const fs::path& path) {
   std::error_code error;
-  do {
-    fs::remove_all(path, error);
-  } while (error == std::errc::interrupted);
+  // Removes in a second walk what a call that failed once has left.
+  for (int walks = 0; walks == 0 || (error && walks < 2); ++walks) {
+    do {
+      fs::remove_all(path, error);
+    } while (error == std::errc::interrupted);
+  }
   if (error) throw systemError(error.value(), path, "removing");
 }
 

@@ -20,6 +20,12 @@ bool isThere(const fs::path& path) {
   return isFound(status, error, path);
 }
 
+bool isFolder(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return isFound(status, error, path) && fs::is_directory(status);
+}
+
 bool isNameTaken(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);

@@ -11,4 +11,7 @@ bool isThere(const std::filesystem::path& path);
 /// True where `path` names anything, a link to nothing included. throws: as isThere.
 bool isNameTaken(const std::filesystem::path& path);
 
+/// True where `path` names a directory or a link to a directory. throws: as isThere.
+bool isFolder(const std::filesystem::path& path);
+
 }  // namespace kiln

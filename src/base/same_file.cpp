@@ -39,7 +39,9 @@ bool leadsTo(const fs::path& path, int open_file) {
 void removeIfStill(const fs::path& path, int open_file) noexcept {
   struct stat open, named;
   const bool known = ::fstat(open_file, &open) == 0 && ::lstat(path.c_str(), &named) == 0;
-  if (!known || (open.st_dev == named.st_dev && open.st_ino == named.st_ino)) ::unlink(path.c_str());
+  if (known && (open.st_dev != named.st_dev || open.st_ino != named.st_ino)) return;
+  // What stays is in nobody's way, but nobody removes it either: a call that failed once is repeated.
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) ::unlink(path.c_str());
 }
 
 bool lockAtOnce(int open_file) {

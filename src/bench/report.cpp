@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/folder.h"
+#include "base/path_status.h"
 #include "bench/node_slice_drawing.h"
 #include "bench/report_csv.h"
 #include "bench/report_figures.h"
@@ -83,10 +84,8 @@ class PictureFiles {
 
 void requireReportDirectory(const fs::path& directory) {
   requireOutsideStores(directory, "-o");
-  std::error_code error;
-  const fs::file_status status = fs::status(directory, error);
-  if (!fs::exists(status)) return;
-  if (!fs::is_directory(status)) throw Error(ErrorCode::kUsage, directory, "", "is no directory; a report is one");
+  if (!isThere(directory)) return;
+  if (!isFolder(directory)) throw Error(ErrorCode::kUsage, directory, "", "is no directory; a report is one");
   forEachEntry(directory, [&](const fs::directory_entry& entry) {
     std::string name = entry.path().filename().string();
     if (name.ends_with(".tmp")) name.resize(name.size() - 4);  // what a kill left of an atomic write

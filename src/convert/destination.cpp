@@ -181,7 +181,9 @@ void Destination::commit() {
   requirePlaceForOld();
   std::error_code ignored;
   const bool replaces = !isNothing(out_);
-  if (!replaces && isStore(old())) left_old_ = old();
+  if (!replaces && isStore(old()))
+    left_old_ = old().string() +
+                " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
   if (replaces) {
     disk_.removeAll(old());
     disk_.rename(out_, old());
@@ -198,9 +200,9 @@ void Destination::commit() {
   try {
     if (replaces) disk_.removeAll(old() / "manifest.json");
     if (replaces) disk_.removeAll(old());
-  } catch (const Error&) {
-    // The new store is in place and that is what was asked for; the next --overwrite removes what is left of the old,
-    // or says that it is there.
+  } catch (const Error& error) {
+    // The new store is in place, as was asked; the next --overwrite removes what is left of the old one.
+    left_old_ = fmt::format("{} is left of the store that was replaced ({}); remove it", old().string(), error.what());
   }
   tidy();
 }

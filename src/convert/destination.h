@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "base/file.h"
 #include "base/file_lock.h"
@@ -38,8 +39,8 @@ class Destination {
   /// The built store loses what only a resumed conversion needs, and takes its name. throws: Error kIo; what was at
   /// `out` is then still there.
   void commit();
-  /// After it, the store that an interrupted conversion had moved aside for this one, where there is one.
-  const std::filesystem::path& leftOld() const { return left_old_; }
+  /// After it, a sentence on the store that was replaced, where that is left; else empty.
+  const std::string& leftOld() const { return left_old_; }
   /// What was built stays, and is no store.
   void keepForResuming() noexcept;
   /// Removes what was built.
@@ -52,7 +53,8 @@ class Destination {
   void requirePlaceForOld() const;
   void choosePlace(bool overwrite, bool resume);
   const std::filesystem::path out_;
-  std::filesystem::path building_, left_old_;
+  std::filesystem::path building_;
+  std::string left_old_;
   FileSystem& disk_;
   std::optional<FileLock> own_lock_;
   const FileLock* lock_;

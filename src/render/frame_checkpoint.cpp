@@ -16,6 +16,7 @@
 #include "base/byte_record.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/path_status.h"
 #include "base/record_file.h"
 #include "render/aov_planes.h"
 #include "render/file_part.h"
@@ -119,7 +120,7 @@ class TileFile {
       return true;
     });
     begun_ = bytes && is_ours;
-    if (!begun_ && fs::exists(path_))
+    if (!begun_ && isThere(path_))
       throw Error(ErrorCode::kExists, path_, "",
                   fmt::format("{}; name another picture, or remove the file",
                               bytes && !is_first ? "has tiles of another picture, or of another volume"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/path_status.h"
 #include "render/video.h"
 #include "scene/frame_list.h"
 
@@ -56,7 +57,7 @@ void SequenceFrames::makeFolders() const {
       if (folder.empty() || numbers_.size() == 1) continue;
       if (others[i].path.parent_path() != folder)
         FileSystem::real().makeDirectories(folder);
-      else if (frame == numbers_.front() && !fs::is_directory(folder))
+      else if (frame == numbers_.front() && !isFolder(folder))
         throw Error(ErrorCode::kNotFound, folder, "", "there is no such directory to write the pictures to");
     }
   }

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/path_status.h"
 #include "commands.h"
 #include "render/split_store.h"
 #include "say.h"
@@ -24,7 +25,7 @@ struct VerifyArguments {
 
 // The box of a part that split made. A file of that name that is none is a stranger in a whole store.
 std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
-  if (!std::filesystem::exists(store.path() / kPartFile)) return std::nullopt;
+  if (!isThere(store.path() / kPartFile)) return std::nullopt;
   try {
     return boxOfStorePart(store.path());
   } catch (const Error& error) {

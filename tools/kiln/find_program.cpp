@@ -4,6 +4,9 @@
 
 #include <cstdlib>
 #include <sstream>
+#include <system_error>
+
+#include "base/error.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
@@ -14,8 +17,11 @@ fs::path findProgram(const std::string& name) {
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path program = fs::path(folder) / name;
     if (!program.is_absolute()) continue;
-    std::error_code ignored;
-    if (fs::is_regular_file(program, ignored) && ::access(program.c_str(), X_OK) == 0) return program;
+    // A failing disk must not lead to another program of this name.
+    std::error_code error;
+    const bool found = fs::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
+    if (found) return program;
+    if (error == std::errc::io_error) throw systemError(error.value(), program, "looking for the program");
   }
   return {};
 }
