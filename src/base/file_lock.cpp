@@ -37,6 +37,26 @@ std::string holderOf(const fs::path& lock) {
   return "another process";
 }
 
+// What is no file and has the name of a lock; nothing where there is a file, or nothing to be seen.
+const char* otherKindOf(const fs::path& path) {
+  std::error_code unknown;
+  switch (fs::symlink_status(path, unknown).type()) {
+    case fs::file_type::symlink:
+      return "a link";
+    case fs::file_type::directory:
+      return "a directory";
+    case fs::file_type::fifo:
+      return "a pipe";
+    case fs::file_type::socket:
+      return "a socket";
+    case fs::file_type::block:
+    case fs::file_type::character:
+      return "a device";
+    default:
+      return nullptr;
+  }
+}
+
 // An empty file is a lock that is about to be signed.
 bool isLock(int file, const fs::path& path) {
   std::array<char, kHolder.size()> begin;
@@ -66,7 +86,15 @@ FileLock::Attempt FileLock::attempt() {
   // What cannot be made here fails when the output is made.
   constexpr std::array kNoPlace = {EACCES, EPERM, EROFS, ENOENT, ENOTDIR, ENAMETOOLONG, ENOSPC, EDQUOT};
   if (file_ < 0 && std::find(kNoPlace.begin(), kNoPlace.end(), errno) != kNoPlace.end()) return Attempt::kDone;
-  if (file_ < 0) throw systemError(errno, path_, "opening the lock");
+  const int error = file_ < 0 ? errno : 0;
+  struct stat opened;
+  if (file_ < 0 || ::fstat(file_, &opened) != 0 || !S_ISREG(opened.st_mode)) {
+    const char* const kind = otherKindOf(path_);
+    if (kind != nullptr && file_ >= 0) ::close(std::exchange(file_, -1));
+    if (kind != nullptr)
+      throw Error(ErrorCode::kExists, path_, "", fmt::format("is {} in the way of a lock; move it", kind));
+  }
+  if (file_ < 0) throw systemError(error, path_, "opening the lock");
   try {
     if (!isLock(file_, path_))
       throw Error(ErrorCode::kExists, path_, "", "is in the way of a lock, and is none; move it");

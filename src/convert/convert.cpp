@@ -32,6 +32,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   for (const VolumeGeometry& geometry : pyramidOf(info.geometry, options.brick_size, options.most_levels)) {
     LevelInfo level;
     level.geometry = geometry;
+    if (!info.files.empty()) requireTransform(geometry, info.files.front());
     manifest.levels.push_back(level);
   }
   manifest.source.format = info.format;
@@ -222,7 +223,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   const ConversionPlan plan = planConversion(source, options);
   std::size_t notes = 0;
   if (ranks.first()) {
-    for (const std::string& note : info.notes) progress.note(note);
+    for (const std::string& note : info.notes) progress.note(namedNote(info, note));
     notes = info.notes.size();
     if (!ranks.alone() && source.order() == ReadOrder::kForward)
       progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
@@ -251,10 +252,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
   }
   // A compressed stream adds notes at its end.
-  for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(info.notes[notes]);
-  if (destination && !destination->leftOld().empty())
-    progress.note(destination->leftOld().string() +
-                  " is left: a store that somebody kept, or that an interrupted --overwrite was to replace");
+  for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(namedNote(info, info.notes[notes]));
+  if (destination && !destination->leftOld().empty()) progress.note(destination->leftOld());
   report.buffer_bytes = plan.total();
   report.seconds = secondsSince(started);
   return report;

@@ -180,11 +180,14 @@ void VdbLengths::transform() {
 bool VdbLengths::knowsMemoryOf(const std::string& type) { return bytesOfType(type) != 0; }
 
 std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
+  at_ = at;
+  // OpenVDB prints a warning of its own and reads the first buffer.
+  if (const auto buffers = take<std::int32_t>(); buffers != 1)
+    throw Error(ErrorCode::kUnsupported, file_.path, fmt::format("byte {}", at),
+                fmt::format("the tree has {} buffers, of which one is read; save the grid anew with one", buffers));
   const std::uint64_t value_bytes = bytesOfType(values.type);
   constexpr std::uint64_t kOrigin = 3 * sizeof(std::int32_t);
-  at_ = at;
-  skip(sizeof(std::int32_t));  // the number of buffers, which is 1
-  skip(value_bytes);           // the background
+  skip(value_bytes);  // the background
   const auto tiles = take<std::uint32_t>(), children = take<std::uint32_t>();
   skip(tiles * (kOrigin + value_bytes + 1));
   std::uint64_t out = tiles * kRootEntry;

@@ -53,6 +53,7 @@ class VdbLengths {
   static bool knowsMemoryOf(const std::string& type);
   /// Returns the memory that OpenVDB takes for the tree at `at`: nodes and voxels. Walks the nodes without voxels.
   /// unit: bytes. requires: gridHead returned `at`; knowsMemoryOf(values.type).
+  /// throws: Error kUnsupported where the tree has several buffers.
   std::uint64_t treeMemory(std::uint64_t at, const Values& values);
 
  private:

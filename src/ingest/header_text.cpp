@@ -154,6 +154,9 @@ std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
     fail(field, "the data file " + inQuotes(name) + " is not there; put it where the header says",
          ErrorCode::kNotFound);
   }
+  if (status.type() == std::filesystem::file_type::none) {
+    fail(field, "the data file " + inQuotes(name) + " cannot be looked at: " + error.message(), ErrorCode::kIo);
+  }
   if (!std::filesystem::is_regular_file(status)) {
     fail(field, inQuotes(name) + " is a directory, pipe or device, not a data file");
   }

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -140,15 +142,34 @@ VoxelType typeOf(const NiftiHeader& header) {
   }
 }
 
-void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type) {
+// Values of 32-bit floats have an end, beyond which they are infinite.
+void requireWithinFloat(const NiftiHeader& header, VoxelType stored, double slope, double intercept) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  const double most = withVoxelType(stored, []<class T>(std::type_identity<T>) {
+    // Of floats any value may be there; room is left for the sizes that instruments measure.
+    if constexpr (std::is_floating_point_v<T>) return 1e8;
+    return std::max(-static_cast<double>(std::numeric_limits<T>::lowest()),
+                    static_cast<double>(std::numeric_limits<T>::max()));
+  });
+  if (most * std::abs(slope) + std::abs(intercept) <= kLargest) return;
+  header.fail("byte 112", fmt::format("scl_slope {:g} and scl_inter {:g} take values beyond the largest float, {:g}; "
+                                      "correct the header",
+                                      slope, intercept, kLargest));
+}
+
+void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std::vector<std::string>& notes) {
   const double slope = header.f32(kSclSlope), intercept = header.f32(kSclInter);
+  if (!std::isfinite(slope))
+    notes.push_back(fmt::format("scl_slope is {}, which is no factor; values are taken as they are stored", slope));
   if (!std::isfinite(slope) || slope == 0 || (slope == 1 && intercept == 0)) return;
-  if (!std::isfinite(intercept)) header.fail("byte 116", "scl_inter is not a finite number, but scl_slope is");
+  if (!std::isfinite(intercept))
+    header.fail("byte 116", fmt::format("scl_inter is {}, not a finite number, but scl_slope is", intercept));
   data.slope = slope;
   data.intercept = intercept;
   // 24 bits of a float hold the 16 of the stored value and most of the factor's; 32-bit integers need a double.
   const bool narrow = sizeOf(data.stored_type) <= 2 || data.stored_type == VoxelType::f32;
   type = narrow ? VoxelType::f32 : VoxelType::f64;
+  if (narrow) requireWithinFloat(header, data.stored_type, slope, intercept);
 }
 
 void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& data) {
@@ -187,7 +208,7 @@ std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptio
   data.stored_type = info.type = typeOf(header);
   requireBits(header, data.stored_type);
   data.big_endian = header.bigEndian();
-  takeScale(header, data, info.type);
+  takeScale(header, data, info.type, info.notes);
   takeOffset(header, files, data);
   return openDescribed(files.header, std::move(info), data);
 }

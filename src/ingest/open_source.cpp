@@ -60,6 +60,8 @@ constexpr Magic kMagics[] = {
     {208, "MAP "sv, Format::kForeign, "MRC"},
 };
 
+constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "MRC"};
+
 std::string firstBytes(const File& file) {
   std::string bytes(512, '\0');
   bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
@@ -158,6 +160,13 @@ std::string headerBeside(const fs::path& path) {
   return "";
 }
 
+// "an OpenEXR", "a PNG": by the sound of a format's first letter, where that is a vowel or is spelt.
+std::string withArticle(const std::string& format) {
+  const bool vowel = std::any_of(std::begin(kSpokenWithAn), std::end(kSpokenWithAn),
+                                 [&](std::string_view name) { return format.starts_with(name); });
+  return (vowel ? "an " : "a ") + format;
+}
+
 constexpr const char* kStore = "a store";
 
 void requireOptionsApply(const fs::path& path, const std::string& format, const SourceOptions& options) {
@@ -198,6 +207,13 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
   requireOptionsApply(store, kStore, options);
 }
 
+std::string namedNote(const SourceInfo& info, const std::string& note) {
+  if (info.files.empty()) return note;
+  const fs::path& opened = info.files.front();
+  const std::string own = opened.filename().string() + ": ";
+  return opened.string() + ": " + (note.starts_with(own) ? note.substr(own.size()) : note);
+}
+
 std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
   if (namesPhantom(input)) {
     requireOptionsApply(input, "a phantom", options);
@@ -211,7 +227,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   Finding found = identify(input, described);
   if (found.format == Format::kForeign && !described) {
     throw Error(ErrorCode::kUnsupported, input, "",
-                "a " + found.name + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
+                withArticle(found.name) +
+                    " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
   }
   const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
   if ((slices && described) || found.format == Format::kForeign || found.format == Format::kUnknown)

@@ -32,6 +32,37 @@ std::string_view takeNumber(std::string_view& text) {
   return digits;
 }
 
+// A file that cannot be read, and why.
+struct Unread {
+  fs::path path;
+  ErrorCode code;
+  std::string reason;
+};
+
+Unread unreadBy(const Error& error, const fs::path& path) {
+  const std::string text = error.what(), prefix = path.string() + ": ";
+  return {path, error.code(), text.starts_with(prefix) ? text.substr(prefix.size()) : text};
+}
+
+// A file may have no ending, as those of a DICOM export often do.
+bool isNamedLike(const fs::path& path, const std::vector<fs::path>& slices) {
+  return std::any_of(slices.begin(), slices.end(),
+                     [&](const fs::path& slice) { return slice.extension() == path.extension(); });
+}
+
+// A file that could be a slice is an error, as without one those above it would move down; others are passed over.
+void passOver(const std::vector<Unread>& unread, const std::vector<fs::path>& slices,
+              std::vector<std::string>& notes) {
+  for (const Unread& file : unread) {
+    if (slices.empty()) throw Error(file.code, file.path, "", file.reason);
+    if (isNamedLike(file.path, slices))
+      throw Error(file.code, file.path, "",
+                  "is named like the slices beside it, and cannot be read (" + file.reason + "); mend or remove it");
+    notes.push_back("passed over " + inQuotes(file.path.filename().string()) + ", which cannot be read (" +
+                    file.reason + ") and is not named like the slices");
+  }
+}
+
 SliceFormat formatOf(const fs::path& path) {
   if (!isThere(path)) return SliceFormat::kNone;
   std::string bytes(512, '\0');
@@ -103,10 +134,15 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 
 SliceFiles slicesIn(const fs::path& directory) {
   std::vector<fs::path> tiff, dicom, other;
+  std::vector<Unread> unread;
   const auto add = [&](const fs::path& folder) {
     for (const fs::path& path : filesIn(folder)) {
-      const SliceFormat format = formatOf(path);
-      (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+      try {
+        const SliceFormat format = formatOf(path);
+        (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+      } catch (const Error& error) {
+        unread.push_back(unreadBy(error, path));
+      }
     }
   };
   add(directory);
@@ -129,18 +165,18 @@ SliceFiles slicesIn(const fs::path& directory) {
     refuse("holds TIFF files (" + named(tiff) + ") and DICOM files (" + named(dicom) +
            "); a directory is read as one volume, so put them apart");
   }
+  SliceFiles out;
+  passOver(unread, dicom.empty() ? tiff : dicom, out.notes);
   if (tiff.empty() && dicom.empty()) {
     refuse("a directory without slices: it holds no TIFF and no DICOM file (found " +
            (other.empty() ? std::string("no file") : named(other)) + ")");
   }
-  SliceFiles out;
   out.input = directory;
   out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
   out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
   // Without one of them those above it would move down.
   for (const fs::path& path : other) {
-    const auto named_so = [&](const fs::path& slice) { return slice.extension() == path.extension(); };
-    if (!path.has_extension() || std::none_of(out.files.begin(), out.files.end(), named_so)) continue;
+    if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
     if (!isThere(path))
       throw Error(ErrorCode::kNotFound, path, "",
                   "is named like the slices beside it, and is a link to nothing; mend or remove it");

@@ -44,6 +44,9 @@ struct SourceInfo {
   std::vector<std::string> notes;
 };
 
+/// A note of a source behind the name of the file or folder that was opened.
+std::string namedNote(const SourceInfo& info, const std::string& note);
+
 enum class ReadOrder {
   kAnyBox,   // boxes in any order, from any thread
   kForward,  // each voxel once, in the order of the file, by one thread at a time: a compressed stream

@@ -29,6 +29,10 @@ struct BrickFrame {
 std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
                                    std::span<const ValueRange> cells);
 
+/// Before a store of this geometry is begun: that its files have a place for the affine. throws: Error kUnsupported,
+/// naming `source`.
+void requireTransform(const VolumeGeometry& geometry, const std::filesystem::path& source);
+
 /// Decodes what `encodeBrick` made. requires: the bytes have passed their checksum.
 /// throws: Error kDamaged naming `path` where they are not such a file all the same.
 BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path);

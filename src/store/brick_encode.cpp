@@ -29,13 +29,13 @@ glm::dmat4 inUnits(int exponent, const glm::dmat4& world_from_grid) {
 }
 
 // 0, but where OpenVDB refuses the level's affine one in which an edge is about 1 (FORMAT.md).
-int unitExponentOf(const VolumeGeometry& geometry) {
+int unitExponentOf(const VolumeGeometry& geometry, const std::filesystem::path& source = {}) {
   if (hasTransform(geometry.world_from_index)) return 0;
   const int exponent = std::ilogb(geometry.meanSpacing());
   if (hasTransform(inUnits(exponent, geometry.world_from_index))) return exponent;
   const glm::dvec3 edge = geometry.spacing(), origin = geometry.worldOf({0, 0, 0});
-  throw Error(ErrorCode::kUnsupported,
-              fmt::format("geometry: voxels of {:g} x {:g} x {:g} world units are not told apart as far from 0 as "
+  throw Error(ErrorCode::kUnsupported, source, "geometry",
+              fmt::format("voxels of {:g} x {:g} x {:g} world units are not told apart as far from 0 as "
                           "({:g}, {:g}, {:g}); give the source an origin nearer to 0",
                           edge.x, edge.y, edge.z, origin.x, origin.y, origin.z));
 }
@@ -211,6 +211,10 @@ void stampUuid(std::vector<std::byte>& file) {
 }
 
 }  // namespace
+
+void requireTransform(const VolumeGeometry& geometry, const std::filesystem::path& source) {
+  unitExponentOf(geometry, source);
+}
 
 std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
                                    std::span<const ValueRange> cells) {

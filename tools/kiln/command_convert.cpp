@@ -131,7 +131,7 @@ void run(const ConvertArguments& a, Context& context) {
   const bool speaks = context.ranks->first();
   if (a.dry_run) {
     if (!speaks) return;
-    for (const std::string& note : source->info().notes) context.progress.note(note);
+    for (const std::string& note : source->info().notes) context.progress.note(namedNote(source->info(), note));
     printCost(a, *source, options, context);
     return;
   }
