@@ -331,8 +331,10 @@ void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
 // True for the folder itself, too; neither needs to be there.
 bool isIn(const fs::path& path, const fs::path& folder) {
   std::error_code unknown;
-  const fs::path whole = fs::weakly_canonical(fs::absolute(folder), unknown),
-                 place = fs::weakly_canonical(fs::absolute(behindLinks(path)), unknown);
+  const auto whole_name = [&](const fs::path& name) {
+    return fs::weakly_canonical(fs::absolute(name, unknown), unknown);
+  };
+  const fs::path whole = whole_name(folder), place = whole_name(behindLinks(path));
   return std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
 }
 

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <future>
 #include <iterator>
 #include <memory>
 #include <new>
@@ -134,13 +136,21 @@ std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string&
   return out;
 }
 
+// The launcher continues a rank that is stopped and interrupts it: the rank must know that the failure is reported, and
+// may find others silent that end. The claim has no answer where the first rank is on another machine and is gone.
+[[noreturn]] void endAllForOne(kiln::Ranks& ranks, const std::string& sentence) {
+  const auto claim = std::make_shared<std::promise<bool>>();
+  std::thread([&ranks, claim] { claim->set_value(ranks.claimFailure()); }).detach();
+  std::future<bool> first = claim->get_future();
+  const bool answered = first.wait_for(std::chrono::milliseconds(500)) == std::future_status::ready;
+  if (!answered || first.get()) complain("kiln: {}\n", sentence);
+  ranks.abort(1);
+  std::_Exit(1);  // never; a compiler may take a virtual function for one that returns
+}
+
 // Ends all ranks if one of them hangs.
 void watch(kiln::Ranks& ranks, double seconds) {
-  if (seconds > 0)
-    ranks.watch(seconds, [&ranks](const std::string& sentence) {
-      complain("kiln: {}\n", sentence);
-      ranks.abort(1);
-    });
+  if (seconds > 0) ranks.watch(seconds, [&ranks](const std::string& sentence) { endAllForOne(ranks, sentence); });
 }
 
 int run(int argc, char** argv, kiln::Ranks& ranks) {
