@@ -332,7 +332,10 @@ void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
 bool isIn(const fs::path& path, const fs::path& folder) {
   std::error_code unknown;
   const auto whole_name = [&](const fs::path& name) {
-    return fs::weakly_canonical(fs::absolute(name, unknown), unknown);
+    fs::path out = fs::absolute(name, unknown);
+    if (!unknown) out = fs::weakly_canonical(out, unknown);
+    if (unknown) throw systemError(unknown.value(), name, "looking at its folder");
+    return out;
   };
   const fs::path whole = whole_name(folder), place = whole_name(behindLinks(path));
   return std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
