@@ -34,14 +34,6 @@ constexpr int kGatherTag = Ranks::kTags, kAddTag = kGatherTag + 1, kAddedTag = k
 // What one call of a collective moves at most: MPI counts in int.
 constexpr std::size_t kLargestCall = std::size_t{1} << 30;
 
-// A user's operation has no argument of its own; calls are serialised, so that one place is enough.
-const Ranks::Combine* combine_now = nullptr;
-
-void combineElements(void* front, void* behind, int* count, MPI_Datatype* /*type*/) {
-  (*combine_now)(static_cast<const std::byte*>(front), static_cast<std::byte*>(behind),
-                 static_cast<std::size_t>(*count));
-}
-
 struct CounterRequest {
   std::uint64_t set, counter, amount;
 };
@@ -66,7 +58,6 @@ class MpiRanks : public Ranks {
     endPulses();
     barrier();
     service_ = {};
-    if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
     MPI_Finalize();
   }
 
@@ -119,37 +110,6 @@ class MpiRanks : public Ranks {
     broadcastBytes(std::as_writable_bytes(std::span(&size, 1)));
     bytes.resize(size);
     broadcastBytes(bytes);
-  }
-
-  void reduce(std::span<std::byte> elements, std::size_t element_bytes, const Combine& combine,
-              std::span<const int> order) override {
-    // All begin together, so that nobody spins while another still draws.
-    barrier();
-    const Clock::time_point begin = Clock::now();
-    locked([&] {
-      const MPI_Comm world = inOrder(order);
-      MPI_Datatype element;
-      MPI_Type_contiguous(static_cast<int>(element_bytes), MPI_BYTE, &element);
-      MPI_Type_commit(&element);
-      MPI_Op op;
-      MPI_Op_create(combineElements, 0, &op);
-      combine_now = &combine;
-      const auto root = static_cast<int>(std::find(order.begin(), order.end(), 0) - order.begin());
-      const std::size_t count = elements.size() / element_bytes, step = kLargestCall / element_bytes;
-      for (std::size_t i = 0; i < count; i += step) {
-        std::byte* const at = elements.data() + i * element_bytes;
-        const auto some = static_cast<int>(std::min(step, count - i));
-        if (first())
-          MPI_Reduce(MPI_IN_PLACE, at, some, element, op, root, world);
-        else
-          MPI_Reduce(at, nullptr, some, element, op, root, world);
-      }
-      MPI_Op_free(&op);
-      MPI_Type_free(&element);
-      // MPI does not tell what its tree moves; but each rank except one hands its elements on, once.
-      if (!first()) traffic_.sent_bytes += elements.size();
-      traffic_.waited_s += seconds(begin);
-    });
   }
 
   std::unique_ptr<SharedCounters> makeCounters(std::size_t count) override;
@@ -269,17 +229,6 @@ class MpiRanks : public Ranks {
     }
   }
 
-  // Of the order that was asked for last: a camera that moves slowly keeps it.
-  MPI_Comm inOrder(std::span<const int> order) {
-    if (ordered_ != MPI_COMM_NULL && std::equal(order.begin(), order.end(), order_.begin(), order_.end()))
-      return ordered_;
-    if (ordered_ != MPI_COMM_NULL) MPI_Comm_free(&ordered_);
-    order_.assign(order.begin(), order.end());
-    const auto place = std::find(order_.begin(), order_.end(), rank_) - order_.begin();
-    MPI_Comm_split(MPI_COMM_WORLD, 0, static_cast<int>(place), &ordered_);
-    return ordered_;
-  }
-
   static int ranksOfThisMachine() {
     MPI_Comm machine;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
@@ -367,8 +316,6 @@ class MpiRanks : public Ranks {
   mutable std::mutex mutex_;  // guards MPI and all below
   RankTraffic traffic_;
   std::list<Outgoing> outgoing_;
-  std::vector<int> order_;
-  MPI_Comm ordered_ = MPI_COMM_NULL;
   bool one_machine_ = true;
   std::uint64_t next_set_ = 0;
   std::map<std::uint64_t, std::vector<std::uint64_t>> sets_;  // of MasterCounters, on the first rank

@@ -56,8 +56,6 @@ class OneRank : public Ranks {
     return out;
   }
   void broadcast(std::vector<std::byte>& /*bytes*/) override {}
-  void reduce(std::span<std::byte> /*elements*/, std::size_t /*element_bytes*/, const Combine& /*combine*/,
-              std::span<const int> /*order*/) override {}
   RankTraffic traffic() const override { return {}; }
   bool claimFailure() override { return true; }
   [[noreturn]] void abort(int exit_code) override { std::_Exit(exit_code); }

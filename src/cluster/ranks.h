@@ -64,14 +64,6 @@ class Ranks {
   /// Collective. What the first rank has, on all.
   virtual void broadcast(std::vector<std::byte>& bytes) = 0;
 
-  /// Makes behind[i] what front[i] and behind[i] are together, for `count` elements. Associative within rounding, not
-  /// commutative.
-  using Combine = std::function<void(const std::byte* front, std::byte* behind, std::size_t count)>;
-  /// Collective. What all ranks' elements are together, in the order of the ranks that `order` names, on the first
-  /// rank; on the others `elements` are then without meaning. requires: `order` is a permutation and the same on all.
-  virtual void reduce(std::span<std::byte> elements, std::size_t element_bytes, const Combine& combine,
-                      std::span<const int> order) = 0;
-
   virtual RankTraffic traffic() const = 0;
 
   /// From here on, calls found(sentence) once another rank has for `seconds` neither answered, nor read, written,

@@ -182,8 +182,8 @@ void Destination::commit() {
   std::error_code ignored;
   const bool replaces = !isNothing(out_);
   if (!replaces && isStore(old()))
-    left_old_ = old().string() +
-                " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
+    left_old_ =
+        old().string() + " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
   if (replaces) {
     disk_.removeAll(old());
     disk_.rename(out_, old());

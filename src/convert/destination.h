@@ -19,9 +19,9 @@ class Destination {
   /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with
   /// `resume` what an interrupted conversion left is gone on with; with both, resumed where there is something to
   /// resume and replaced where not. throws: Error kExists where what is there is neither to be replaced nor resumed,
-  /// or OUT.old, a name that replacing needs, is somebody's; kUsage where `out` is in another store; kIo where others could change what is made there.
-  /// From here on no other process makes a store at `out`: a lock is held (lockOf), unless `locked` is the caller's,
-  /// and where another process holds it Error kExists is thrown.
+  /// or OUT.old, a name that replacing needs, is somebody's; kUsage where `out` is in another store; kIo where others
+  /// could change what is made there. From here on no other process makes a store at `out`: a lock is held (lockOf),
+  /// unless `locked` is the caller's, and where another process holds it Error kExists is thrown.
   Destination(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk,
               const FileLock* locked = nullptr);
 

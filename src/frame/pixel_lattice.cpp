@@ -8,21 +8,18 @@
 namespace kiln {
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
                            const Sampling& sampling, const TransferFunction& transfer_function, const Shading& shading,
-                           float gradient_noise, int sweep_px)
+                           float gradient_noise)
     : brick_size_(volume.brick_size),
-      sweep_px_(sweep_px),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range),
-      zones_(levels,
-             slabZones(zonedVolume(volume, levels, transfer_function, table_, sampling), view, sampling.level)) {
+      zones_(levels, slabZones(zonedVolume(volume, levels, sampling), view, sampling.level)) {
   const VolumeLook look{
       transfer_function,     shading, view, transfer_function.unitIn(volume.geometry().meanSpacing()), gradient_noise,
       sampling.interpolation};
   for (std::size_t i = 0; i < zones_.zones().size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
     frames_.push_back(zoneFrame(zone, levels, table_, look));
-    if (sampling.on_rays)
-      rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
-                         levels.endVoxels(zone.level), sampling.quincunx);
+    rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
+                       levels.endVoxels(zone.level), sampling.quincunx);
   }
 }
 
@@ -45,7 +42,7 @@ std::vector<PixelLattice::ZoneCells> PixelLattice::cellsOf(const BrickBlock& blo
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
     if (zone.level != block.key.level || !DepthZones::reaches(depths, zone)) continue;
-    out.push_back({frames_[i].get(), rays_.empty() ? nullptr : &rays_[i], interestingCells(*frames_[i], block)});
+    out.push_back({frames_[i].get(), &rays_[i], interestingCells(*frames_[i], block)});
   }
   return out;
 }
@@ -57,28 +54,13 @@ std::uint64_t PixelLattice::cellBytes(std::int64_t brick_size) {
 }
 
 void PixelLattice::drawTile(const BrickBlock& block, const std::vector<ZoneCells>& zones, const TilePixels& tile,
-                            Visibility& visibility, bool test_samples, float opaque_at, SplatCounts& counts) {
+                            Visibility& visibility, float opaque_at, SplatCounts& counts) const {
   const TileSpan span(block.key, tile.rect, counts);
-  const std::vector<TilePixels> squares = squaresOf(tile, sweep_px_);
-  if (!rays_.empty()) {
-    for (const ZoneCells& zone : zones) {
-      for (const TilePixels& square : squares)
-        castCells(*zone.rays, *zone.frame, block, zone.cells, square, visibility, opaque_at, counts);
-    }
-    return;
+  const std::vector<TilePixels> squares = squaresOf(tile);
+  for (const ZoneCells& zone : zones) {
+    for (const TilePixels& square : squares)
+      castCells(*zone.rays, *zone.frame, block, zone.cells, square, visibility, opaque_at, counts);
   }
-  pool_.lend([&](SweepMemory& memory) {
-    std::vector<const SlabCell*> touching;
-    for (const ZoneCells& zone : zones) {
-      for (const TilePixels& square : squares) {
-        touching.clear();
-        for (const SlabCell& cell : zone.cells) {
-          if (!intersection(cell.bounds.rect, square.rect).empty()) touching.push_back(&cell);
-        }
-        sweepSlabs(*zone.frame, block, touching, square, visibility, test_samples, opaque_at, memory, counts);
-      }
-    }
-  });
 }
 
 }  // namespace kiln

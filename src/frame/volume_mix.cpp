@@ -8,7 +8,6 @@
 #include "frame/depth_zones.h"
 #include "splat/cast_cells.h"
 #include "splat/composite_slabs.h"
-#include "splat/join_volumes.h"
 
 namespace kiln {
 namespace {
@@ -30,21 +29,11 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
     const Volume& volume = *volumes_.back();
-    zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, volume.mixed.transfer_function,
-                                volume.table, view_.sampling));
+    zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, view_.sampling));
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.sampling.level))
     zones_.push_back({std::move(slabs), {}, {}, {}});
-  float color_unit = 1;
-  for (const std::unique_ptr<Volume>& volume : volumes_)
-    color_unit = std::max(color_unit, colorUnitOf(volume->mixed.shading));
   for (Zone& zone : zones_) {
-    SlabSharing sharing{false, 0, color_unit};
-    for (const SlabZone& slabs : zone.slabs) {
-      if (slabs.slabs == 0) continue;
-      const FootprintTable own(slabs.sigma_px, slabs.soft_sigma_px);
-      sharing.least_taps = std::max(sharing.least_taps, own.taps());
-    }
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
       const VolumeLook look{volume.mixed.transfer_function,
@@ -54,12 +43,10 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
                             gradientNoiseOf(volume.mixed.store->manifest(), volume.mixed.transfer_function),
                             view_.sampling.interpolation};
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look, sharing) : nullptr);
+      zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look) : nullptr);
     }
   }
-  if (view_.sampling.on_rays) {
-    for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);
-  }
+  for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);
   const PixelRect picture{0, 0, view_.view.size.width, view_.view.size.height};
   for (std::size_t v = 0; v < volumes_.size(); ++v) addBricks(v, picture);
 }
@@ -158,23 +145,20 @@ std::uint64_t VolumeMix::mostBytes(std::span<const PixelRect> tiles) const {
 }
 
 std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                         const std::vector<TilePixels>& tiles, Visibility& visibility,
-                                         bool test_samples, float opaque_at,
+                                         const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
                                          const std::function<void(std::size_t)>& tile_drawn) {
   const Zone& of = zones_[zone];
   Cells cells(bricks.size());
   parallelFor(bricks.size(), [&](std::size_t i) {
     const Span span(Activity::kCells);
-    if (blocks[i]) cells[i] = interestingCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
+    if (blocks[i])
+      cells[i] = interestingCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
   });
   const ZoneBricks drawn{of, bricks, blocks, cells};
   std::vector<std::vector<SplatCounts>> counts(tiles.size(), std::vector<SplatCounts>(volumes_.size()));
   parallelFor(tiles.size(), [&](std::size_t t) {
     const Span span(Activity::kTile);
-    if (of.rays.empty())
-      sweepTile(drawn, tiles[t], visibility, test_samples, opaque_at, counts[t]);
-    else
-      castTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
+    drawTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
     tile_drawn(t);
   });
   std::vector<SplatCounts> total(volumes_.size());
@@ -184,36 +168,15 @@ std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick
   return total;
 }
 
-void VolumeMix::sweepTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, bool test_samples,
-                          float opaque_at, std::span<SplatCounts> counts) {
-  std::vector<const SlabFrame*> frames;
-  for (const std::unique_ptr<SlabFrame>& frame : drawn.zone.frames) frames.push_back(frame.get());
-  pool_.lend([&](SweepMemory& memory) {
-    std::vector<SweptCell> touching;
-    for (const TilePixels& square : squaresOf(tile, view_.sweep_px)) {
-      touching.clear();
-      for (std::size_t i = 0; i < drawn.bricks.size(); ++i) {
-        const Brick& brick = *drawn.bricks[i];
-        if (intersection(brick.rect, square.rect).empty()) continue;
-        for (const SlabCell& cell : drawn.cells[i]) {
-          if (!intersection(cell.bounds.rect, square.rect).empty())
-            touching.push_back({&cell, drawn.blocks[i].get(), static_cast<std::size_t>(brick.brick.store)});
-        }
-      }
-      sweepTogether(frames, touching, square, visibility, test_samples, opaque_at, memory, counts);
-    }
-  });
-}
-
 // Sums are added volume by volume, so that no bit of them depends on the order of bricks.
-void VolumeMix::castTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
+void VolumeMix::drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
                          std::span<SplatCounts> counts) {
   const Zone& zone = drawn.zone;
   const int slabs = std::max_element(zone.slabs.begin(), zone.slabs.end(), [](const SlabZone& a, const SlabZone& b) {
                       return a.slabs < b.slabs;
                     })->slabs;
   sums_.lend([&](SlabSums& sums) {
-    for (const TilePixels& square : squaresOf(tile, kSweepEdge)) {
+    for (const TilePixels& square : squaresOf(tile)) {
       if (visibility.hidden(square.rect)) continue;
       sums.reset(square.rect, slabs, square.aovs.normal[0] != nullptr);
       for (std::size_t v = 0; v < volumes_.size(); ++v) {

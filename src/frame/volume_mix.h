@@ -1,7 +1,6 @@
 // Several volumes in one picture: one set of slabs for all (splat/slab_grid.h), zone after zone from near to far. In a
-// zone each volume has the level and the refinement that its own voxels need, and in each tile all bricks of all of
-// them that reach into the zone are swept together, so that nobody owns a pixel of a slab, and no bit depends on how a
-// volume was cut.
+// zone each volume has the level that its own voxels need, and in each tile samples of all volumes are added up slab by
+// slab (splat/slab_sums.h), so that no bit depends on how a volume was cut.
 #pragma once
 
 #include <functional>
@@ -29,7 +28,6 @@ struct MixView {
   View view;
   ProjectedArea area = ProjectedArea::kBox;
   Sampling sampling;  // of all volumes
-  int sweep_px = 64;
 };
 
 class VolumeMix {
@@ -72,11 +70,11 @@ class VolumeMix {
   /// left out; the result is a count for each volume. requires: zones in order; `bricks` are all of the zone that touch
   /// one of the tiles and are not hidden. `tile_drawn` is told the place of each that is, by any thread.
   std::vector<SplatCounts> draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                const std::vector<TilePixels>& tiles, Visibility& visibility, bool test_samples,
-                                float opaque_at, const std::function<void(std::size_t)>& tile_drawn);
+                                const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
+                                const std::function<void(std::size_t)>& tile_drawn);
 
   /// What its threads have needed so far. unit: bytes.
-  std::uint64_t bytes() const { return pool_.bytes() + sums_.bytes(); }
+  std::uint64_t bytes() const { return sums_.bytes(); }
 
  private:
   struct Volume {
@@ -89,7 +87,7 @@ class VolumeMix {
   struct Zone {
     std::vector<SlabZone> slabs;                     // of each volume
     std::vector<std::unique_ptr<SlabFrame>> frames;  // null where it has none
-    std::vector<RaySlabs> rays;                      // of each volume; empty in the pixel lattice
+    std::vector<RaySlabs> rays;                      // of each volume
     std::vector<Brick> bricks;
   };
   /// Cells of a zone's bricks that may show something. shape: a list a brick.
@@ -101,10 +99,8 @@ class VolumeMix {
     const Blocks& blocks;
     const Cells& cells;
   };
-  /// Draw a tile's pixels of a zone in squares. `counts` has a count for each volume.
-  void sweepTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, bool test_samples,
-                 float opaque_at, std::span<SplatCounts> counts);
-  void castTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
+  /// Draws a tile's pixels of a zone in squares. `counts` has a count for each volume.
+  void drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
                 std::span<SplatCounts> counts);
   void addRays(std::size_t volume);
   void addBricks(std::size_t volume, const PixelRect& picture);
@@ -115,8 +111,7 @@ class VolumeMix {
   std::vector<Zone> zones_;
   BrickWalkCounts counts_;
   std::uint64_t reading_bytes_ = 0;  // beyond what a decoded brick takes, at most
-  MemoryPool<SweepMemory> pool_;  // of the pixel lattice
-  MemoryPool<SlabSums> sums_;     // on rays
+  MemoryPool<SlabSums> sums_;
 };
 
 }  // namespace kiln

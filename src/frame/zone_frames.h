@@ -1,5 +1,5 @@
-// What is made of a volume for each zone of slabs, also on rays, and which bricks show anything there: the same
-// whether a volume is drawn alone or with others.
+// What is made of a volume for each zone of slabs, and which bricks show anything there: the same whether a volume is
+// drawn alone or with others.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 #include "frame/brick_walk.h"
 #include "scene/sampling.h"
 #include "scene/transfer_function.h"
-#include "splat/slab_sweep.h"
+#include "splat/slab_frame.h"
 
 namespace kiln {
 
@@ -22,20 +22,19 @@ struct VolumeLook {
   Interpolation interpolation = Interpolation::kLinear;
 };
 
-/// The volume as its lattice is decided. requires: the manifest outlives the result.
-ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const TransferFunction& transfer_function,
-                        const SampleTable& table, const Sampling& sampling);
+/// The volume as its slabs are decided. requires: the manifest outlives the result.
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
 
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
-                                     const VolumeLook& look, const SlabSharing& sharing = {});
+                                     const VolumeLook& look);
 
 /// As BrickWalk::AnyPart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
 /// (store/sub_bricks.h).
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const BrickWalk::PartTest& test);
 
-/// The tile in squares of `edge` pixels, which one thread sweeps: pixels of a tile are closed by one thread at a time.
-std::vector<TilePixels> squaresOf(const TilePixels& tile, int edge);
+/// The tile in squares of kSquareEdge pixels: pixels of a tile are closed by one thread at a time.
+std::vector<TilePixels> squaresOf(const TilePixels& tile);
 
 }  // namespace kiln

@@ -226,9 +226,9 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   const bool described = options.dims && options.type;
   Finding found = identify(input, described);
   if (found.format == Format::kForeign && !described) {
-    throw Error(ErrorCode::kUnsupported, input, "",
-                withArticle(found.name) +
-                    " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
+    throw Error(
+        ErrorCode::kUnsupported, input, "",
+        withArticle(found.name) + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
   }
   const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
   if ((slices && described) || found.format == Format::kForeign || found.format == Format::kUnknown)

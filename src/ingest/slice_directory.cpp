@@ -51,8 +51,7 @@ bool isNamedLike(const fs::path& path, const std::vector<fs::path>& slices) {
 }
 
 // A file that could be a slice is an error, as without one those above it would move down; others are passed over.
-void passOver(const std::vector<Unread>& unread, const std::vector<fs::path>& slices,
-              std::vector<std::string>& notes) {
+void passOver(const std::vector<Unread>& unread, const std::vector<fs::path>& slices, std::vector<std::string>& notes) {
   for (const Unread& file : unread) {
     if (slices.empty()) throw Error(file.code, file.path, "", file.reason);
     if (isNamedLike(file.path, slices))

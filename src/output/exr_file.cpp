@@ -22,7 +22,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "output/exr_edges.h"
+#include "output/exr_deep_check.h"
 #include "output/exr_head.h"
 #include "output/exr_parts.h"
 #include "output/image_memory.h"
@@ -270,21 +270,11 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
                                  const std::filesystem::path& path) {
   const Imf::Compression compression = exrCompression(options.exr_compression);
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-  Imf::Header header = headerOf(image, image.height, metadata, type, compression);
+  const Imf::Header header = headerOf(image, image.height, metadata, type, compression);
   return writing(path, [&](ExrWriter& stream) {
-    // Files' destructors write the tables of scanline offsets.
-    if (!image.edges) {
-      Imf::OutputFile file(stream, header, compressingThreads());
-      writeRows(file, image, type);
-      return;
-    }
-    header.setType(Imf::SCANLINEIMAGE);
-    header.setName("color");
-    const Imf::Header headers[] = {header, edgesHeader(header)};
-    Imf::MultiPartOutputFile file(stream, headers, 2, false, compressingThreads());
-    Imf::OutputPart flat(file, 0);
-    writeRows(flat, image, type);
-    writeEdges(*image.edges, file, 1);
+    // The file's destructor writes the table of scanline offsets.
+    Imf::OutputFile file(stream, header, compressingThreads());
+    writeRows(file, image, type);
   });
 }
 
@@ -329,7 +319,7 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
 }
 
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path, std::span<const std::string> planes,
-                bool edges, std::uint64_t memory_bytes) {
+                std::uint64_t memory_bytes) {
   const std::vector<ExrPart> head = readExrHead(exrBytesOf(data), path);
   const std::uint64_t needed = bytesOfParts(head) + bytesOfImage(head.front(), planes.size());
   requireMemory(needed, memory_bytes, path);
@@ -339,11 +329,6 @@ Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& pa
     Imf::InputFile file(stream, 0);
     Image image = readRows(file, data.size(), path);
     if (!planes.empty()) readPlanes(file, planes, path, image);
-    if (edges) {
-      MemoryReader again(data);
-      Imf::MultiPartInputFile parts(again, 0);
-      image.edges = readEdges(parts, image.width, image.height, memory_bytes - needed);
-    }
     return image;
   });
 }

@@ -17,14 +17,13 @@ namespace kiln {
 
 bool looksLikeExr(std::span<const std::byte> data);
 
-/// One scanline part and, where the image has layers of edges, a part of them: channels R G B A where the image has
-/// colours, and of each plane a channel of its name, which is 32-bit float whatever the others are; equal input gives
-/// equal bytes. Half clamps what is beyond ±65504. `path` is for errors. cost: the compressed file in memory beside the
-/// image. throws: Error kIo, kUsage (unknown compression).
+/// One scanline part: channels R G B A where the image has colours, and of each plane a channel of its name, which is
+/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is
+/// for errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
-/// The same, band by band, without layers of edges. throws: also what `rows` and `out` throw.
+/// The same, band by band. throws: also what `rows` and `out` throw.
 void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                const std::filesystem::path& path, ScratchOutput& out);
 
@@ -32,11 +31,10 @@ void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOp
 std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
                                       const std::filesystem::path& path);
 
-/// The data window of the first part, with the planes that are named, and the layers of edges where they are asked for
-/// and there, in at most `memory_bytes` beside `data`. throws: Error kFormat, kUnsupported, kBudget, naming `path`.
+/// The data window of the first part, with the planes that are named, in at most `memory_bytes` beside `data`. throws:
+/// Error kFormat, kUnsupported, kBudget, naming `path`.
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
-                std::span<const std::string> planes = {}, bool edges = false,
-                std::uint64_t memory_bytes = kUnlimitedBytes);
+                std::span<const std::string> planes = {}, std::uint64_t memory_bytes = kUnlimitedBytes);
 /// Reads every channel of every row of every part. throws: Error kFormat where a part of the file is damaged or
 /// missing; kBudget.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/deep_samples.h"
-#include "base/edge_layers.h"
 #include "base/zero_pages.h"
 
 namespace kiln {
@@ -25,7 +24,6 @@ struct Image {
   ZeroPages<float> rgba;
   std::vector<Plane> planes;
   std::shared_ptr<DeepSamples> deep;  // of the same pixels, counted as in the whole picture; null where not asked for
-  std::shared_ptr<EdgeLayers> edges;  // of a partial image; the same
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), rgba(static_cast<std::size_t>(w) * h * 4) {}

@@ -43,7 +43,7 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
-  if (!image.edges && pixelBytes(image) > kEncodedInMemory) {
+  if (pixelBytes(image) > kEncodedInMemory) {
     RowsOfImage rows(image);
     return writeImage(rows, metadata, options, path, disk);
   }
@@ -94,11 +94,10 @@ void requireMemory(std::uint64_t needed, std::uint64_t allowed, const std::files
                           formatBytes(allowed), roundedUpBytes(needed - allowed)));
 }
 
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, bool edges,
-                std::uint64_t memory_bytes) {
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, std::uint64_t memory_bytes) {
   const std::vector<std::byte> data = readWithin(path, memory_bytes);
   const std::uint64_t left = memory_bytes - data.size();
-  if (looksLikeExr(data)) return decodeExr(data, path, planes, edges, left);
+  if (looksLikeExr(data)) return decodeExr(data, path, planes, left);
   if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
   if (looksLikePng(data)) return decodePng(data, path, left);
   throw notAPicture(path);

@@ -83,10 +83,10 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes = fals
 inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;
 
 /// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; the first bytes
-/// say which format it is. Of a deep EXR, the samples are laid over one another. `edges`: with the layers of a partial
-/// image, where the file has them. `memory_bytes` holds the file, the picture and what unpacks it.
-/// throws: Error kFormat, kNotFound, kUnsupported; kBudget, with the memory that suffices, before it is taken.
-Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {}, bool edges = false,
+/// say which format it is. Of a deep EXR, the samples are laid over one another. `memory_bytes` holds the file, the
+/// picture and what unpacks it. throws: Error kFormat, kNotFound, kUnsupported; kBudget, with the memory that suffices,
+/// before it is taken.
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {},
                 std::uint64_t memory_bytes = kUnlimitedBytes);
 /// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
 void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes = kUnlimitedBytes);

@@ -8,10 +8,12 @@
 
 #include "base/elapsed.h"
 #include "cluster/shared_lists.h"
+#include "render/aov_planes.h"
 #include "render/background.h"
-#include "render/composite_parts.h"
 #include "render/composite_ranks.h"
 #include "render/empty_frame.h"
+#include "render/part_image.h"
+#include "render/part_order.h"
 #include "render/rank_boxes.h"
 #include "render/ranked_sequence.h"
 #include "render/split_store.h"
@@ -23,7 +25,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A part's pixels lie behind each other as a whole picture's slabs do in one way of drawing only.
 void requireParts(const RenderJob& job) {
   const PictureOptions& picture = job.picture;
   const auto refuse = [](const char* what) {
@@ -31,13 +32,10 @@ void requireParts(const RenderJob& job) {
   };
   if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
   if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
-  if (picture.lattice != Lattice::kPixel) refuse("only the pixel lattice is drawn in parts");
-  if (oversamples(picture)) refuse("a pixel is one sample");
   if (const char* const view = viewWithoutTiles(job)) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));
   }
-  if (drawnAovs(job).any()) refuse("depth and normals are not drawn in parts");
   if (!job.volumes.empty()) refuse("several volumes are not drawn in parts");
   if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
 }
@@ -165,10 +163,10 @@ class BrickSequence : public RankedSequence {
   void composite(DrawnFrame& drawn, FrameStatistics& statistics) {
     auto& [image, view] = drawn.views.front();
     const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
-    const std::vector<PartPixel> made =
-        compositeDirectly(ranks_, image, *order, static_cast<float>(job_.picture.opacity_threshold));
+    const Aovs aovs = drawnAovs(job_);
+    Image made = compositeDirectly(ranks_, image, aovs, *order, static_cast<float>(job_.picture.opacity_threshold));
     if (!ranks_.first()) return;
-    image = colorsOf(made, image.width);
+    image = pixelsOf(made, drawn.scene.picture, aovs);
     statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
     layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
@@ -180,8 +178,8 @@ class BrickSequence : public RankedSequence {
 }  // namespace
 
 std::uint64_t partBytes(const RenderJob& job) {
-  return (3 * sizeof(PartPixel) + EdgeLayers::kLeastPixelBytes) *
-         drawnPixels(job.picture.size, job.picture.crop).count();
+  const std::uint64_t sample_bytes = 4 * sizeof(float) + aovBytes(drawnAovs(job));
+  return 3 * sample_bytes * sampleWindowOf(job.picture).samples.count();
 }
 
 SequenceResult shareBricksOfSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,

@@ -12,7 +12,7 @@ namespace kiln {
 SequenceResult shareBricksOfSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                                      SequenceListener& listener);
 
-/// The part as it is composited, and as others' arrive, with as many layers of edges as scans have. unit: bytes.
+/// The part's samples, as they are sent, and as they are composited. unit: bytes.
 std::uint64_t partBytes(const RenderJob& job);
 
 }  // namespace kiln

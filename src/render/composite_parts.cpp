@@ -10,6 +10,7 @@
 
 #include "output/image_memory.h"
 #include "render/background.h"
+#include "render/part_image.h"
 #include "render/part_order.h"
 #include "scene/render_job.h"
 
@@ -101,14 +102,6 @@ void requireDisjoint(const std::vector<Part>& parts) {
   }
 }
 
-void layPart(const Image& part, float opaque_at, std::vector<PartPixel>& made) {
-  std::size_t place = 0;
-  for (int y = 0; y < part.height; ++y) {
-    for (int x = 0; x < part.width; ++x, ++place)
-      forEachLayer(part, x, y, [&](const EdgeLayer& layer) { layBehind(layer, opaque_at, made[place]); });
-  }
-}
-
 ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view, std::uint64_t damaged_bricks) {
   job.picture.clipping.part.reset();
   job.picture.skip_damaged = damaged_bricks > 0;
@@ -147,14 +140,15 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const VolumeGeometry volume = geometryOf(parts.front().volume);
   const Camera camera = picture.camera.resolve(volume, picture.size);
   const View view = resolve(camera, picture.stereo, picture.size);
-  const PixelRect pixels = drawnPixels(picture.size, picture.crop);
+  const SampleWindow window = sampleWindowOf(picture);
+  const PixelRect& samples = window.samples;
   CompositedParts out;
-  // The picture is made beside its pixels once no part is in memory any more.
-  const std::uint64_t made_bytes = static_cast<std::uint64_t>(pixels.count()) * sizeof(PartPixel);
-  requireMemory(made_bytes + static_cast<std::uint64_t>(pixels.count()) * 4 * sizeof(float), memory_bytes,
-                parts.front().path);
-  std::vector<PartPixel> made(pixels.count());
-  const std::vector<std::string> planes = {kCoveragePlane};
+  Image made = emptyPart(samples, picture.aovs);
+  // The picture's pixels are made when no part is in memory any more: a part has as many samples or more.
+  const std::uint64_t made_bytes = samples.count() * (4 + made.planes.size()) * sizeof(float);
+  requireMemory(2 * made_bytes, memory_bytes, parts.front().path);
+  std::vector<std::string> planes;
+  for (const Plane& plane : made.planes) planes.push_back(plane.name);
   const auto opaque_at = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0, damaged_bricks = 0;
   for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
@@ -162,18 +156,17 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");
-    const Image image = readImage(part.path, planes, true, memory_bytes - made_bytes);
-    if (image.width != pixels.width() || image.height != pixels.height())
-      throw Error(
-          ErrorCode::kFormat, part.path, "dataWindow",
-          fmt::format("{} x {} pixels, expected {} x {}", image.width, image.height, pixels.width(), pixels.height()));
-    layPart(image, opaque_at, made);
+    Image image = readImage(part.path, planes, memory_bytes - made_bytes);
+    if (image.width != made.width || image.height != made.height)
+      throw Error(ErrorCode::kFormat, part.path, "dataWindow",
+                  fmt::format("{} x {} samples, expected {} x {}", image.width, image.height, made.width, made.height));
+    layBehind(image, picture.aovs, 0, 0, opaque_at, made);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());
   }
   out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
-  out.image = colorsOf(made, pixels.width());
-  layOverBackground(out.image, pixels.y0, picture.size.height, picture.background);
+  out.image = pixelsOf(made, picture, picture.aovs);
+  layOverBackground(out.image, drawnPixels(picture.size, picture.crop).y0, picture.size.height, picture.background);
   return out;
 }
 

@@ -13,10 +13,6 @@
 
 namespace kiln {
 
-/// The plane of a partial image that says what of each pixel's area its slabs cover (splat/coverage.h): parts of one
-/// body lie behind each other there, too.
-inline constexpr const char* kCoveragePlane = "coverage";
-
 /// What a partial image's header says of its volume, beside the job: which it is, and where it is in the world.
 std::string partOriginText(const Manifest& volume);
 
@@ -27,10 +23,10 @@ struct CompositedParts {
 };
 
 /// The picture that the parts make, within rounding and what the opacity threshold leaves open: over one another, front
-/// to back, then over the background. cost: memory for two pictures. throws: Error kUsage where there are no parts or
-/// two of them do not belong together: of other volumes, cameras, sizes or looks, with a common voxel, or without an
-/// order; kUnsupported for a file that is no partial image; kBudget where `memory_bytes` do not hold the picture beside
-/// one of the parts; else as readImage; kCancelled.
+/// to back, then over the background. cost: memory for two pictures of their samples. throws: Error kUsage where there
+/// are no parts or two of them do not belong together: of other volumes, cameras, sizes or looks, with a common voxel,
+/// or without an order; kUnsupported for a file that is no partial image; kBudget where `memory_bytes` do not hold the
+/// picture beside one of the parts; else as readImage; kCancelled.
 CompositedParts compositeParts(const std::vector<std::filesystem::path>& parts, Progress& progress,
                                std::uint64_t memory_bytes = kUnlimitedBytes);
 

@@ -1,21 +1,18 @@
-// The partial images of ranks put together in the order in which they are seen: by sending each rank the strip of rows
-// that it puts together, and only what of them shows something; or by MPI's own reduction, whose pixels are all of one
-// size, so that it knows nothing of edges' layers. Pictures are made the first way; a benchmark has both.
+// Composites the partial images of ranks in the order in which they are seen ("direct send", Hsu, "Segmented ray
+// casting for data parallel volume rendering", 1993): each rank composites a strip of rows, and gets only what shows
+// something.
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "cluster/ranks.h"
-#include "render/part_order.h"
+#include "output/image.h"
+#include "scene/render_job.h"
 
 namespace kiln {
 
-/// Collective. Makes of all ranks' parts, in `order` front to back, the picture of the first rank: rows as the parts';
-/// of the others it is without meaning. requires: parts of one size, each with the plane of what is covered.
-std::vector<PartPixel> compositeDirectly(Ranks& ranks, const Image& part, std::span<const int> order, float opaque_at);
-
-/// The same by reduction: of pixels without layers, in place.
-void compositeByReduction(Ranks& ranks, std::vector<PartPixel>& pixels, std::span<const int> order, float opaque_at);
+/// Collective. Makes of all ranks' parts, in `order` front to back, the samples of the first rank's picture; the result
+/// of other ranks has no meaning. requires: parts of one size, with the planes of `aovs`.
+Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order, float opaque_at);
 
 }  // namespace kiln

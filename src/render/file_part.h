@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "output/image.h"
-#include "render/composite_parts.h"
 #include "render/opened_job.h"
 
 namespace kiln {
@@ -20,11 +19,9 @@ class FilePart {
     part_.width = whole.width;
     part_.height = whole.height;
     part_.deep = whole.deep;
-    if (holdsColors(file.content)) part_.edges = whole.edges;
     if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
-    const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(), [&](const Plane& plane) {
-      return plane.name == kCoveragePlane ? holdsColors(file.content) : isOf(plane, aovs);
-    });
+    const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(),
+                                              [&](const Plane& plane) { return isOf(plane, aovs); });
     std::move(whole.planes.begin(), others, std::back_inserter(part_.planes));
     whole.planes.erase(whole.planes.begin(), others);
   }

@@ -12,7 +12,6 @@
 #include "frame/tile_span.h"
 #include "frame/tile_walk.h"
 #include "render/aov_planes.h"
-#include "render/composite_parts.h"
 
 namespace kiln {
 namespace {
@@ -90,18 +89,17 @@ FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameR
   const Span span(Activity::kPlan);
   const StoreReader& store = *stores.front();
   if (!request.volumes.empty()) {
-    mix.emplace(mixedVolumes(stores, request),
-                MixView{request.view, request.visibility.area, request.sampling(), request.sweep_px});
+    mix.emplace(mixedVolumes(stores, request), MixView{request.view, request.visibility.area, request.sampling()});
   } else if (request.mode != Mode::kComposite) {
     projection.emplace(store, levels, request.view, request.level, request.mode,
                        request.visibility.method != VisibilityMethod::kNone);
     bricks.emplace(store, levels, projection->choice(), projection->anyPart(), ValueProjection::kGhosts);
   } else if (request.lattice != Lattice::kVoxel) {
     pixel.emplace(store.manifest(), levels, request.view, request.sampling(), request.transfer_function,
-                  request.shading, gradientNoiseOf(store.manifest(), request.transfer_function), request.sweep_px);
-    bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kMostGhosts);
+                  request.shading, gradientNoiseOf(store.manifest(), request.transfer_function));
+    bricks.emplace(store, levels, pixel->choice(), inPart(levels, pixel->anyPart()), kCutGhosts);
   } else {
-    bricks.emplace(store, levels, voxelChoice(levels), wholeBrick(classifier));
+    bricks.emplace(store, levels, voxelChoice(levels), inPart(levels, wholeBrick(classifier)));
   }
 }
 
@@ -169,17 +167,9 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   const Span span(Activity::kWalk);
-  const bool slabs = request_.lattice == Lattice::kPixel;
-  ZeroPages<CoveredPixel> covered(slabs ? image.rgba.size() / 4 : 0);
-  ZeroPages<float> filled(request_.aovs.depth ? image.rgba.size() / 4 : 0);
-  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, slabs ? covered.data() : nullptr,
-                 aovPixels(request_.aovs, image, 0, 0)};
-  all.aovs.filled = filled.data();
+  TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
   if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep, request_.view.origin_depth);
   all.deep = image.deep.get();
-  if (request_.clipping.part && plan_.pixel)
-    image.edges = std::make_shared<EdgeLayers>(pixels, request_.edge_pixel_bytes);
-  all.edges = image.edges.get();
   if (plan_.mix) {
     mix(all);
     return;
@@ -207,15 +197,6 @@ void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
   };
   plan_.bricks->run(pixels, *visibility_, draw, walked_, request_.node_log);
   drawDue(all);
-  if (!request_.clipping.part || !plan_.pixel) return;
-  Plane coverage{kCoveragePlane, ZeroPages<float>(covered.size())};
-  std::transform(covered.begin(), covered.end(), coverage.values.begin(),
-                 [](CoveredPixel part) { return static_cast<float>(part) / 255; });
-  image.planes.push_back(std::move(coverage));
-  if (image.edges->incomplete())
-    progress_.warn(
-        "most pixels of the partial image are edges, more than there is room for; where parts meet at some of "
-        "them, the whole is off; give more --memory, or draw the part in crops (--crop)");
 }
 
 std::vector<PixelRect> tilesOf(int tile_px, const PixelRect& drawn, const PixelRect& rect) {
@@ -298,7 +279,7 @@ void FrameDrawing::drawDue(const TilePixels& all) {
 
 void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, SplatCounts& counts) {
   if (plan_.pixel) {
-    plan_.pixel->drawTile(*brick.block, brick.zones, tile, *visibility_, frame_.test_samples, frame_.opaque_at, counts);
+    plan_.pixel->drawTile(*brick.block, brick.zones, tile, *visibility_, frame_.opaque_at, counts);
     return;
   }
   const TileSpan span(brick.block->key, tile.rect, counts);
@@ -329,6 +310,7 @@ SplatFrame FrameDrawing::frameOfLevel(int level) const {
   out.view = VoxelView(*out.projector, plainLight(request_.shading, noise, *out.projector));
   out.gradient_opacity = GradientOpacity(request_.transfer_function, opacityUnit(store_, request_), *out.projector);
   out.clip = &plan_.levels.clipRegion(level);
+  out.part = out.clip->part().voxels();
   out.ends = plan_.levels.endVoxels(level);
   return out;
 }
@@ -350,7 +332,7 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
   out.bricks_shared = after.shared - before_.shared;
   out.bricks_shared_bytes = after.shared_bytes - before_.shared_bytes;
-  out.slab_bytes = plan_.pixel ? plan_.pixel->bytes() : plan_.mix ? plan_.mix->bytes() : planes_.bytes();
+  out.slab_bytes = plan_.mix ? plan_.mix->bytes() : planes_.bytes();
   out.load_s = after.load_seconds - before_.load_seconds;
   return out;
 }

@@ -29,7 +29,7 @@ struct FramePlan {
 
   FrameLevels levels;
   Classifier classifier;
-  // Of these at most one, `pixel` and `mix` also for rays; with none it is the voxel lattice.
+  // Of these at most one; with none it is the voxel lattice.
   std::optional<PixelLattice> pixel;
   std::optional<ValueProjection> projection;
   std::optional<VolumeMix> mix;

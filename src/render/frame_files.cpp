@@ -14,6 +14,7 @@
 #include "render/composite_parts.h"
 #include "render/file_part.h"
 #include "render/frame_checkpoint.h"
+#include "render/part_image.h"
 #include "scene/frame_list.h"
 #include "scene/job_names.h"
 #include "scene/series_look.h"
@@ -55,8 +56,12 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
     of_file.picture.skip_damaged = true;
     out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged);
   }
-  if (const auto& crop = job.picture.crop)
+  if (drawsPart(of_file.picture)) {
+    const auto [samples, picture] = sampleWindowOf(of_file.picture);
+    out.whole = {samples.x0, samples.y0, picture.width, picture.height};
+  } else if (const auto& crop = job.picture.crop) {
     out.whole = {crop->x0, crop->y0, job.picture.size.width, job.picture.size.height};
+  }
   out.world_to_camera = exrWorldToCamera(view);
   out.panorama = view.projection == Projection::kEquirectangular;
   if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);

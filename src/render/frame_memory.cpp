@@ -17,8 +17,8 @@
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
+#include "render/part_image.h"
 #include "render/pixel_filter.h"
-#include "splat/coverage.h"
 #include "splat/projected_values.h"
 #include "splat/tile_planes.h"
 
@@ -41,18 +41,8 @@ std::uint64_t picturesHeld(const RenderJob& job) {
   return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
 }
 
-bool drawsSlabs(const RenderJob& job) {
-  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
-}
-
 bool castsRays(const RenderJob& job) {
-  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kRay;
-}
-
-// Where it is drawn, also what slabs cover of it; a partial image's file has that, too.
-std::uint64_t drawnPixelBytes(const RenderJob& job) {
-  const std::size_t coverage = sizeof(CoveredPixel) + (drawsPart(job.picture) ? sizeof(float) : 0);
-  return pixelBytes(job) + (drawsSlabs(job) ? coverage : 0);
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
 }
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
@@ -60,34 +50,14 @@ constexpr std::uint64_t kWalkBytes = 16;
 // Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
 constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
 
-// What a square being swept takes for each pixel of it and of a margin around it: samples that wait for their slabs,
-// two sheets and what the pixels own. A unit of 16 x 8 x 8 samples, half a pixel apart, is 10 pixels deep at most and
-// half of their samples wait at a time: 8 a cubic pixel of 32 bytes make 1.2 KiB. Measured over flames and bone in skin
-// of three volumes at 0.3 to 2 pixels a voxel: 1.7 KiB at the most.
-constexpr std::uint64_t kSweepBytesOfPixel = 1800;
-// The same where samples are nearer than by default: 2.3 KiB at the most, at a quarter of a voxel.
-constexpr std::uint64_t kSweepBytesOfNearPixel = 2800;
-constexpr std::uint64_t kSweepMargin = 4;
-// A unit's voxels and samples.
-constexpr std::uint64_t kUnitBytes = 512u << 10;
+// A cell's voxels and samples.
+constexpr std::uint64_t kCellBytes = 512u << 10;
 
-// In smaller squares, units that touch several are refined too often. unit: pixels.
-constexpr int kLeastSweep = 16;
-
-std::uint64_t slabBytes(const RenderJob& job, int edge, int bricks_together, std::int64_t brick_size) {
-  const std::uint64_t padded = static_cast<std::uint64_t>(edge) + 2 * kSweepMargin;
+std::uint64_t slabBytes(const RenderJob& job, int bricks_together, std::int64_t brick_size) {
   const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
-  const bool near = job.picture.sample_distance < kSampleDistance;
-  // As many samples and sheets again are of what is told beside colours.
-  const std::uint64_t of_pixel =
-      (near ? kSweepBytesOfNearPixel : kSweepBytesOfPixel) * (job.picture.aovs.any() ? 2 : 1);
   const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
-  const std::uint64_t volumes = std::max<std::uint64_t>(job.volumes.size(), 1);
-  // Rays need no sheets and nothing that waits; of several volumes they have sums.
-  const std::uint64_t swept = drawsSlabs(job) ? padded * padded * volumes * of_pixel : 0;
-  const std::uint64_t summed =
-      castsRays(job) && !job.volumes.empty() ? SlabSums::bytesFor(job.picture.aovs.normal) : 0;
-  return threads * (swept + summed + kUnitBytes) + together * PixelLattice::cellBytes(brick_size);
+  const std::uint64_t summed = job.volumes.empty() ? 0 : SlabSums::bytesFor(job.picture.aovs.normal);
+  return threads * (summed + kCellBytes) + together * PixelLattice::cellBytes(brick_size);
 }
 
 bool splatsVoxels(const RenderJob& job) {
@@ -107,7 +77,18 @@ constexpr int kNoBands = 1 << 24;
 
 PixelFilter filterOf(const RenderJob& job) {
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
-  return PixelFilter(job.picture.samples.value_or(1), castsRays(job) && !panorama && !drawsDeep(job));
+  return PixelFilter(job.picture.samples.value_or(1),
+                     castsRays(job) && !panorama && !drawsPart(job.picture) && !drawsDeep(job));
+}
+
+// A partial image is a picture of its samples, each of them a pixel.
+RenderJob ofDrawnPixels(RenderJob job) {
+  if (!drawsPart(job.picture)) return job;
+  const SampleWindow window = sampleWindowOf(job.picture);
+  job.picture.size = window.picture;
+  job.picture.crop = window.samples;
+  job.picture.samples = 1;
+  return job;
 }
 
 // unit: sub-pixels.
@@ -117,7 +98,7 @@ ImageSize bandSize(const PixelRect& drawn, const PixelFilter& filter, int rows) 
 }
 
 std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
-  return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * drawnPixelBytes(job);
+  return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * pixelBytes(job);
 }
 
 // What visibility is known of, at the most, where a crop is drawn: it begins where a tile does. unit: sub-pixels.
@@ -138,14 +119,14 @@ class FrameAccount {
  public:
   FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes)
       : stores_(stores),
-        job_(job),
-        size_(job.picture.size),
-        drawn_(drawnPixels(size_, job.picture.crop)),
-        filter_(filterOf(job)),
+        job_(ofDrawnPixels(job)),
+        size_(job_.picture.size),
+        drawn_(drawnPixels(size_, job_.picture.crop)),
+        filter_(filterOf(job_)),
         pixels_(drawn_.count()),
-        panorama_(job.picture.camera.projection == Projection::kEquirectangular),
+        panorama_(job_.picture.camera.projection == Projection::kEquirectangular),
         banded_(!filter_.inPlace(drawn_, size_)),
-        tested_(testedSize(job, drawn_, filter_)) {
+        tested_(testedSize(job_, drawn_, filter_)) {
     out_.brick = brick_bytes;
     out_.several = !job.volumes.empty();
     out_.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
@@ -156,22 +137,18 @@ class FrameAccount {
     chargeFace();
     if (job_.picture.mode == Mode::kComposite) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
     chargeIndex();
-    if (drawsSlabs(job_) || castsRays(job_)) chargeSlabs();
+    if (castsRays(job_)) chargeSlabs();
     if (splatsVoxels(job_)) chargePlanes();
-    if (drawsEdges()) shareWithEdges();
     if (banded_) shareWithBand();
     chooseBricksTogether();
     return out_;
   }
 
  private:
-  bool drawsEdges() const { return drawsPart(job_.picture) && drawsSlabs(job_); }
-
   void chargePixels() {
-    out_.image = pixels_ * (banded_ ? pixelBytes(job_) : drawnPixelBytes(job_)) * picturesHeld(job_);
+    out_.image = pixels_ * (banded_ ? pixelBytes(job_) : pixelBytes(job_)) * picturesHeld(job_);
     if (drawsDeep(job_))
       out_.deep = DeepSamples::bytesFor(pixels_, job_.output.deep_bound) * eyesOf(job_.picture).size();
-    if (drawsEdges()) out_.edges = out_.least_edges = EdgeLayers::bytesFor(pixels_, out_.edge_pixel_bytes);
     if (!filter_.none() && !banded_) {
       out_.image += PixelFilter::copiedBytes(size_);
       out_.band_px = kNoBands;
@@ -185,7 +162,7 @@ class FrameAccount {
     view.focal_px = size_.height / std::numbers::pi;
     tested_ = panoramaFaces(view).front().size;
     out_.face =
-        static_cast<std::uint64_t>(tested_.width) * static_cast<std::uint64_t>(tested_.height) * drawnPixelBytes(job_) +
+        static_cast<std::uint64_t>(tested_.width) * static_cast<std::uint64_t>(tested_.height) * pixelBytes(job_) +
         pixels_ * sizeof(float);
   }
 
@@ -195,17 +172,16 @@ class FrameAccount {
       out_.index += store->index().bytes() + store->index().size() * of_brick;
   }
 
-  // The largest squares, and the most bricks at a time, that stay little of the budget.
+  // The most bricks at a time that stay little of the budget.
   void chargeSlabs() {
     const std::uint64_t budget = job_.speed.memory_bytes;
     const auto fits = [&] { return out_.slabs <= budget / 8 && out_.besideBricks() + out_.brick <= budget; };
     std::int64_t brick_size = 0;
     for (const StoreReader* const store : stores_) brick_size = std::max(brick_size, store->manifest().brick_size);
-    out_.least_slabs = slabBytes(job_, kLeastSweep, 1, brick_size);
-    const auto charge = [&] { out_.slabs = slabBytes(job_, out_.sweep_px, out_.bricks_together, brick_size); };
+    out_.least_slabs = slabBytes(job_, 1, brick_size);
+    const auto charge = [&] { out_.slabs = slabBytes(job_, out_.bricks_together, brick_size); };
     charge();
     while (out_.bricks_together > kEnoughBricksTogether && !fits()) out_.bricks_together /= 2, charge();
-    while (drawsSlabs(job_) && out_.sweep_px > kLeastSweep && !fits()) out_.sweep_px /= 2, charge();
     if (!fits()) out_.bricks_together = 1, charge();
   }
 
@@ -214,12 +190,6 @@ class FrameAccount {
                                 : panorama_ ? tested_
                                             : ImageSize{drawn_.width(), drawn_.height()};
     out_.slabs = out_.least_slabs = planesBytes(job_, at_a_time);
-  }
-
-  void shareWithEdges() {
-    const std::uint64_t share = shareOf(job_.speed.memory_bytes, out_.besideBricks() + out_.brick);
-    out_.edge_pixel_bytes = std::clamp(share / pixels_, EdgeLayers::kLeastPixelBytes, EdgeLayers::kMostPixelBytes);
-    out_.edges = EdgeLayers::bytesFor(pixels_, out_.edge_pixel_bytes);
   }
 
   void shareWithBand() {
@@ -244,7 +214,7 @@ class FrameAccount {
   }
 
   const std::vector<const StoreReader*>& stores_;
-  const RenderJob& job_;
+  const RenderJob job_;
   const ImageSize& size_;
   const PixelRect drawn_;
   const PixelFilter filter_;
@@ -284,8 +254,7 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                             formatBytes(memory.image + memory.face),
                             part(memory.least_band, "a band of samples (--samples, --crop of rays)") +
-                                part(memory.deep, "deep samples (--deep-samples)") +
-                                part(memory.least_edges, "a part's edges (--part)"),
+                                part(memory.deep, "deep samples (--deep-samples)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
   }

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "base/edge_layers.h"
 #include "render/render_frame.h"
 #include "scene/render_job.h"
 #include "store/store_reader.h"
@@ -20,10 +19,9 @@ struct FrameMemory {
   std::uint64_t band = 0;        // of samples: as many rows as are drawn at a time; 0 where a pixel is its sample
   std::uint64_t face = 0;        // of a panorama: one of the faces that it is made of
   std::uint64_t deep = 0;        // samples of a deep image, as many a pixel as the user bounds them by
-  std::uint64_t edges = 0;       // layers of a partial image's edges: up to a quarter of the budget
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
-  std::uint64_t slabs = 0;       // what each thread draws with: slabs; on rays, the lists of cells; a tile of voxels
+  std::uint64_t slabs = 0;       // what each thread draws with: cells, sums of several volumes; a tile of voxels
   std::uint64_t trace = 0;       // the trace, where one is kept
   std::uint64_t behind = 0;      // of a sequence, the frame before, of which files are written; of what the rest leaves
   std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves
@@ -31,22 +29,19 @@ struct FrameMemory {
 
   bool several = false;  // volumes
 
-  std::uint64_t least_slabs = 0;  // with the smallest squares, and one brick at a time
-  std::uint64_t least_band = 0;   // with the lowest band
-  std::uint64_t least_edges = 0;  // with the fewest layers
-  std::uint64_t edge_pixel_bytes = EdgeLayers::kLeastPixelBytes;
-  int sweep_px = 64;  // edge of the squares: as large as `slabs` stay little of the budget. unit: pixels
+  std::uint64_t least_slabs = 0;              // with one brick at a time
+  std::uint64_t least_band = 0;               // with the lowest band
   int bricks_together = kMostBricksTogether;  // that are drawn at a time, as many as leave room for the rest
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace + shared; }
   /// All that grows with the pixels that are drawn.
-  std::uint64_t framebuffer() const { return image + face + band + deep + edges + behind; }
+  std::uint64_t framebuffer() const { return image + face + band + deep + behind; }
   /// What `brick` is for, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
-    return besideBricks() - shared - behind - slabs + least_slabs - band + least_band - edges + least_edges + brick;
+    return besideBricks() - shared - behind - slabs + least_slabs - band + least_band + brick;
   }
 };
 
@@ -70,8 +65,8 @@ std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job);
 /// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);
 
-/// The share of `budget_bytes` for pages of evicted bricks that wait for the next brick (base/large_pages.h); cacheBytes
-/// does without. unit: bytes.
+/// The share of `budget_bytes` for pages of evicted bricks that wait for the next brick (base/large_pages.h);
+/// cacheBytes does without. unit: bytes.
 std::uint64_t sparePagesBytes(const FrameMemory& memory, std::uint64_t budget_bytes);
 
 }  // namespace kiln

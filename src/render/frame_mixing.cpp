@@ -85,7 +85,7 @@ void FrameDrawing::drawMixed(std::size_t zone, std::span<const VolumeMix::Brick*
     part_->within(steps, so_far += of_tile, steps);
   };
   const std::vector<SplatCounts> drawn =
-      plan_.mix->draw(zone, bricks, blocks, pixels, *visibility_, frame_.test_samples, frame_.opaque_at, tile_drawn);
+      plan_.mix->draw(zone, bricks, blocks, pixels, *visibility_, frame_.opaque_at, tile_drawn);
   mixed_steps_ += steps;
   for (std::size_t v = 0; v < drawn.size(); ++v) {
     counts_.add(drawn[v]);

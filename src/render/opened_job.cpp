@@ -161,30 +161,20 @@ void OpenedJob::judge(DrawnFrame& drawn) const {
   drawn.statistics.one_colour = isOfOneColour(drawn.scene, manifestsOf(stores_));
 }
 
-void OpenedJob::noteDeepSamples(Progress& progress) const {
-  if (!drawsDeep(job_)) return;
-  if (job_.picture.lattice == Lattice::kRay) {
-    progress.note("a deep picture has a ray a pixel, and a pixel of a flat one is the mean of several");
-    return;
-  }
-  if (job_.picture.samples) return;
-  RenderJob flat = drawn_job_;
-  flat.output.deep = false;
-  std::erase_if(flat.output.files, [](const OutputFile& file) { return file.content == Content::kDeep; });
-  const int samples = SceneOfJob(flat, manifestsOf(stores_)).mostSamples();
-  if (samples > 1)
-    progress.note(
-        fmt::format("a deep picture has one sample a pixel, and --samples auto draws a flat one of this job "
-                    "with {}; a flat picture with --samples 1 is the deep one, flattened",
-                    samples));
+void OpenedJob::noteDeep(Progress& progress) const {
+  const auto is_flat = [](const OutputFile& file) { return file.content != Content::kDeep; };
+  const std::vector<OutputFile>& files = job_.output.files;
+  if (!drawsDeep(job_) || std::any_of(files.begin(), files.end(), is_flat)) return;
+  progress.note(
+      "a deep picture has one ray a pixel and no pixel filter, unlike a flat picture of the same options; a flat "
+      "picture "
+      "beside it (outputs) is the deep one, flattened");
 }
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed);
-  request.sweep_px = memory_.sweep_px;
   request.bricks_together = memory_.bricks_together;
   request.band_px = memory_.band_px;
-  request.edge_pixel_bytes = memory_.edge_pixel_bytes;
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
   return request;
 }

@@ -69,8 +69,8 @@ class OpenedJob {
   std::vector<Doubt> doubts() const;
   /// Sets why the frame shows nothing, if it does.
   void judge(DrawnFrame& drawn) const;
-  /// A deep picture has one sample a pixel. If a flat picture of the job would have more, notes how they differ.
-  void noteDeepSamples(Progress& progress) const;
+  /// Notes that a deep picture is not the flat picture of the same options, unless a flat one is drawn beside it.
+  void noteDeep(Progress& progress) const;
   /// What the memory is for, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;
 

@@ -51,10 +51,4 @@ std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, con
   return out;
 }
 
-Image colorsOf(std::span<const PartPixel> pixels, int width) {
-  Image out(width, static_cast<int>(pixels.size() / static_cast<std::size_t>(width)));
-  for (std::size_t i = 0; i < pixels.size(); ++i) std::copy_n(pixels[i].rgba, 4, &out.rgba[4 * i]);
-  return out;
-}
-
 }  // namespace kiln

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/span.h"
-#include "scene/render_job.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/pixel_filter.cpp"
@@ -106,6 +105,10 @@ PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(s
   } else {
     std::fill_n(weights_.begin(), edge_, 1 / static_cast<float>(edge_));
   }
+}
+
+PixelFilter pixelFilterOf(Mode mode, Lattice lattice, int samples) {
+  return PixelFilter(samples, mode == Mode::kComposite && lattice == Lattice::kPixel);
 }
 
 PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size) const {

@@ -10,6 +10,7 @@
 #include "base/pixel_rect.h"
 #include "output/image.h"
 #include "scene/camera.h"
+#include "scene/render_job.h"
 
 namespace kiln {
 
@@ -50,5 +51,8 @@ class PixelFilter {
   bool quincunx_ = false;
   std::array<float, kMostTaps> weights_{};  // of the samples along a line, from the first that is part of a pixel
 };
+
+/// The filter of a picture's pixels. throws: as PixelFilter.
+PixelFilter pixelFilterOf(Mode mode, Lattice lattice, int samples);
 
 }  // namespace kiln

@@ -17,6 +17,7 @@
 #include "render/empty_frame.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
+#include "render/part_image.h"
 #include "render/pixel_filter.h"
 #include "scene/framing.h"
 
@@ -27,8 +28,6 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   for (const StoreReader* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
   }
-  if (request.lattice == Lattice::kRay && request.clipping.part)
-    throw Error(ErrorCode::kUsage, "--lattice ray: parts have the pixel lattice");
   requireInterpolation(request.lattice, request.interpolation);
   requireSamples(request.lattice, request.samples);
   requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
@@ -49,8 +48,8 @@ BusyTimes busySince(const BusyTimes& before) {
 }
 
 PixelFilter filterOf(const FrameRequest& request) {
-  const bool rays = request.mode == Mode::kComposite && request.lattice == Lattice::kRay;
-  return PixelFilter(request.samples, rays && request.filters_rays && !request.deep);
+  return request.filters_rays && !request.deep ? pixelFilterOf(request.mode, request.lattice, request.samples)
+                                               : PixelFilter(request.samples, false);
 }
 
 // The origin of several volumes' view space is near the box around all, whatever their order.
@@ -127,7 +126,7 @@ DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreRea
   const PixelFilter filter = filterOf(request);
   const ImageSize& size = request.view.size;
   DrawnPlane out{ofSubPixels(request, filter.edge(), stores), filter.samplesOf(pixels, size),
-                 bandsOf(pixels, size, filter, request.band_px)};
+                 request.clipping.part ? std::vector{pixels} : bandsOf(pixels, size, filter, request.band_px)};
   for (PixelRect& band : out.bands) band = filter.samplesOf(band, size);
   return out;
 }
@@ -222,10 +221,14 @@ Image FramePainter::draw(const PixelRect& pixels) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   const PixelFilter filter = filterOf(request_);
-  Image image = filter.inPlace(pixels, request_.view.size)
-                    ? drawInPlace(*drawing_, pixels, filter, request_, of_sub_pixels_.view)
-                    : drawFiltered(*drawing_, pixels, filter, request_, of_sub_pixels_.view);
-  {
+  const View& view = of_sub_pixels_.view;
+  Image image;
+  if (request_.clipping.part) {
+    image = drawing_->draw(filter.samplesOf(pixels, request_.view.size));
+    premultiplyPlanes(request_.aovs, view, image);
+  } else {
+    image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_, view)
+                                                       : drawFiltered(*drawing_, pixels, filter, request_, view);
     const Span span(Activity::kFinish);
     cost_.visible = cost_.visible || isVisible(image);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);

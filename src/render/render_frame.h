@@ -45,17 +45,11 @@ struct FrameRequest {
   int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
   bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
   Aovs aovs;                      // what the image has planes of
-  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, rays unfiltered
-  /// Of a part's pixels, what layers of edges take at most. unit: bytes.
-  std::uint64_t edge_pixel_bytes = EdgeLayers::kMostPixelBytes;
-  std::optional<int> level;  // of the whole frame; else, for each region, the one whose voxels are pixel-sized
-  Sampling sampling() const {
-    const bool rays = lattice == Lattice::kRay;
-    return {level, interpolation, sample_distance, rays, rays && samples == 2};
-  }
+  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
+  std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
+  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2}; }
   VisibilityOptions visibility;
-  int tile_px = 64;   // as SpeedOptions has it
-  int sweep_px = 64;  // of the pixel lattice: the edge of what a thread sweeps at a time; no bit depends on it
+  int tile_px = 64;                           // as SpeedOptions has it
   int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
   int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level

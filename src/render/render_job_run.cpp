@@ -69,7 +69,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   if (!at_frame.series) at_frame.series = seriesLook(job, {});
   OpenedJob opened(at_frame, progress);
   for (const OpenedJob::Doubt& doubt : opened.doubts()) progress.warn(doubt.sentence);
-  opened.noteDeepSamples(progress);
+  opened.noteDeep(progress);
   RenderResult result;
   DrawnFrame drawn;
   UncountedProgress of_one(progress);

@@ -53,13 +53,13 @@ void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& optio
                 Progress& progress) {
   FileSystem& disk = FileSystem::real();
   disk.replace(options.path, [&](const fs::path& temporary) {
-    Image image = readImage(pictures.front(), {}, false, memory_bytes);
+    Image image = readImage(pictures.front(), {}, memory_bytes);
     const int width = image.width, height = image.height;
     FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
     const auto waiting = [&] { progress.throwIfCancelled("making the video"); };
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       waiting();
-      if (i > 0) image = readImage(pictures[i], {}, false, memory_bytes);
+      if (i > 0) image = readImage(pictures[i], {}, memory_bytes);
       if (image.width != width || image.height != height)
         throw Error(ErrorCode::kUsage, pictures[i], "",
                     fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,

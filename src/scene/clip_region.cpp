@@ -13,7 +13,6 @@
 #include <string>
 
 #include "base/error.h"
-#include "grid/part_inside.h"
 
 namespace kiln {
 namespace {
@@ -24,9 +23,9 @@ std::string voxelText(const VoxelCoord& v) {
 
 void requireVoxels(const char* what, const VoxelBox& region, const Extent3& dims) {
   if (!intersection(region, boxOf(dims)).empty()) return;
-  throw Error(ErrorCode::kUsage, std::string("the ") + what + " from " + voxelText(region.lo) + " to " +
-                                     voxelText(region.hi) + " (half-open) holds none of the volume's voxels, 0,0,0 to " +
-                                     voxelText({dims.x, dims.y, dims.z}));
+  throw Error(ErrorCode::kUsage,
+              std::string("the ") + what + " from " + voxelText(region.lo) + " to " + voxelText(region.hi) +
+                  " (half-open) holds none of the volume's voxels, 0,0,0 to " + voxelText({dims.x, dims.y, dims.z}));
 }
 
 }  // namespace
@@ -113,6 +112,17 @@ void ClipRegion::add(const glm::dvec3& normal, double offset, double least, cons
   half_spaces_.push_back(out);
 }
 
+VoxelBox ClipRegion::Part::voxels() const noexcept {
+  // Far beyond any volume; sums with a volume's size stay in range.
+  constexpr double kFar = 1e15;
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = static_cast<std::int64_t>(std::ceil(std::max(lo[axis], -kFar)));
+    out.hi[axis] = static_cast<std::int64_t>(std::ceil(std::min(hi[axis], kFar)));
+  }
+  return out;
+}
+
 bool ClipRegion::Part::touches(const VoxelBox& voxels) const noexcept {
   for (int axis = 0; axis < 3; ++axis) {
     if (static_cast<double>(voxels.hi[axis]) - 0.5 <= lo[axis] ||
@@ -129,13 +139,10 @@ bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
   return true;
 }
 
-double ClipRegion::shareOf(const glm::dvec3& index, const glm::dvec3& edges) const noexcept {
-  double share = 1;
-  for (const HalfSpace& h : half_spaces_) {
-    const double extent = glm::dot(glm::abs(h.normal), edges);
-    share *= partInside((glm::dot(h.normal, index) + h.offset) / extent + 0.5);
-  }
-  return share;
+double ClipRegion::shareOf(const glm::dvec3& index, const glm::dvec3& along) const noexcept {
+  double begin = -0.5, end = 0.5;
+  cutLine(index, along, begin, end);
+  return std::max(end - begin, 0.0);
 }
 
 void ClipRegion::cutLine(const glm::dvec3& base, const glm::dvec3& slope, double& lo, double& hi) const noexcept {

@@ -58,10 +58,9 @@ class ClipRegion {
   /// no point of it: like a box of voxels, a region holds its lower faces and not its upper ones.
   bool contains(const glm::dvec3& index) const noexcept;
 
-  /// How much of a sample is inside that fills `edges` voxels around `index`, across each face: 1 where all of it is,
-  /// and of regions that share a face 1 together. What a face of voxels leaves is exact, also where samples lie across
-  /// it.
-  double shareOf(const glm::dvec3& index, const glm::dvec3& edges) const noexcept;
+  /// How much is inside of a stretch of a ray whose middle is `index`, and that is `along` from end to end: 1 where all
+  /// of it is, and of regions that share a face 1 together. unit: voxels.
+  double shareOf(const glm::dvec3& index, const glm::dvec3& along) const noexcept;
 
   /// The planes between the part and the rest of the volume, in the level's index space; infinite where there is no
   /// rest. The part holds its lower planes and not its upper ones.
@@ -69,6 +68,8 @@ class ClipRegion {
     glm::dvec3 lo{-std::numeric_limits<double>::infinity()}, hi{std::numeric_limits<double>::infinity()};
     bool all() const { return *this == Part(); }
     bool operator==(const Part&) const = default;
+    /// Voxels whose centres lie in the part, and perhaps voxels beyond the volume.
+    VoxelBox voxels() const noexcept;
     /// Whether any of the voxels' cubes reaches into it.
     bool touches(const VoxelBox& voxels) const noexcept;
   };

@@ -11,6 +11,7 @@ inline constexpr std::array<std::string_view, 3> kProjectionNames = {"perspectiv
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
+// The last is another name of the first.
 inline constexpr std::array<std::string_view, 3> kLatticeNames = {"pixel", "voxel", "ray"};
 inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
 inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};

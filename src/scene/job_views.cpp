@@ -20,7 +20,7 @@ void requireDeep(const RenderJob& job, const fs::path& path) {
   const std::string& compression = job.output.exr_compression;
   if (extensionOf(path) != ".exr") refuse(path, "the name", "ends in .exr");
   if (picture.mode != Mode::kComposite) refuse(path, "--mode", "is composite: nothing else has a depth");
-  if (picture.lattice == Lattice::kVoxel) refuse(path, "--lattice", "is pixel or ray, whose slabs are its samples");
+  if (picture.lattice != Lattice::kPixel) refuse(path, "--lattice", "is pixel, whose samples lie in slabs");
   if (oversamples(picture)) refuse(path, "--samples", "is 1: draw it larger, and make it smaller when it is flat");
   if (compression == "piz" || compression.starts_with("dwa")) refuse(path, "--compression", "is none, rle or zips");
   if (drawsBothEyes(picture.stereo) && !hasEyePlace(path))
@@ -50,6 +50,7 @@ bool drawsDeep(const RenderJob& job) {
 const char* viewWithoutTiles(const RenderJob& job) {
   if (drawsDeep(job)) return "a deep image";
   if (drawsBothEyes(job.picture.stereo)) return "both eyes";
+  if (drawsPart(job.picture)) return "a partial image";
   return job.picture.camera.projection == Projection::kEquirectangular ? "a panorama" : nullptr;
 }
 

@@ -95,7 +95,7 @@ constexpr std::array<std::string_view, 1> kAuto = {"auto"};
 bool legalSampleDistance(double voxels) { return voxels >= kLeastSampleDistance && voxels <= kMostSampleDistance; }
 
 void readLatticeAndLevel(const JobObject& root, PictureOptions& picture) {
-  if (const auto lattice = root.choice("lattice", kLatticeNames)) picture.lattice = static_cast<Lattice>(*lattice);
+  if (const auto lattice = root.choice("lattice", kLatticeNames)) picture.lattice = latticeOfName(*lattice);
   if (const auto place = root.choice("interpolation", kInterpolationNames))
     picture.interpolation = static_cast<Interpolation>(*place);
   picture.sample_distance = root.number("sampleDistance", "a number of voxels from 0.25 to 1", legalSampleDistance)
@@ -211,9 +211,9 @@ int subPixelsAlongEdge(int samples) {
 }
 
 void requireSamples(Lattice lattice, int samples) {
-  if (samples == 2 && lattice != Lattice::kRay)
+  if (samples == 2 && lattice != Lattice::kPixel)
     throw Error(ErrorCode::kUsage, fmt::format("--samples 2: --lattice {} has 1, 4 or 16 a pixel; choose one of them, "
-                                               "or --lattice ray",
+                                               "or --lattice pixel",
                                                nameIn(kLatticeNames, lattice)));
 }
 
@@ -263,9 +263,6 @@ void requirePart(const RenderJob& job) {
     throw Error(ErrorCode::kUsage, fmt::format("--part: {} of a partial image {}", option, why));
   };
   if (picture.mode != Mode::kComposite) refuse("--mode", "is composite");
-  if (picture.lattice != Lattice::kPixel) refuse("--lattice", "is pixel");
-  if (oversamples(picture)) refuse("--samples", "is 1: draw the parts of a larger picture, and make that smaller");
-  if (picture.aovs.any()) refuse("--aov", "is none: parts of channels beside the colours make no whole");
   if (!job.output.video.path.empty() || (!job.output.path.empty() && extensionOf(job.output.path) != ".exr"))
     refuse("-o", "ends in .exr: its header says where in the picture it belongs");
   if (!job.output.files.empty()) refuse("outputs", "are none beside -o");
@@ -281,7 +278,7 @@ void requireVolumes(const RenderJob& job) {
   if (picture.mode != Mode::kComposite) refuse("--mode", "are composited; draw a projection of each by itself");
   if (picture.lattice == Lattice::kVoxel)
     refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, picture.lattice)),
-           "have the lattice pixel or ray; leave --lattice out");
+           "have the pixel lattice; leave --lattice out");
   if (drawsPart(picture)) refuse("--part", "are drawn whole; draw one volume in parts");
 }
 

@@ -44,11 +44,11 @@ struct VisibilityOptions {
   bool operator==(const VisibilityOptions&) const = default;
 };
 /// Where samples are (ARCHITECTURE.md).
-/// - kPixel: in the volume's own lattice, of a level refined or coarse so that they are about a pixel apart; splatted
-///   into slabs as footprints.
+/// - kPixel: where rays through pixels meet slabs, each in its pixel alone.
 /// - kVoxel: the voxels, as Lee and Ihm splat them.
-/// - kRay: where rays through pixels' centres meet slabs, each in its pixel alone.
-enum class Lattice { kPixel, kVoxel, kRay };
+enum class Lattice { kPixel, kVoxel };
+/// The lattice that a word of kLatticeNames names: "ray" is another name of the first.
+constexpr Lattice latticeOfName(std::size_t word) { return word == 1 ? Lattice::kVoxel : Lattice::kPixel; }
 
 /// What a pixel shows of what is behind it.
 /// - kComposite: light that the volume sends, as opacity lets it through.

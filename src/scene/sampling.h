@@ -14,12 +14,9 @@ inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMos
 struct Sampling {
   std::optional<int> level;  // else for each region the one whose voxels are pixel-sized
   Interpolation interpolation = Interpolation::kLinear;
-  /// Nearer or farther is faithful or fast. Of a level that fits the view samples are about half a pixel apart at the
-  /// least and a pixel at the most, by default three quarters, so that it counts where voxels are larger than half a
-  /// pixel. unit: voxels.
+  /// How far samples are apart along a pixel's ray: half a pixel at the least, by default a pixel at the most. Nearer
+  /// or farther is faithful or fast. unit: voxels.
   double distance = kSampleDistance;
-  /// Samples are where pixels' rays meet slabs, which are as thick as that, and half a pixel at the least.
-  bool on_rays = false;
   /// Of the view's pixels, only those whose column and row are both even or both odd have rays: they are halves of the
   /// picture's pixels, two of four. Distances along rays are those of the picture's.
   bool quincunx = false;

@@ -61,27 +61,4 @@ double extinctionOf(double opacity, double unit) {
   return -std::log1p(-std::min(opacity, 0.9999)) / unit;
 }
 
-double steepnessOf(const TransferFunction& function, double spacing, const ValueRange& range) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  if (!function.labels.empty() || range.empty()) return kInfinite;
-  const double unit = function.unitIn(spacing);
-  // Optical depth, and light, of a voxel.
-  const auto shown = [&](const TransferPoint& point) {
-    const double depth = extinctionOf(point.opacity, unit) * spacing;
-    return glm::dvec4(depth * point.color, depth);
-  };
-  double most_depth = 0, most_change = 0;
-  const std::vector<TransferPoint>& points = function.points;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const glm::dvec4 here = shown(points[i]);
-    most_depth = std::max(most_depth, here.w);
-    if (i == 0 || points[i].value < range.lo || points[i - 1].value > range.hi) continue;
-    const glm::dvec4 change = glm::abs(here - shown(points[i - 1]));
-    const double most = std::max({change.r, change.g, change.b, change.a});
-    const double width = points[i].value - points[i - 1].value;
-    if (most > 0) most_change = std::max(most_change, width > 0 ? most * (range.hi - range.lo) / width : kInfinite);
-  }
-  return std::max(most_depth, most_change) + (function.gradient_opacity.empty() ? 0 : most_depth);
-}
-
 }  // namespace kiln

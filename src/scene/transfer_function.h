@@ -67,10 +67,4 @@ TransferFunction inWorld(TransferFunction function, double world_per_own);
 /// Opacity per `unit` as extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
 double extinctionOf(double opacity, double unit);
 
-/// By how much a voxel and its neighbour may differ: what a voxel's optical depth, or its light in a channel, would
-/// change by over all values of the range, were it to change everywhere as where it does so fastest; and no less than
-/// the largest optical depth, as beside the volume there is none. Where gradients matter they may take all of that away
-/// beside it, too. Infinite for steps, and for labels. `spacing` is the volume's mean one, in world units.
-double steepnessOf(const TransferFunction& function, double spacing, const ValueRange& range);
-
 }  // namespace kiln

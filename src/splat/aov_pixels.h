@@ -14,15 +14,14 @@ inline constexpr float kHitAlpha = 0.5f;
 /// The planes of a tile; null where nobody asked. shape: each points at the tile's first pixel, a float a pixel, rows
 /// as far apart as the tile's, which is `stride` / 4 floats.
 struct AovPixels {
-  float* first = nullptr;   // depth of the first hit; anything where alpha is less than kHitAlpha. unit: world
-  float* filled = nullptr;  // what of its last slab is filled before it is hit, for those who draw by slabs
-  float* mean = nullptr;    // sum of depths. unit: world
-  float* normal[3]{};       // sum of unit vectors in view space
+  float* first = nullptr;  // depth of the first hit; anything where alpha is less than kHitAlpha. unit: world
+  float* mean = nullptr;   // sum of depths. unit: world
+  float* normal[3]{};      // sum of unit vectors in view space
 
   bool any() const { return mean != nullptr || normal[0] != nullptr; }
   AovPixels from(std::ptrdiff_t pixels) const {
     const auto at = [&](float* plane) { return plane == nullptr ? nullptr : plane + pixels; };
-    return {at(first), at(filled), at(mean), {at(normal[0]), at(normal[1]), at(normal[2])}};
+    return {at(first), at(mean), {at(normal[0]), at(normal[1]), at(normal[2])}};
   }
   /// `pixel` becomes more by what adds `depth` and `normal`, both premultiplied, and is then scaled.
   void add(std::ptrdiff_t pixel, float depth, const glm::vec3& unit, float scale) const {

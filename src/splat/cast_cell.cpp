@@ -199,10 +199,9 @@ class CellCaster {
     for (int a = 0; a < 3; ++a) hn::Store(CellPlaces::linear(r_.step, a, w), d, steps[a]);
     for (std::size_t i = 0; i < count; ++i) {
       const SampleSite site = siteOf(n + i);
-      // Along an axis that its ray does not follow it has next to no length, but one.
-      glm::dvec3 edges(1e-6);
-      for (int a = 0; a < 3; ++a) edges[a] += static_cast<double>(std::abs(steps[a][i]) * slabs[i]);
-      const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, edges));
+      glm::dvec3 along;
+      for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
+      const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, along));
       taus[i] = share * finishedExtinction(frame_.look(), taus[i], site);
     }
     return hn::Load(d, taus);
@@ -219,8 +218,8 @@ class CellCaster {
   }
 
   // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, what it is multiplied by,
-  // and, for its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its colours are
-  // divided by its alpha when they are all there.
+  // and, in the place of its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its
+  // colours are divided by its alpha when they are all there.
   void blendAll() {
     std::size_t seen = 0;
     closed_count_ = 0;
@@ -277,9 +276,6 @@ class CellCaster {
     layer.added = weight;
     layer.closes = closes;
     layer.opacity = opacity;
-    layer.filled = 1;
-    layer.turn = 0;
-    layer.place = 0;
     layer.middle = site.view.z;
     layer.thickness = (s_.code[s_.index[n]] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
     const glm::vec3 normal = finishedNormal(frame_.look(), site);
@@ -298,7 +294,7 @@ class CellCaster {
       for (std::size_t c = 0; c < 4; c += hn::Lanes(D4()))
         hn::StoreU(hn::Div(hn::LoadU(D4(), pixel + c), hn::LoadU(D4(), by + c)), D4(), pixel + c);
       out_.closed[static_cast<std::size_t>(place >> CellPlaces::kPixelBits)] |= std::uint64_t{1}
-                                                                                << (place & (kSweepEdge - 1));
+                                                                                << (place & (kSquareEdge - 1));
     }
   }
 
@@ -381,7 +377,7 @@ class CellCaster {
 
   const RaySlabs& r_;
   const SlabFrame& frame_;
-  const UnitLattice& l_;
+  const SampleLattice& l_;
   const CellInput& in_;
   const TilePixels& tile_;
   const float opaque_at_;

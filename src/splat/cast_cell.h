@@ -2,7 +2,8 @@
 // samples, so that vectors are full and no sample waits for what was done to the one before: rays are found that go
 // through what may show something; along them places where samples may; their values are interpolated and classified;
 // those that do show something hide each other, one after the other; what is seen of them is lit. One implementation in
-// Highway for every instruction set, as in splat/refine_unit.h.
+// Highway for every instruction set, chosen at run time; nothing in it is approximate, so that they all give the same
+// bits.
 #pragma once
 
 #include <array>
@@ -11,12 +12,12 @@
 #include <glm/vec3.hpp>
 
 #include "base/pixel_rect.h"
+#include "scene/clip_region.h"
 #include "splat/ray_slabs.h"
 #include "splat/slab_frame.h"
 #include "splat/slab_sums.h"
 #include "splat/tile_pixels.h"
-#include "splat/tile_windows.h"
-#include "splat/unit_axis.h"
+#include "splat/unit_load.h"
 
 namespace kiln {
 
@@ -24,16 +25,17 @@ namespace kiln {
 struct CellInput {
   /// Edge of what is read for a cell, and from plane to plane of it. unit: voxels.
   static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
-  const float* values = nullptr;         // loadUnit's; of labels their opacities
-  const std::int32_t* labels = nullptr;  // of a label volume: LabelVoxels::ranks
-  glm::vec3 lo;                          // the voxel before its first. unit: voxels from the anchor
-  glm::dvec3 corner, end;                // where it begins and ends, in index space
-  PixelRect rect;                        // what of the tile it may be seen in
-  bool at_end = false;                   // of the volume
-  bool in_pairs = false;                 // whether two samples may be one, twice as long
-  bool gaps = false;                     // whether there may be NaN among its voxels
-  bool one_label = false;                // whether all of them are of one label: then `values` is not read
-  SlabSums* sums = nullptr;              // of several volumes: samples are added to the sums, not to the tile
+  const float* values = nullptr;           // loadUnit's; of labels their opacities
+  const std::int32_t* labels = nullptr;    // of a label volume: LabelVoxels::ranks
+  glm::vec3 lo;                            // the voxel before its first. unit: voxels from the anchor
+  glm::dvec3 corner, end;                  // where it begins and ends, in index space
+  PixelRect rect;                          // what of the tile it may be seen in
+  bool at_end = false;                     // of the volume
+  bool in_pairs = false;                   // whether two samples may be one, twice as long
+  bool gaps = false;                       // whether there may be NaN among its voxels
+  const ClipRegion::Part* part = nullptr;  // of the volume: only samples in it are drawn; null where all are
+  bool one_label = false;                  // whether all of them are of one label: then `values` is not read
+  SlabSums* sums = nullptr;                // of several volumes: samples are added to the sums, not to the tile
 };
 
 /// What is known of rays and samples, for one cell after the other. Beyond the last one vectors read anything, and use
@@ -71,8 +73,8 @@ struct CellSamples {
 
 /// What a cell did to the tile.
 struct CellOutput {
-  std::array<std::uint64_t, kSweepEdge> closed{};  // a bit a pixel of the rectangle
-  std::uint64_t shown = 0, samples = 0;            // that show something, and that are seen
+  std::array<std::uint64_t, kSquareEdge> closed{};  // a bit a pixel of the rectangle
+  std::uint64_t shown = 0, samples = 0;             // that show something, and that are seen
 };
 
 /// Adds what the cell shows to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure

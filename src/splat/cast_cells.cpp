@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "splat/cast_cell.h"
-#include "splat/label_samples.h"
+#include "splat/label_voxels.h"
 #include "splat/unit_load.h"
 
 namespace kiln {
@@ -39,13 +39,14 @@ class Casting {
         visibility_(visibility),
         opaque_at_(opaque_at),
         sums_(sums),
+        part_(frame.look().clip->part()),
         counts_(counts) {}
 
   // One cell is fetched while the one before it is cast, which may hide it.
   void run(std::span<const SlabCell> cells) {
     SeenCell due;
     for (const SlabCell& cell : cells) {
-      const SeenCell next{&cell, intersection(cell.bounds.rect, tile_.rect)};
+      const SeenCell next{&cell, intersection(cell.rect, tile_.rect)};
       if (next.rect.empty() || hidden(next.rect)) continue;
       fetch(block_, cell.box);
       cast(due);
@@ -76,6 +77,7 @@ class Casting {
       in.at_end = in.at_end || last || box.lo[a] == 0;
     }
     in.rect = seen.rect;
+    if (!part_.all()) in.part = &part_;
     in.sums = sums_;
     // Samples of several volumes meet in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;
@@ -90,7 +92,7 @@ class Casting {
   }
 
   bool loadValuesOf(const VoxelBox& box, float* values, CellInput& in) const {
-    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values).whole;
+    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values);
     in.values = values;
     in.gaps = range.gaps;
     in.in_pairs = frame_.inPairs(range);
@@ -119,6 +121,7 @@ class Casting {
   Visibility& visibility_;
   const float opaque_at_;
   SlabSums* const sums_;  // null where samples are composited at once
+  const ClipRegion::Part& part_;
   SplatCounts& counts_;
   CellSamples samples_;
   std::unique_ptr<LabelVoxels> labels_;  // where the volume is of labels

@@ -22,10 +22,10 @@
 
 #include "splat/cast_cell.h"
 #include "splat/cubic_weights.h"
-#include "splat/label_samples.h"
+#include "splat/label_voxels.h"
 #include "splat/sample_math-inl.h"
 #include "splat/shown_spaces-inl.h"
-#include "splat/unit_axis.h"
+#include "splat/unit_load.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -39,7 +39,7 @@ using D4 = hn::CappedTag<float, 4>;
 template <bool kGaps>
 class LinearCellField {
  public:
-  LinearCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
+  LinearCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
       : l_(lattice), in_(in), s_(samples) {}
 
   // Intervals reach beyond the eight voxels around a sample.
@@ -113,7 +113,7 @@ class LinearCellField {
 
  private:
   static constexpr int kPlane = CellInput::kPlane;
-  const UnitLattice& l_;
+  const SampleLattice& l_;
   const CellInput& in_;
   CellSamples& s_;
 };
@@ -124,7 +124,7 @@ class CubicCellField {
   using Weights = CubicWeights<float>;
 
  public:
-  CubicCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
+  CubicCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
       : in_(in), s_(samples), interpolation_(lattice.interpolation) {}
 
   static std::optional<Spaces> shown() { return std::nullopt; }
@@ -230,11 +230,11 @@ class CubicCellField {
   const Interpolation interpolation_;
 };
 
-// Places in the table of labels (splat/label_samples.h), each of which is interpolated by itself; gradients are the
+// Places in the table of labels (splat/label_voxels.h), each of which is interpolated by itself; gradients are the
 // B-spline's of opacities that are smoothed before.
 class LabelCellField {
  public:
-  LabelCellField(const UnitLattice& lattice, const CellInput& in, CellSamples& samples)
+  LabelCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
       : in_(in),
         s_(samples),
         opacities_(lattice, in, samples),

@@ -25,12 +25,12 @@ namespace {
 class CellPlaces {
  public:
   static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;
-  static_assert(1 << kPixelBits == kSweepEdge);
+  static_assert(1 << kPixelBits == kSquareEdge);
   static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
   static_assert((kMostRaySlabs << kSlabBits) <= kPair);
   static constexpr float kFar = 1e30f;
 
-  CellPlaces(const RaySlabs& rays, const UnitLattice& lattice, const CellInput& in, const TilePixels& tile)
+  CellPlaces(const RaySlabs& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
       : r_(rays), l_(lattice), in_(in), tile_(tile) {}
 
   // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
@@ -56,7 +56,7 @@ class CellPlaces {
   HWY_INLINE Where whereIs(VI code) const {
     const D d;
     const DI di;
-    const VI mask = hn::Set(di, kSweepEdge - 1);
+    const VI mask = hn::Set(di, kSquareEdge - 1);
     const auto at = [&](VI whole, int first, float centre) {
       return hn::Add(hn::ConvertTo(d, hn::Add(whole, hn::Set(di, first))), hn::Set(d, centre));
     };
@@ -111,18 +111,18 @@ class CellPlaces {
     int x, y, slab;
   };
   HWY_INLINE Place placeOf(std::int32_t code) const {
-    return {in_.rect.x0 + (code & (kSweepEdge - 1)), in_.rect.y0 + (code >> kPixelBits & (kSweepEdge - 1)),
+    return {in_.rect.x0 + (code & (kSquareEdge - 1)), in_.rect.y0 + (code >> kPixelBits & (kSquareEdge - 1)),
             (code & (kPair - 1)) >> kSlabBits};
   }
 
   std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
-    return tile_.placeOf(in_.rect.x0 + (pixel & (kSweepEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
+    return tile_.placeOf(in_.rect.x0 + (pixel & (kSquareEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
   }
   float* pixelOf(std::int32_t pixel) const { return tile_.rgba + 4 * pixelPlace(pixel); }
 
  private:
   const RaySlabs& r_;
-  const UnitLattice& l_;
+  const SampleLattice& l_;
   const CellInput& in_;
   const TilePixels& tile_;
 };

@@ -130,6 +130,11 @@ class CellRays {
         place[a] = hn::Sub(CellPlaces::linear(r_.place, a, w), hn::Set(d, in_.lo[a]));
         step[a] = CellPlaces::linear(r_.step, a, w);
       }
+      // A sample belongs to the part that holds its middle: of two samples that are one, theirs.
+      V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+      for (int a = 0; a < 3 && in_.part != nullptr; ++a)
+        p_.cut(CellPlaces::linear(r_.place, a, w), step[a], r_.faceAt(a, in_.part->lo[a]),
+               r_.faceAt(a, in_.part->hi[a]), enter, leave);
       M going = hn::Lt(t, end);
       for (int i = 0; i < kSlabsAtOnce && !hn::AllFalse(d, going); ++i) {
         V at = t, advance = one;
@@ -150,7 +155,8 @@ class CellRays {
         const VI word = hn::Add(hn::Add(voxel[2], voxel[2]), hn::ShiftRight<2>(voxel[1]));
         const VI place_in_word = hn::And(hn::Or(hn::ShiftLeft<3>(voxel[1]), voxel[0]), hn::Set(di, 31));
         const VI bit = hn::And(hn::Shr(shownOf(word), place_in_word), hn::Set(di, 1));
-        const auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
+        auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
+        if (in_.part != nullptr) may = hn::And(may, hn::RebindMask(di, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
         hn::StoreU(Packing(hn::RebindMask(d, may))(taken), di, s_.code + count_);
         count_ += hn::CountTrue(di, may);
         if (count_ >= CellSamples::kMost) castFound();

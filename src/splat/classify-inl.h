@@ -9,7 +9,7 @@
 
 #include <hwy/highway.h>
 
-#include "splat/refine_unit.h"
+#include "splat/sample_lattice.h"
 #include "splat/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -18,11 +18,11 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Where a value, less the table's offset, is in the table.
-HWY_INLINE V placeOf(D d, const UnitLattice& l, V value) {
+HWY_INLINE V placeOf(D d, const SampleLattice& l, V value) {
   return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l.table_scale)), hn::Zero(d)), hn::Set(d, l.table_last));
 }
 
-HWY_INLINE V extinctionAt(D d, const UnitLattice& l, V place) {
+HWY_INLINE V extinctionAt(D d, const SampleLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V here = hn::GatherIndex(d, l.extinctions, entry), next = hn::GatherIndex(d, l.extinctions + 1, entry);
   return between(here, next, hn::Sub(place, hn::ConvertTo(d, entry)));
@@ -48,7 +48,7 @@ HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after
   return {hn::Mul(hn::Set(d, 0.25f), hn::Sqrt(squared)), least, most};
 }
 
-HWY_INLINE V integralTo(D d, const UnitLattice& l, V place) {
+HWY_INLINE V integralTo(D d, const SampleLattice& l, V place) {
   const VI entry = hn::ConvertTo(DI(), place);
   const V a = hn::GatherIndex(d, l.integral, entry), b = hn::GatherIndex(d, l.integral + 1, entry);
   return between(a, b, hn::Sub(place, hn::ConvertTo(d, entry)));
@@ -56,7 +56,7 @@ HWY_INLINE V integralTo(D d, const UnitLattice& l, V place) {
 
 // Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.
 // `place` is the value's in the table, `at_point` the extinction there. requires: l.integral.
-HWY_INLINE V meanExtinction(D d, const UnitLattice& l, const Interval& values, V place, M alive, V at_point) {
+HWY_INLINE V meanExtinction(D d, const SampleLattice& l, const Interval& values, V place, M alive, V at_point) {
   const V reach = hn::Mul(values.reach, hn::Set(d, l.table_scale));
   alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
   const V own = hn::IfThenElseZero(alive, place);

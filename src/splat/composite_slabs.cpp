@@ -101,9 +101,6 @@ class SlabCompositing {
         layer.added = weight_[lane];
         layer.closes = (closed >> lane & 1) != 0;
         layer.opacity = opacity_[lane];
-        layer.filled = 1;
-        layer.turn = 0;
-        layer.place = 0;
         layer.middle = near + 0.5 * zone_.thickness;
         layer.thickness = zone_.thickness;
         if (sums_.hasNormals()) {
@@ -134,8 +131,8 @@ class SlabCompositing {
   const TilePixels& tile_;
   const float opaque_at_;
   Visibility& visibility_;
-  const bool has_layers_;                   // whether the picture has planes or deep samples
-  alignas(64) float rgba_[4 * kSweepEdge];  // the row's pixels
+  const bool has_layers_;                    // whether the picture has planes or deep samples
+  alignas(64) float rgba_[4 * kSquareEdge];  // the row's pixels
   // A vector of pixels before a slab, and what the slab adds.
   alignas(64) float before_[4 * kLanes], opacity_[kLanes], weight_[kLanes], per_depth_[kLanes];
   std::uint64_t adds_ = 0;

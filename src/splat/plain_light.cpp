@@ -27,16 +27,6 @@ glm::mat3 withoutLength(const glm::mat3& m) {
   return most > 0 ? m * factorToOne(most) : m;
 }
 
-float colorUnitOf(const Shading& shading) {
-  if (!shading.phong) return 1;
-  double brightest = shading.ambient;
-  for (const Light& light : shading.lights) {
-    const double most = std::max({light.color.r, light.color.g, light.color.b});
-    brightest += light.intensity * most * (shading.diffuse + shading.specular);
-  }
-  return static_cast<float>(std::exp2(std::ceil(std::max(std::log2(brightest / 31), 0.0))));
-}
-
 bool isPlain(const Shading& shading) {
   if (!shading.phong) return true;
   return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&

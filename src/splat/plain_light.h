@@ -28,9 +28,6 @@ struct PlainLight {
   glm::mat3 view_from_index_gradient{1};  // its length says nothing
 };
 
-/// The brightest that a sample may be is less than 32 times this power of two, which is 1 for lights as most are.
-float colorUnitOf(const Shading& shading);
-
 /// Whether nothing of `shading` is more than a PlainLight.
 bool isPlain(const Shading& shading);
 

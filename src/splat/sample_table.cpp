@@ -17,9 +17,6 @@ constexpr double kTableSteps = 1 << 15;
 // What the optical depth of a soft voxel, or its light, changes by over its values, at the most (ARCHITECTURE.md has
 // the figures).
 constexpr double kSoftChange = 1;
-// What is thin: an optical depth of a voxel, over this part of all values and no less.
-constexpr double kThin = 0.25;
-constexpr std::size_t kNeighbours = 64;
 
 // By how much the extinction of two materials, or the light that they give off, differs at the most.
 double changeBetween(const Material& a, const Material& b) {
@@ -56,7 +53,6 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   if (first != extinctions_.end()) {
     visible_after_ = static_cast<float>(first - extinctions_.begin() - 1);
     visible_before_ = static_cast<float>(extinctions_.rend() - last);
-    gaps_ = !std::all_of(first, last.base(), visible);
   }
   double sum = 0;
   integral_.assign(1, 0.0f);
@@ -74,7 +70,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
 }
 
 void SampleTable::addLabels(const std::vector<LabelLook>& looks, double unit) {
-  of_labels_ = gaps_ = true;
+  of_labels_ = true;
   visible_before_ = std::numeric_limits<float>::max();
   for (const LabelLook& look : looks) {
     if (!(look.opacity > 0)) continue;
@@ -107,18 +103,6 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
   const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
   const double most = kSoftChange / length - (changes_[to] - changes_[from]);
   return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
-}
-
-bool SampleTable::thinAnywhere(double length) const {
-  if (of_labels_) return false;
-  const auto last = static_cast<std::size_t>(last_), width = last / kNeighbours;
-  for (std::size_t i = 0; width > 0 && i + width <= last; ++i) {
-    // Not the foot of what is steep, beside which there is nothing.
-    if (!(extinctions_[i] > 0 && extinctions_[i + width] > 0)) continue;
-    const double change = (changes_[i + width] - changes_[i]) * length;
-    if (static_cast<double>(extinctions_[i]) * length + change <= kThin) return true;
-  }
-  return false;
 }
 
 std::size_t SampleTable::entryBelow(double value) const {

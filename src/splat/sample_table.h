@@ -48,8 +48,6 @@ class SampleTable {
   /// `at` gives an extinction above zero only beyond the first of these places and before the second. unit: entries.
   float visibleAfter() const { return visible_after_; }
   float visibleBefore() const { return visible_before_; }
-  /// Whether it gives no extinction somewhere between them.
-  bool hasGaps() const { return gaps_; }
   /// Extinction integrated over the entries, from the first: what it grows by between two places, over their distance,
   /// is the mean extinction of the values between them. It tells places apart that are `leastInterval` from each other.
   /// shape: as entries. unit: extinction times entries.
@@ -61,8 +59,6 @@ class SampleTable {
   /// fewer samples show as much. `beside_nothing`: what they show may end within them.
   /// requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
-  /// Whether some values are thin, and look nearly the same as those about them: light goes through many such voxels.
-  bool thinAnywhere(double length) const;
 
  private:
   std::size_t entryBelow(double value) const;
@@ -73,7 +69,6 @@ class SampleTable {
   float scale_ = 1, last_ = 0;
   float least_interval_ = 1;
   float visible_after_ = 0, visible_before_ = 0;
-  bool gaps_ = false;
   std::vector<Material> entries_;
   std::vector<float> extinctions_, integral_;
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th

@@ -18,8 +18,9 @@
 #include <cstring>
 #include <limits>
 
-#include "splat/refine_unit.h"
+#include "splat/sample_lattice.h"
 #include "splat/sample_math-inl.h"
+#include "splat/unit_load.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -75,7 +76,7 @@ HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
 }
 
 // Those in which samples may show something. shape: `values` as UnitInput's.
-HWY_INLINE Spaces shownSpaces(const UnitLattice& l, const float* values) {
+HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
   const D d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   // Of each row of voxels, which are above where extinction begins, and which below where it ends. Values beyond the

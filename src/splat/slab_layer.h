@@ -1,4 +1,4 @@
-// What one slab lays behind a pixel, and where in the slab it is: finer than slabs are thick, for the planes of depth.
+// What one slab lays behind a pixel, for the planes of depth and normals.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,7 @@ namespace kiln {
 struct SlabLayer {
   float before = 0, added = 0;  // the pixel's alpha, and what the slab adds to it, not closed yet
   bool closes = false;          // whether the pixel is closed now
-  float filled = 0;             // what of the slab samples fill, from 0 to 1
-  float turn = 0.5f;            // from which filling on a slab covers half the pixel, one half or more; 0 on rays
-  float opacity = 0;            // of what they fill
-  float place = 0;              // its mean depth, from the slab's middle. unit: slabs
+  float opacity = 0;            // of the slab
   double middle = 0;            // the depth of the slab's middle. unit: world
   double thickness = 1;         // unit: world
   glm::vec3 normal{0};          // premultiplied

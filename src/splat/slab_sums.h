@@ -11,7 +11,7 @@
 
 #include "base/pixel_rect.h"
 #include "splat/slab_grid.h"
-#include "splat/tile_windows.h"
+#include "splat/tile_pixels.h"
 
 namespace kiln {
 
@@ -22,22 +22,23 @@ class SlabSums {
     return std::uint64_t{kMostSharedSlabs} * kSlabFloats * sizeof(float) * (normals ? 2 : 1);
   }
 
-  /// Empties the sums for the pixels of `rect` and for `slabs` slabs. requires: the rectangle is at most kSweepEdge
+  /// Empties the sums for the pixels of `rect` and for `slabs` slabs. requires: the rectangle is at most kSquareEdge
   /// wide and high; slabs <= kMostSharedSlabs.
   void reset(const PixelRect& rect, int slabs, bool normals) {
     rect_ = rect;
     slabs_ = slabs;
     rows_.fill(0);
     const std::size_t floats = static_cast<std::size_t>(slabs) * kSlabFloats;
-    if (light_.size() < floats) light_.resize(floats);
-    if (normals && normal_.size() < floats) normal_.resize(floats);
+    makeRoom(floats, light_);
+    if (normals) makeRoom(floats, normal_);
     has_normals_ = normals;
   }
   const PixelRect& rect() const { return rect_; }
   int slabs() const { return slabs_; }
   bool hasNormals() const { return has_normals_; }
 
-  /// Light of a pixel in a slab. shape: RGB times optical depth, optical depth. requires: the pixel is in the rectangle.
+  /// Light of a pixel in a slab. shape: RGB times optical depth, optical depth. requires: the pixel is in the
+  /// rectangle.
   float* light(int slab, int x, int y) { return &light_[placeToAdd(slab, x, y)]; }
   /// Adds a unit normal in view space, times optical depth.
   void addNormal(int slab, int x, int y, const glm::vec3& normal) {
@@ -47,16 +48,22 @@ class SlabSums {
 
   /// Whether a row of a slab has samples. Row 0 is the rectangle's first row.
   bool has(int slab, int row) const { return (rows_[static_cast<std::size_t>(slab)] >> row & 1) != 0; }
-  /// Sums of a row that has samples. shape: 4 floats a pixel, kSweepEdge pixels, zero beyond the rectangle.
+  /// Sums of a row that has samples. shape: 4 floats a pixel, kSquareEdge pixels, zero beyond the rectangle.
   const float* lightRow(int slab, int row) const { return &light_[rowPlace(slab, row)]; }
   const float* normalRow(int slab, int row) const { return &normal_[rowPlace(slab, row)]; }
 
   std::uint64_t bytes() const { return (light_.capacity() + normal_.capacity()) * sizeof(float); }
 
  private:
-  static constexpr std::size_t kRowFloats = std::size_t{4} * kSweepEdge, kSlabFloats = kRowFloats * kSweepEdge;
-  static_assert(kSweepEdge <= 64, "a slab has a bit a row");
+  static constexpr std::size_t kRowFloats = std::size_t{4} * kSquareEdge, kSlabFloats = kRowFloats * kSquareEdge;
+  static_assert(kSquareEdge <= 64, "a slab has a bit a row");
 
+  // No more than is charged: a vector that grows doubles.
+  static void makeRoom(std::size_t floats, std::vector<float>& out) {
+    if (out.size() >= floats) return;
+    out.reserve(floats);
+    out.resize(floats);
+  }
   static std::size_t rowPlace(int slab, int row) {
     return static_cast<std::size_t>(slab) * kSlabFloats + static_cast<std::size_t>(row) * kRowFloats;
   }

@@ -121,7 +121,8 @@ class CellSplatter {
 
 void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                SplatCounts& counts) noexcept {
-  CellSplatter(frame, block, planes, counts).cell(cell);
+  const VoxelBox drawn = intersection(cell, frame.part);
+  if (!drawn.empty()) CellSplatter(frame, block, planes, counts).cell(drawn);
 }
 
 }  // namespace kiln

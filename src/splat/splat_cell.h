@@ -29,13 +29,14 @@ struct EndVoxels {
 
 /// What all cells of a brick share.
 struct SplatFrame {
-  const Projector* projector = nullptr;  // of the brick's level
-  EndVoxels ends;                        // the same
-  Shader shader;                         // the same
-  bool light_is_plain = true;            // what `view` has; else colours are the shader's
-  VoxelView view;                        // the same
-  GradientOpacity gradient_opacity;      // the same
-  const ClipRegion* clip = nullptr;      // the same
+  const Projector* projector = nullptr;         // of the brick's level
+  EndVoxels ends;                               // the same
+  Shader shader;                                // the same
+  bool light_is_plain = true;                   // what `view` has; else colours are the shader's
+  VoxelView view;                               // the same
+  GradientOpacity gradient_opacity;             // the same
+  const ClipRegion* clip = nullptr;             // the same
+  VoxelBox part = ClipRegion::Part().voxels();  // voxels that are drawn, of the level
   const Classifier* classifier = nullptr;
   float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
@@ -57,7 +58,7 @@ struct SplatCounts {
 };
 
 /// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kSplatCellSize voxels along an
-/// axis.
+/// axis. Voxels outside of the frame's part are not drawn.
 /// The result for a pixel does not depend on the tile's rectangle.
 void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                SplatCounts& counts) noexcept;

@@ -161,9 +161,7 @@ std::uint64_t StoreReader::largestFileBytes() const {
   return largestOf(index_, [this](const BrickKey& key) { return index_.at(key).file_bytes; });
 }
 
-bool isStore(const fs::path& directory) {
-  return isThere(directory / "manifest.json");
-}
+bool isStore(const fs::path& directory) { return isThere(directory / "manifest.json"); }
 
 void requireOutsideStores(const fs::path& path, const std::string& option) {
   if (isWrittenInPlace(path)) return;

@@ -57,8 +57,9 @@ class StoreReader {
 /// Whether `directory` has a manifest, by which it is a store; whether that is whole is for StoreReader to see.
 bool isStore(const std::filesystem::path& directory);
 
-/// Before something new of this name is made: that it will not be in the folder of a store, finished or not, which holds
-/// nothing but its own files. Links are followed. `option` is what named it, for the message. throws: Error kUsage.
+/// Before something new of this name is made: that it will not be in the folder of a store, finished or not, which
+/// holds nothing but its own files. Links are followed. `option` is what named it, for the message. throws: Error
+/// kUsage.
 void requireOutsideStores(const std::filesystem::path& path, const std::string& option = "");
 
 }  // namespace kiln

@@ -42,55 +42,31 @@ fs::path madeStore() {
   return out;
 }
 
-FrameRequest requestFor(const StoreReader& store, Interpolation interpolation, Lattice lattice) {
+FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
   FrameRequest out;
   const ImageSize size{kPicture, kPicture};
   out.view = resolve(frameVolume(store.manifest().geometry(), defaultFraming(), size), size);
   out.transfer_function = presetFor("ct-skin", store.manifest());
   out.interpolation = interpolation;
-  out.lattice = lattice;
   out.level = 0;
   return out;
 }
 
 // One brick as a frame has it, and units of it that the transfer function shows.
 struct Scene {
-  explicit Scene(const StoreReader& store, Interpolation interpolation, Lattice lattice = Lattice::kPixel)
-      : request(requestFor(store, interpolation, lattice)),
+  explicit Scene(const StoreReader& store, Interpolation interpolation)
+      : request(requestFor(store, interpolation)),
         plan({&store}, request),
         block(store.read({0, {0, 0, 0}})),
         zones(plan.pixel->cellsOf(block)),
         fullest(*std::max_element(zones.begin(), zones.end(),
                                   [](const auto& a, const auto& b) { return a.cells.size() < b.cells.size(); })),
         frame(*fullest.frame) {
-    for (const SlabCell& cell : fullest.cells) {
-      const auto& n = frame.lattice().voxels;
-      for (std::int64_t z = cell.box.lo.z; z < cell.box.hi.z; z += n[2]) {
-        for (std::int64_t y = cell.box.lo.y; y < cell.box.hi.y; y += n[1]) {
-          for (std::int64_t x = cell.box.lo.x; x < cell.box.hi.x; x += n[0]) units.push_back({x, y, z});
-        }
-      }
-    }
+    for (const SlabCell& cell : fullest.cells) units.push_back(cell.box.lo);
   }
-  std::int64_t samplesOfUnit() const {
-    const auto& axes = frame.lattice().axes;
-    return std::int64_t{axes[0][0].samples} * axes[1][0].samples * axes[2][0].samples;
-  }
-  std::int64_t voxelsRead() const {
-    const auto& n = frame.lattice().voxels;
-    return std::int64_t{n[0] + 4} * (n[1] + 4) * (n[2] + 4);
-  }
-  UnitInput input(const VoxelCoord& lo, float* values) const {
-    const double offset = frame.table().offset();
-    const ValueRange range = loadUnit(block, frame.lattice(), offset, lo, values).whole.values;
-    UnitInput in;
-    in.values = values;
-    in.least = static_cast<float>(range.lo - offset), in.most = static_cast<float>(range.hi - offset);
-    in.origin = glm::vec3(frame.projector().viewOf(lo));
-    in.axis = frame.lattice().axesAt(lo);
-    for (std::size_t a = 0; a < 3; ++a) in.end[a] = in.core_end[a] = in.axis[a]->samples;
-    in.tile = {0, 0, kPicture, kPicture};
-    return in;
+  static constexpr std::int64_t voxelsRead() {
+    constexpr std::int64_t kEdge = kUnitVoxels + 2 * kUnitMargin;
+    return kEdge * kEdge * kEdge;
   }
 
   FrameRequest request;
@@ -145,109 +121,26 @@ void loadUnits(benchmark::State& state) {
   std::size_t next = 0;
   for (auto _ : state) {
     const VoxelCoord& lo = s.units[next++ % s.units.size()];
-    const UnitRanges ranges = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
-                                         : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
-    benchmark::DoNotOptimize(ranges);
+    const SampledRange range = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
+                                          : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
+    benchmark::DoNotOptimize(range);
     benchmark::ClobberMemory();
   }
   report(state, state.iterations() * s.voxelsRead(), 6, 3);
-}
-
-enum Stages { kField, kClassified, kShaded };
-
-// Items are samples. The field alone: nothing is shown, so that samples end when their extinction is known: 7 linear
-// interpolations of 2 operations and the table's; or 21 weights and values of a cubic's passes. Classified: the colour
-// of those that show something, place, footprint and slab. Shaded: their gradients, too, a root and a light. Operations
-// are counted of all samples, also of those that show nothing.
-void refine(benchmark::State& state, Interpolation interpolation, Stages stages, double flops) {
-  const OnTarget on(state);
-  const Scene& s = scene(interpolation);
-  alignas(64) static float values[kUnitFloats];
-  UnitLattice lattice = s.frame.lattice();
-  if (stages < kShaded) lattice.light.phong = false;
-  if (stages < kClassified) lattice.visible_after = 2e9f;
-  WaitingSamples<SlabSample> waiting;
-  waiting.reset(static_cast<std::size_t>(s.frame.zone().slabs) + 2);
-  std::vector<UnitInput> inputs;
-  struct alignas(64) Voxels {
-    float values[kUnitFloats];
-  };
-  std::vector<Voxels> voxels;
-  for (std::size_t i = 0; i < std::min<std::size_t>(s.units.size(), 200); ++i) {
-    const VoxelCoord& lo = s.units[i * s.units.size() / 200 % s.units.size()];
-    inputs.push_back(s.input(lo, values));
-    std::copy_n(values, kUnitFloats, voxels.emplace_back().values);
-  }
-  std::size_t next = 0;
-  for (auto _ : state) {
-    const std::size_t i = next++ % inputs.size();
-    inputs[i].values = voxels[i].values;
-    benchmark::DoNotOptimize(refineUnit(lattice, inputs[i], {&waiting, 0}).closed);
-    if (i + 1 == inputs.size()) waiting.reset(static_cast<std::size_t>(s.frame.zone().slabs) + 2);
-  }
-  const double bytes = 4.0 * static_cast<double>(s.voxelsRead()) / static_cast<double>(s.samplesOfUnit());
-  report(state, state.iterations() * s.samplesOfUnit(), bytes, flops);
-}
-
-// Items are samples: 16 pixels of four sums and one of what is filled, read and written in the sheet of its slab and
-// about as often in the next; a sum of a pixel takes two products and an addition.
-void footprints(benchmark::State& state) {
-  const OnTarget on(state);
-  const Scene& s = scene();
-  const PixelRect tile = {0, 0, kSweepEdge, kSweepEdge};
-  std::vector<SlabSample> samples(4096);
-  std::vector<const SlabSample*> pointers;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto n = static_cast<std::int32_t>(i);
-    samples[i] = {0.9f, 0.7f, 0.6f, 0.5f, 0.2f, 0.2f, {n % 60 | (n / 60 % 60) << 16, n * 7 % 64 | (n * 11 % 64) << 8}};
-    pointers.push_back(&samples[i]);
-  }
-  Sheet sheets[2];
-  for (Sheet& sheet : sheets) sheet.reset(tile, s.frame.footprint());
-  for (auto _ : state) {
-    if (on.plain())
-      test::addSamplesScalar(pointers, s.frame.footprint(), sheets[0], sheets[1]);
-    else
-      addSamples(pointers, s.frame.footprint(), sheets[0], sheets[1]);
-    for (Sheet& sheet : sheets) sheet.mark(~0ull), sheet.clear();
-  }
-  const double pixels = s.frame.footprint().taps() * s.frame.footprint().taps();
-  report(state, state.iterations() * static_cast<std::int64_t>(samples.size()), 2 * pixels * 40, 2 * pixels * 15);
-}
-
-// Items are pixels: colour and sums read and written, a byte of what is covered; some 30 operations.
-void laySlab(benchmark::State& state) {
-  const OnTarget on(state);
-  alignas(64) float pixels[4 * 64] = {};
-  alignas(64) std::int32_t sums[4 * 64], filled[64];
-  CoveredPixel covered[64] = {};
-  SheetBlock block;
-  block.pixels = pixels, block.sums = sums, block.filled = filled, block.covered = covered;
-  block.stride = 4 * kBlockEdge, block.columns = kBlockEdge;
-  block.width = block.height = kBlockEdge;
-  block.takes.fill(0xff);
-  block.erosion = 0.1f;
-  for (auto _ : state) {
-    std::fill_n(sums, 256, 1 << 18);
-    std::fill_n(filled, 64, 1 << 20);
-    benchmark::DoNotOptimize(on.plain() ? test::laySheetScalar(block) : laySheet(block, nullptr));
-    benchmark::ClobberMemory();
-  }
-  report(state, state.iterations() * 64, 2 * (16 + 16 + 4 + 1), 30);
 }
 
 // Items are samples on rays that are seen, of all that are found in a brick's cells: 32 voxels, two entries of the
 // table and a pixel are read, the pixel is written; interpolation, gradient and light take some 210 operations.
 void castBrick(benchmark::State& state) {
   const OnTarget on(state);
-  static const Scene s(benchStore(), Interpolation::kLinear, Lattice::kRay);
-  constexpr PixelRect kTile{96, 96, 96 + kSweepEdge, 96 + kSweepEdge};
+  const Scene& s = scene();
+  constexpr PixelRect kTile{96, 96, 96 + kSquareEdge, 96 + kSquareEdge};
   std::int64_t samples = 0;
   for (auto _ : state) {
-    Image image(kSweepEdge, kSweepEdge);
+    Image image(kSquareEdge, kSquareEdge);
     const auto visibility = makeVisibility({}, s.request.view.size, 0);
     TilePixels tile;
-    tile.rect = kTile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kSweepEdge;
+    tile.rect = kTile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kSquareEdge;
     SplatCounts counts;
     castCells(*s.fullest.rays, s.frame, s.block, s.fullest.cells, tile, *visibility, 0.998f, counts);
     samples += static_cast<std::int64_t>(counts.splats);
@@ -382,17 +275,7 @@ void registerAll() {
     test::onEveryInstructionSet([&](std::int64_t target) { out->Arg(target); });
     out->ArgName("set");
   };
-  const auto refining = [](Interpolation interpolation, Stages stages, double flops) {
-    return [=](benchmark::State& state) { refine(state, interpolation, stages, flops); };
-  };
   onTargets("load", loadUnits, true);
-  onTargets("refine/linear", refining(Interpolation::kLinear, kField, 18), false);
-  onTargets("refine/linear,classify", refining(Interpolation::kLinear, kClassified, 60), false);
-  onTargets("refine/linear,classify,gradient,shade", refining(Interpolation::kLinear, kShaded, 130), false);
-  onTargets("refine/cubic", refining(Interpolation::kCubic, kField, 50), false);
-  onTargets("refine/cubic,classify,gradient,shade", refining(Interpolation::kCubic, kShaded, 260), false);
-  onTargets("footprints", footprints, true);
-  onTargets("lay", laySlab, true);
   onTargets("castBrick", castBrick, false);
   onTargets("voxels/gather", gatherVoxels, false);
   onTargets("voxels/project", projectBatch, true);

@@ -289,7 +289,7 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
 // Known from the account of a frame: nothing draws with more than is set aside for it.
 TEST_F(Cli, WhatLatticesDrawWithIsInTheAccount) {
   makeRampStore();
-  for (const char* lattice : {"pixel", "voxel", "ray"}) {
+  for (const char* lattice : {"pixel", "voxel"}) {
     // In one tile, and in some of which bricks touch parts of different sizes.
     for (const char* tile : {"0", "64"}) {
       SCOPED_TRACE(fmt::format("{} in tiles of {}", lattice, tile));
@@ -297,9 +297,8 @@ TEST_F(Cli, WhatLatticesDrawWithIsInTheAccount) {
                   "--stats", in("s.json")});
       const Json memory = Json::parse(readTextFile(in("s.json")))["memory"];
       EXPECT_LE(memory["peak_slabs_bytes"], memory["slabs_bytes"]);
-      if (std::string(lattice) != "ray") {
-        EXPECT_GT(memory["peak_slabs_bytes"], 0);
-      }
+      // Rays need nothing that lasts.
+      EXPECT_EQ(memory["peak_slabs_bytes"] > 0, std::string(lattice) == "voxel");
     }
   }
 }
@@ -328,7 +327,9 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   const DenseVolume volume = cheese({{60, 50, 70}, VoxelType::u16, anisotropicAffine()}, 3, usualRange(VoxelType::u16));
   writeText(in("c.raw"), textOf(volume.voxels));
   expectDone({"convert", in("c.raw"), in("c.kiln"), "--dims", "60,50,70", "--type", "u16", "--brick-size", "16"});
-  const std::vector<std::string> view = {"--size", "120x90", "--view", "left", "--zoom", "2", "--visibility", "none"};
+  // The filter of pixels takes some rows for each thread.
+  const std::vector<std::string> view = {"--size", "120x90",       "--view", "left",      "--zoom",
+                                         "2",      "--visibility", "none",   "--threads", "1"};
   const auto run = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"render", in("c.kiln")});
     arguments.insert(arguments.end(), view.begin(), view.end());
@@ -338,7 +339,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   ASSERT_EQ(dry.exit_code, 0) << dry.err;
   EXPECT_EQ(listing(), (std::vector<std::string>{"c.kiln", "c.raw", "d.json"}));
   const Json cost = Json::parse(readTextFile(in("d.json")));
-  ASSERT_EQ(run({"-o", in("p.png"), "--stats", in("s.json"), "--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(run({"-o", in("p.png"), "--stats", in("s.json")}).exit_code, 0);
   const Json stats = Json::parse(readTextFile(in("s.json")));
   EXPECT_LT(cost["bricks"]["in_view"], cost["bricks"]["interesting"]);
   for (const char* key : {"total", "interesting"}) EXPECT_EQ(cost["bricks"][key], stats["bricks"][key]) << key;
@@ -346,7 +347,9 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   EXPECT_EQ(cost["bricks"]["file_bytes_in_view"], stats["bricks"]["read_bytes"]);
   for (const char* key : {"framebuffer_bytes", "visibility_bytes", "index_bytes", "budget_bytes"})
     EXPECT_EQ(cost["memory"][key], stats["memory"][key]) << key;
-  EXPECT_EQ(cost["memory"]["framebuffer_bytes"], 120 * 90 * (16 + 1));
+  const auto image_bytes = cost["memory"]["framebuffer_bytes"].get<std::uint64_t>();
+  EXPECT_GT(image_bytes, 120 * 90 * 16);
+  EXPECT_LT(image_bytes, 120 * 90 * 24);
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], cost["bricks"]["decoded_bytes_in_view"].get<std::uint64_t>() +
                                                      cost["memory"]["brick_bytes"].get<std::uint64_t>());
   // Another method has another structure: what is named is for this one.
@@ -374,7 +377,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
     EXPECT_EQ(little.exit_code, 1);
     EXPECT_EQ(little.errorLines().size(), 1u) << little.err;
     for (const std::string& mention : {std::string("--memory"), fmt::format("{}M is the smallest", smallest),
-                                       std::string("179.3 KiB of image"), std::string("to read one brick")})
+                                       formatBytes(image_bytes) + " of image", std::string("to read one brick")})
       EXPECT_NE(little.err.find(mention), std::string::npos) << little.err;
   }
 }
@@ -490,7 +493,8 @@ TEST_F(Cli, WrongCommandLines) {
       {{"slice", "", "-o", picture}, "STORE: is empty"},
       {{"render", store, "-o", picture, "--tf", ""}, "--tf: is empty"},
       {{"render", store, "-o", picture, "--size", "70000x10"}, "from 1 to 65536 pixels"},
-      {{"render", store, "-o", picture, "--threads", "-1"}, "--threads: expected a whole number from 0 to 4096, found '-1'"},
+      {{"render", store, "-o", picture, "--threads", "-1"},
+       "--threads: expected a whole number from 0 to 4096, found '-1'"},
       {{"render", store, "-o", picture, "--interocular", "3"}, "add --stereo"},
       {{"render", store, "-o", in("p_%V.png")}, "add --stereo"},
       {{"render", store, "-o", picture, "--rate", "30"}, "--rate: no video is made"},
@@ -715,7 +719,7 @@ TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
   EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
   // Of parts, one of which met it: the whole says so, too.
   for (const char* part : {"1", "2", "3"})
-    draw(std::string("p") + part + ".exr", {"--skip-damaged", "--samples", "1", "--part", std::string(part) + "/3"});
+    draw(std::string("p") + part + ".exr", {"--skip-damaged", "--lattice", "ray", "--part", std::string(part) + "/3"});
   expectDone({"composite", in("p1.exr"), in("p2.exr"), in("p3.exr"), "-o", in("made.exr")});
   EXPECT_GE(std::stoi(readImageText(in("made.exr")).at("kiln:damagedBricks")), 1);
   // What cannot be drawn around: the index.

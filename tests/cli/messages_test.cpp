@@ -130,8 +130,9 @@ TEST_F(Messages, OneEntryThatCannotBeRead_IsPassedOverWhereItIsNoSlice) {
                          kNoSize});
   fs::create_symlink("s3.tif", in("slices/s3.tif"));
   refused({"convert", in("slices"), in("p.kiln")}, 1,
-          in("slices/s3.tif") + ": is named like the slices beside it, and cannot be read (looking for it: Too many "
-                                "levels of symbolic links); mend or remove it");
+          in("slices/s3.tif") +
+              ": is named like the slices beside it, and cannot be read (looking for it: Too many "
+              "levels of symbolic links); mend or remove it");
   fs::remove(in("slices/s3.tif"));
   for (int z = 0; z < 3; ++z) fs::remove(in("slices/s" + std::to_string(z) + ".tif"));
   refused({"convert", in("slices"), in("p.kiln")}, 1, in("slices/notes.txt") + ": looking for it: Too many levels");

@@ -80,14 +80,15 @@ TEST_F(OverwrittenInputs, OfOtherCommands_AreRefusedByAnyName) {
   expectRefused({"tf", in("tf.json"), "-o", in("function.png")}, "tf.json");
   expectRefused({"tf", in("v.kiln"), "--tf", in("tf.json"), "-o", in("function.png")}, "tf.json");
   expectRefused({"tf", in("v.kiln"), "-o", in("brick.png")}, brick);
-  done({"render", in("v.kiln"), "-o", in("part.exr"), "--size", "16x16", "--part", "1/1"});
+  done({"render", in("v.kiln"), "-o", in("part.exr"), "--size", "16x16", "--lattice", "ray", "--part", "1/1"});
   fs::create_symlink(in("part.exr"), in("whole.exr"));
   expectRefused({"composite", in("part.exr"), "-o", in("whole.exr")}, "part.exr");
 }
 
 TEST_F(OverwrittenInputs, OfBench_AreRefusedByAnyName) {
   fs::create_directories(in("report"));
-  writeText(in("suite.json"), R"({"kiln_suite": 1, "cases": [{"name": "V", "volume": "v.kiln", "transferFunction": "tf.json"}]})");
+  writeText(in("suite.json"),
+            R"({"kiln_suite": 1, "cases": [{"name": "V", "volume": "v.kiln", "transferFunction": "tf.json"}]})");
   for (const char* file : {"suite.json", "tf.json"}) {
     fs::create_hard_link(in(file), in("report/report.json"));
     expectRefused({"bench", in("suite.json"), "-o", in("report"), "--quick"}, file);

@@ -21,7 +21,7 @@ class ProgressCli : public ToolTest {
 
   // A frame that would take many seconds, interrupted; nothing of it is left.
   ToolResult interrupted(const std::vector<std::string>& more, const ToolOptions& options) const {
-    std::vector<std::string> words = {"render",  in("h.kiln"), "-o", in("f_#.exr"), "--size", "500x500",   "--tf",
+    std::vector<std::string> words = {"render",  in("h.kiln"), "-o", in("f_#.exr"), "--size", "2000x2000", "--tf",
                                       "ct-skin", "--samples",  "16", "--view",      "front",  "--threads", "1"};
     words.insert(words.end(), more.begin(), more.end());
     const ToolResult result = runTool(words, options);

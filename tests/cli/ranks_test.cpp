@@ -226,13 +226,16 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
     EXPECT_GT(difference.foreground_psnr_db, 80) << name;
   };
   const std::vector<std::vector<std::string>> looks = {
-      {"-o", "OUT/a.exr", "--tf", "ct-bone-and-skin", "--background", "0.2,0.1,0"},
-      {"-o", "OUT/b.exr", "--tf", "ct-skin", "--eye", "3,-9,5", "--target", "20,60,30", "--fov", "100"},
-      {"-o", "OUT/c.exr", "--tf", "ct-bone", "--projection", "orthographic", "--view", "top", "--crop", "20,10,90,80"}};
+      {"-o", "OUT/a.exr", "--tf", "ct-bone-and-skin", "--background", "0.2,0.1,0", "--samples", "4", "--aov",
+       "depth,normal"},
+      {"-o", "OUT/b.exr", "--tf", "ct-skin", "--eye", "3,-9,5", "--target", "20,60,30", "--fov", "100", "--samples",
+       "1"},
+      {"-o", "OUT/c.exr", "--tf", "ct-bone", "--projection", "orthographic", "--view", "top", "--crop", "20,10,90,80",
+       "--samples", "2"}};
   for (const int ranks : {2, 5}) {
     for (std::vector<std::string> look : looks) {
       if (ranks == 2 && look != looks[1]) continue;
-      look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--samples", "1"});
+      look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--lattice", "ray"});
       drawn(0, "one", look);
       look.insert(look.end(), {"--distribute", "bricks"});
       const auto stats = drawn(ranks, "many", look);
@@ -248,20 +251,20 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   ASSERT_EQ(split.exit_code, 0) << split.err;
   EXPECT_LT(filesOf(directory_ / "part_1.kiln").size(), filesOf(volume_).size());
   std::vector<std::string> look = looks[1];
-  look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--samples", "1"});
+  look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--lattice", "ray"});
   drawn(0, "one", look);
   fs::rename(volume_, directory_ / "away.kiln");
   look.insert(look.end(), {"--distribute", "bricks", "--store-local", parts});
   drawn(3, "many", look);
   expectClose("b.exr");
-  const ToolResult fewer = run(
-      2, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--distribute", "bricks", "--store-local", parts});
+  const ToolResult fewer = run(2, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--lattice", "ray",
+                                   "--distribute", "bricks", "--store-local", parts});
   EXPECT_EQ(fewer.exit_code, 2);
   EXPECT_NE(fewer.err.find("run as many ranks as kiln split made parts"), std::string::npos) << fewer.err;
   const fs::path other =
       makeStore(head({{20, 20, 20}, VoxelType::u8, obliqueAffine()}, usualRange(VoxelType::u8)), "ranks_other", 8);
-  const ToolResult foreign = run(3, {"render", other.string(), "-o", (directory_ / "x.exr").string(), "--distribute",
-                                     "bricks", "--store-local", parts});
+  const ToolResult foreign = run(3, {"render", other.string(), "-o", (directory_ / "x.exr").string(), "--lattice",
+                                     "ray", "--distribute", "bricks", "--store-local", parts});
   EXPECT_EQ(foreign.exit_code, 2);
   EXPECT_NE(foreign.err.find("holds a part of another store than " + other.string()), std::string::npos) << foreign.err;
 }

@@ -48,14 +48,12 @@ const std::vector<std::string> kPair = {"--stereo", "both", "--interocular", "20
 TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
   if (std::system("oiiotool --help >/dev/null 2>&1") != 0) GTEST_SKIP() << "openimageio-tools is not there";
   for (const std::string& projection : {std::string("perspective"), std::string("orthographic")}) {
-    const std::vector<std::string> look = {"--tf",     "ct-bone-and-skin", "--projection",
-                                           projection, "--exr-type",       "half"};
-    std::vector<std::string> flat = look;
-    flat.insert(flat.end(), {"--samples", "1"});
-    drawn("flat.exr", flat);
-    std::vector<std::string> deep = look;
-    deep.insert(deep.end(), {"--deep", "--deep-samples", "7", "--deep-error", "0.001"});
-    drawn("deep.exr", deep);
+    writeText(in("job.json"), R"({"kiln": 1, "volume": "h.kiln", "image": {"width": 60, "height": 40},
+      "outputs": [{"path": "deep.exr", "content": "deep"}, {"path": "flat.exr"}],
+      "exr": {"type": "half", "deepSamples": 7, "deepError": 0.001},
+      "transferFunction": "ct-bone-and-skin", "camera": {"projection": ")" +
+                                  projection + R"("}})");
+    done({"render", in("job.json")});
     const std::string command = "oiiotool " + in("deep.exr") + " --flatten -o " + in("flattened.exr");
     ASSERT_EQ(std::system(command.c_str()), 0);
     const ImageDifference d = compareImages(readImage(in("flattened.exr")), readImage(in("flat.exr")));
@@ -77,21 +75,15 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
   }
 }
 
-// The number of samples in the note is the number in the flat picture's own job.
-TEST_F(ViewsCli, ADeepPictureOfAutomaticSamplesSaysWhatAFlatOneHas) {
-  const std::vector<std::string> look = {"--tf", "ct-bone-and-skin"};
-  drawn("flat.exr", look);
-  ASSERT_NE(readImageText(in("flat.exr")).at(ImageMetadata::kJob).find("\"samples\": 4"), std::string::npos);
-  const std::string note =
-      "a deep picture has one sample a pixel, and --samples auto draws a flat one of this job with 4";
-  EXPECT_NE(drawn("deep.exr", {"--tf", "ct-bone-and-skin", "--deep"}).err.find(note), std::string::npos);
-  EXPECT_EQ(drawn("deep.exr", {"--tf", "ct-bone-and-skin", "--deep", "--samples", "1"}).err.find("sample"),
-            std::string::npos);
-  // A picture of large voxels has one sample a pixel anyhow.
-  EXPECT_EQ(drawn("deep.exr", {"--deep", "--size", "400x400"}).err.find("sample"), std::string::npos);
-  // Rays are filtered where they are flat.
-  EXPECT_NE(drawn("deep.exr", {"--deep", "--lattice", "ray"}).err.find("a deep picture has a ray a pixel"),
-            std::string::npos);
+TEST_F(ViewsCli, ADeepPictureSaysHowItDiffersFromAFlatOne) {
+  const std::string note = "a deep picture has one ray a pixel and no pixel filter";
+  EXPECT_NE(drawn("deep.exr", {"--deep"}).err.find(note), std::string::npos);
+  EXPECT_NE(drawn("deep.exr", {"--deep", "--samples", "1"}).err.find(note), std::string::npos);
+  EXPECT_EQ(drawn("flat.exr", {"--samples", "1"}).err.find(note), std::string::npos);
+  // Beside a flat picture of the same rays there is nothing to note.
+  writeText(in("job.json"), R"({"kiln": 1, "volume": "h.kiln", "image": {"width": 60, "height": 40},
+    "outputs": [{"path": "deep.exr", "content": "deep"}, {"path": "flat.exr"}]})");
+  EXPECT_EQ(done({"render", in("job.json")}).err.find(note), std::string::npos);
 }
 
 TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {
@@ -117,13 +109,15 @@ TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {
 TEST_F(ViewsCli, SeveralVolumesAreDeepAndSeenByBothEyesAndAllRound) {
   done({"convert", "phantom:head:24x24x24", in("small.kiln"), "--brick-size", "16"});
   const std::vector<std::string> more = {"--add", in("small.kiln"), "--tf", "ct-bone-and-skin"};
+  writeText(in("both.json"), R"({"kiln": 1, "image": {"width": 60, "height": 40},
+    "volumes": [{"volume": "h.kiln", "transferFunction": "ct-bone-and-skin"}, {"volume": "small.kiln"}],
+    "outputs": [{"path": "deep.exr", "content": "deep"}, {"path": "flat.exr"}]})");
   const auto with = [&](const std::vector<std::string>& options) {
     std::vector<std::string> out = more;
     out.insert(out.end(), options.begin(), options.end());
     return out;
   };
-  drawn("flat.exr", with({"--samples", "1"}));
-  drawn("deep.exr", with({"--deep"}));
+  done({"render", in("both.json")});
   const ImageDifference d = compareImages(readImage(in("deep.exr")), readImage(in("flat.exr")));
   EXPECT_GT(d.foreground, 300u);
   EXPECT_LE(d.largest, 0x1p-10);
@@ -203,8 +197,10 @@ TEST_F(ViewsCli, BothEyesAreFilesWhereTheNameHasAPlaceForThemElseAPngIsWide) {
   EXPECT_TRUE(equalBits(partOf(wide, {0, 0, 60, 40}), left));
   EXPECT_TRUE(equalBits(partOf(wide, {60, 0, 120, 40}), right));
   EXPECT_FALSE(equalBits(left, right));
-  drawn("deep_%V.exr", {"--stereo", "both", "--interocular", "20", "--deep"});
-  drawn("flat_%V.exr", {"--stereo", "both", "--interocular", "20", "--samples", "1"});
+  writeText(in("deep.json"), R"({"kiln": 1, "volume": "h.kiln", "image": {"width": 60, "height": 40},
+    "stereo": {"eye": "both", "interocular": 20},
+    "outputs": [{"path": "deep_%V.exr", "content": "deep"}, {"path": "flat_%V.exr"}]})");
+  done({"render", in("deep.json")});
   EXPECT_LT(compareImages(readImage(in("deep_left.exr")), readImage(in("flat_left.exr"))).largest, 1e-3);
 }
 

@@ -431,7 +431,11 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_EQ(codeOf(out, false), ErrorCode::kExists);
   FileSystem::real().writeFile(out / "thesis.txt", {}, WriteMode::kUnsynced);
   EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
-  EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kExists);
+  EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kUsage) << "a store holds no other";
+  const fs::path beside = out.parent_path() / "thesis.txt";
+  FileSystem::real().writeFile(beside, {}, WriteMode::kUnsynced);
+  EXPECT_EQ(codeOf(beside, true), ErrorCode::kExists);
+  EXPECT_TRUE(fs::exists(beside));
   EXPECT_TRUE(fs::exists(out / "thesis.txt"));
   try {
     convert(other, out, options(How::kOverwrite), silent);

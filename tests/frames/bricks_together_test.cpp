@@ -60,7 +60,7 @@ TEST_P(BricksTogether, LeaveRoomToReadAhead) {
   EXPECT_EQ(most, kMostBricksTogether);
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, BricksTogether, ::testing::Values(Lattice::kPixel, Lattice::kVoxel, Lattice::kRay));
+INSTANTIATE_TEST_SUITE_P(Of, BricksTogether, ::testing::Values(Lattice::kPixel, Lattice::kVoxel));
 
 }  // namespace
 }  // namespace kiln::test

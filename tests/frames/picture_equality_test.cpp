@@ -101,7 +101,6 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
         EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
       const ThreadLimit one(1);
       request.tile_px = 64 << seed % 3;
-      request.sweep_px = 16 << seed % 2;
       EXPECT_TRUE(equalBits(truth, draw(stores_[1], request)))
           << "one thread, tiles of " << request.tile_px << ", seed " << seed;
       checkLeastMemory(stores_[1], request, truth, seed);

@@ -26,7 +26,6 @@ class RayPixels : public ::testing::TestWithParam<int> {
  protected:
   FrameRequest requestFor(Projection projection) const {
     FrameRequest out;
-    out.lattice = Lattice::kRay;
     out.level = 0;
     out.samples = GetParam();
     Camera camera = cameraFrom(volume_.geometry, {0.4, -1, 0.3}, projection);
@@ -204,7 +203,6 @@ TEST_P(RayPixels, AreCharged) {
   RenderJob job;
   job.volume = store_;
   job.picture.size = kFilteredSize;
-  job.picture.lattice = Lattice::kRay;
   job.picture.samples = GetParam();
   const StoreReader store(store_);
   const std::uint64_t e = static_cast<std::uint64_t>(edge()), beside = GetParam() == 16 ? 0 : 2;
@@ -217,12 +215,6 @@ TEST_P(RayPixels, AreCharged) {
   }
   job.picture.crop = PixelRect{9, 13, 61, 44};
   EXPECT_EQ(frameMemory(store, job).band, 16 * (52 * e + beside) * (31 * e + beside));
-  job.picture.lattice = Lattice::kPixel;
-  if (GetParam() == 2) {
-    EXPECT_THROW(frameMemory(store, job), Error);
-    return;
-  }
-  EXPECT_EQ(frameMemory(store, job).band, e == 1 ? 0 : 17 * 52 * e * 31 * e);
 }
 
 INSTANTIATE_TEST_SUITE_P(Samples, RayPixels, ::testing::Values(1, 2, 4, 16));

@@ -116,9 +116,9 @@ TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   job.speed.memory_bytes = ample.smallest();
   const FrameMemory least = frameMemory(store, job);
   EXPECT_GE(ample.band_px, 180);
-  // Four floats, three of depth, three of a normal; by slabs also what they cover.
-  const unsigned of_pixel = GetParam() == Lattice::kPixel ? 41 : 40;
-  const unsigned beside = GetParam() == Lattice::kRay ? 2 : 0;
+  // Four floats, three of depth, three of a normal.
+  constexpr unsigned of_pixel = 40;
+  const unsigned beside = GetParam() == Lattice::kPixel ? 2 : 0;
   EXPECT_EQ(ample.band, of_pixel * (200 + beside) * (180 + beside));
   EXPECT_EQ(least.band, of_pixel * (200 + beside) * (64 + beside));
   EXPECT_EQ(least.smallest(), ample.smallest());

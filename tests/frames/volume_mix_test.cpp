@@ -1,6 +1,6 @@
-// Several volumes in one picture: every brick of each puts its own samples into slabs that are the same for all, whose
-// sums are exact, and a pixel is laid by one tile. So a picture of the same volumes is equal to the bit for every brick
-// size of either, thread count, tile, budget, visibility method and crop.
+// Several volumes in one picture: every brick of each adds its own samples to slabs that are the same for all, volume
+// by volume, and a pixel has one sample of each volume in a slab. So a picture of the same volumes is equal to the bit
+// for every brick size of either, thread count, tile, budget, visibility method and crop.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -31,9 +31,9 @@ std::vector<DenseVolume> mixedVolumes() {
   return out;
 }
 
-FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volumes, Lattice lattice) {
+FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volumes) {
   const RandomScene scene = randomScene(seed, volumes[0], kMixSize);
-  FrameRequest out = requestOf(scene, lattice, randomThreshold(seed));
+  FrameRequest out = requestOf(scene, Lattice::kPixel, randomThreshold(seed));
   out.volumes.push_back({scene.transfer_function, scene.shading, scene.clipping});
   Random random(seed + 77);
   const DenseVolume& second = volumes[1];
@@ -50,7 +50,7 @@ std::uint64_t leastBytes(const Paths& stores, const FrameRequest& request) {
   return leastMixBytes({&first, &second}, request);
 }
 
-class VolumeMixEquality : public ::testing::TestWithParam<Lattice> {
+class VolumeMixEquality : public ::testing::Test {
  protected:
   void SetUp() override {
     volumes_ = mixedVolumes();
@@ -67,9 +67,9 @@ class VolumeMixEquality : public ::testing::TestWithParam<Lattice> {
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
       SCOPED_TRACE("seed " + std::to_string(seed));
-      FrameRequest request = requestAt(seed, volumes_, GetParam());
+      FrameRequest request = requestAt(seed, volumes_);
       request.level = 0;  // smaller bricks have more levels
-      if (GetParam() == Lattice::kRay && i % 2 == 1) request.samples = 2;
+      if (i % 2 == 1) request.samples = 2;
       const Image truth = draw(stores(2, 2), request);
       shown += showsSomething(truth) ? 1 : 0;
       EXPECT_TRUE(equalBits(truth, draw(stores(0, 1), request))) << "bricks of 16 and 32";
@@ -85,7 +85,6 @@ class VolumeMixEquality : public ::testing::TestWithParam<Lattice> {
 
   void checkLeastMemory(FrameRequest request, const Image& truth) {
     const ThreadLimit one(1);
-    request.sweep_px = 32;
     const std::uint64_t least = leastBytes(stores(0, 0), request);
     EXPECT_TRUE(equalBits(truth, draw(stores(0, 0), request, least))) << "least memory";
     request.tile_px = 128;
@@ -98,12 +97,12 @@ class VolumeMixEquality : public ::testing::TestWithParam<Lattice> {
   Paths stores_[2];
 };
 
-TEST_P(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
+TEST_F(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
 // The same where each volume has the levels that fit the view, from so near that they change on the way.
-TEST_P(VolumeMixEquality, HoldsWhereLevelsMix) {
+TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
   for (const std::uint64_t seed : {600, 601}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    FrameRequest request = requestAt(seed, volumes_, GetParam());
+    FrameRequest request = requestAt(seed, volumes_);
     Camera camera = cameraFrom(volumes_[0].geometry, randomDirection(seed, 0), Projection::kPerspective);
     camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
     camera.fov_deg = 110;
@@ -119,11 +118,11 @@ TEST_P(VolumeMixEquality, HoldsWhereLevelsMix) {
   }
 }
 
-TEST_P(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
+TEST_F(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
 
 // Less than the bricks of a tile take is refused in a line that says how much more works.
-TEST_P(VolumeMixEquality, TooLittleMemoryIsRefused) {
-  FrameRequest request = requestAt(502, volumes_, GetParam());
+TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
+  FrameRequest request = requestAt(502, volumes_);
   TransferFunction all{0, {{-1e9, glm::dvec3(1), 0.1}}};
   for (VolumeRequest& volume : request.volumes) volume = {all, {}, {}};
   const std::uint64_t least = leastBytes(stores(1, 1), request);
@@ -138,8 +137,8 @@ TEST_P(VolumeMixEquality, TooLittleMemoryIsRefused) {
 }
 
 // The second of two that shows nothing adds no sample and hides none.
-TEST_P(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
-  FrameRequest request = requestAt(504, volumes_, GetParam());
+TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
+  FrameRequest request = requestAt(504, volumes_);
   TransferFunction all{0, {{-1e9, glm::dvec3(1, 0.5, 0.2), 0.1}}}, nothing{0, {{0, glm::dvec3(1), 0}}};
   request.volumes = {{all, {}, {}}, {nothing, {}, {}}};
   const Image image = draw(stores(1, 1), request);
@@ -147,8 +146,6 @@ TEST_P(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
   EXPECT_TRUE(showsSomething(image));
   EXPECT_TRUE(equalBits(image, draw({stores_[1][1], stores_[0][1]}, request)));
 }
-
-INSTANTIATE_TEST_SUITE_P(Lattices, VolumeMixEquality, ::testing::Values(Lattice::kPixel, Lattice::kRay));
 
 }  // namespace
 }  // namespace kiln::test

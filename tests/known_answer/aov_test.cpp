@@ -124,8 +124,6 @@ class AovValues : public ::testing::TestWithParam<std::tuple<Projection, Lattice
     return (request_.view.projection == Projection::kPerspective ? depth : 1) / request_.view.focal_px;
   }
   bool voxels() const { return request_.lattice == Lattice::kVoxel; }
-  // A sample on a ray is half a slab before or behind a surface.
-  bool rays() const { return request_.lattice == Lattice::kRay; }
   BallDeparture departureFromBall(const Image& image, const glm::dvec3& centre, double radius) const {
     const Planes planes{image};
     BallDeparture off;
@@ -160,7 +158,8 @@ TEST_P(AovValues, OfASolidBallAreItsSurface) {
     EXPECT_GT(off.first.count, 300);
     // The other lattice's footprints are as large as its voxels, of one or two pixels.
     EXPECT_LT(std::abs(off.first.mean()), voxels() ? 0.7 : 0.1);
-    EXPECT_LT(off.first.rms(), voxels() ? 1.6 : rays() ? 0.3 : 0.25);
+    // A sample on a ray is up to half a slab before or behind a surface.
+    EXPECT_LT(off.first.rms(), voxels() ? 1.6 : 0.3);
     EXPECT_LT(off.first.worst, voxels() ? 6 : 0.75);
     EXPECT_LT(std::abs(off.mean.mean()), voxels() ? 0.7 : 0.33);
     EXPECT_LT(off.largest_angle, voxels() ? 10 : 3);
@@ -243,7 +242,9 @@ TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
       const BallDeparture off = departureFromBall(draw(store, request_), centre, std::sqrt(radius2 - averages));
       EXPECT_GT(off.first.count, 30);
       EXPECT_LT(std::abs(off.first.mean()), 0.1);
-      EXPECT_LT(off.first.rms(), 0.25);
+      // A sample is up to half a slab before or behind the surface: that of a uniform distribution over a pixel is
+      // 0.289.
+      EXPECT_LT(off.first.rms(), 0.3);
       EXPECT_LT(off.first.worst, 1);
       EXPECT_LT(std::abs(off.mean.mean()), 0.33);
       EXPECT_LT(off.largest_angle, size == 40 ? 5 : 2);

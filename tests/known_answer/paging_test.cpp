@@ -34,11 +34,13 @@ TEST(Paging, AFrameReadsWhatItDraws) {
                   frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)), progress,
                   frames[i]);
     }
-    EXPECT_GT(frames[0].bricks_contributing, 25u);
+    EXPECT_GT(frames[0].bricks_contributing, 20u);
     EXPECT_GT(frames[0].bricks_hidden, 2u);
     EXPECT_GE(frames[0].bricks_read, frames[0].bricks_contributing);
+    // Of small bricks a third shows nothing: what a ray could see there is behind the skin, beside which pixels are
+    // open.
     EXPECT_LE(static_cast<double>(frames[0].bricks_read_bytes),
-              1.5 * static_cast<double>(frames[0].bricks_contributing_bytes));
+              1.7 * static_cast<double>(frames[0].bricks_contributing_bytes));
     EXPECT_LT(10 * frames[1].bricks_read_bytes, frames[0].bricks_read_bytes);
   }
 }

@@ -98,7 +98,7 @@ class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
     const std::string name = scene + ", " + nameOf(lattice) + " lattice, " + nameOf(projection);
     const Popping popping = poppingOf(turning, request, name.c_str());
     // Compositing splat by splat depends on the order of visiting: where that flips, the picture pops.
-    const double mean = lattice == Lattice::kVoxel ? 6 : lattice == Lattice::kRay ? of_rays : 1.15;
+    const double mean = lattice == Lattice::kVoxel ? 6 : of_rays;
     EXPECT_LT(popping.mean_ratio, mean) << name;
     EXPECT_LT(popping.largest_ratio, lattice == Lattice::kVoxel ? 25 : mean + 0.15) << name;
     EXPECT_GT(popping.mean_ratio, 0.7) << name;
@@ -130,7 +130,7 @@ TEST_P(Turn, NightlyOfARealHead) {
           cameraOf(subject, turning.volume.geometry, std::get<1>(GetParam()), px_per_voxel, turning.pixels);
       turning.transfer_function = transferFunctionOf(subject, material);
       // As many samples as by default. Of a scanned head at a pixel a voxel, details are there for a ray or not.
-      const bool rays = std::get<0>(GetParam()) == Lattice::kRay;
+      const bool rays = std::get<0>(GetParam()) == Lattice::kPixel;
       check(turning, fmt::format("cthead, {}, {} px/voxel", nameOf(material), px_per_voxel), 2.5,
             rays && px_per_voxel < 0.75 ? 4 : 1);
     }

@@ -27,9 +27,7 @@ TransferFunction uniformFunction(const glm::dvec3& color, double opacity) { retu
 
 // A box of 40³ around one of 20³ voxels of 0.8, turned about the line of sight: along the rays through the middle 12
 // of the one, 16 of both, 12 of the one. Light comes from each as much as it absorbs.
-class VolumeMix : public ::testing::TestWithParam<Lattice> {};
-
-TEST_P(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
+TEST(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
   const DenseVolume outer = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
   glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(19.5));
   turned = glm::rotate(turned, 0.7, glm::dvec3(0, 0, 1));
@@ -40,7 +38,6 @@ TEST_P(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
   const glm::dvec3 red(1, 0, 0), blue(0, 0, 1);
   for (const double opacity : {0.01, 0.05, 0.4}) {
     FrameRequest request;
-    setLattice(request, GetParam());
     Camera camera;
     camera.projection = Projection::kOrthographic;
     camera.eye = {19.5, 19.5, -100}, camera.target = {19.5, 19.5, 19.5}, camera.up = {0, 1, 0};
@@ -60,8 +57,6 @@ TEST_P(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
       EXPECT_NEAR(mean[c], expected[c], 0.005 * expected[3]) << "channel " << c << " opacity " << opacity;
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Lattices, VolumeMix, ::testing::Values(Lattice::kPixel, Lattice::kRay));
 
 struct MixMagnification {
   double px_per_voxel, least_db;
@@ -89,18 +84,17 @@ glm::dmat4 turnedAround(const glm::dvec3& middle, const glm::dvec3& spacing, con
 
 // Draws the scene, says how far it is from the reference's picture, and adds both and their difference to the sheet.
 void expectThatOfTheReference(const std::vector<ReferenceVolume>& scene,
-                              const std::vector<std::filesystem::path>& stores, Lattice lattice, const View& view,
+                              const std::vector<std::filesystem::path>& stores, const View& view,
                               const MixMagnification& must, const std::string& name,
                               std::vector<std::vector<Image>>& sheet) {
   FrameRequest request;
-  setLattice(request, lattice);
   request.view = view;
   request.opacity_threshold = 0.9999;
   for (const ReferenceVolume& volume : scene)
     request.volumes.push_back({volume.transfer_function, volume.shading, volume.clipping});
   const Image truth = referenceImage(scene, view, {must.rays_per_axis, 0.25, 0.9999}), image = draw(stores, request);
   const ImageDifference ours = compareImages(truth, image);
-  std::printf("%s, %s, %.0f px/voxel: %.1f dB, brightness %+.2f %%\n", name.c_str(), nameOf(lattice), must.px_per_voxel,
+  std::printf("%s, %.0f px/voxel: %.1f dB, brightness %+.2f %%\n", name.c_str(), must.px_per_voxel,
               ours.foreground_psnr_db, 100 * (ours.mean_brightness_ratio - 1));
   std::fflush(stdout);
   EXPECT_GE(ours.foreground_psnr_db, must.least_db);
@@ -110,10 +104,10 @@ void expectThatOfTheReference(const std::vector<ReferenceVolume>& scene,
   sheet[2].push_back(differenceImage(image, truth));
 }
 
-class VolumeMixPicture : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {};
+class VolumeMixPicture : public ::testing::TestWithParam<Projection> {};
 
 TEST_P(VolumeMixPicture, IsThatOfTheReference) {
-  const auto [lattice, projection] = GetParam();
+  const Projection projection = GetParam();
   const DenseVolume first = readVolume("phantom:head:144x144x144");
   DenseVolume second = readVolume("phantom:engine:100x120x90");
   const glm::dvec3 middle = first.geometry.worldOf({71.5, 71.5, 71.5});
@@ -138,23 +132,21 @@ TEST_P(VolumeMixPicture, IsThatOfTheReference) {
   std::vector<std::vector<Image>> sheet(3);
   for (const MixMagnification& must : {MixMagnification{1, 30}, {2, 34}}) {
     const View view = resolve(mixCameraAt(first.geometry, projection, must.px_per_voxel), {kMixPixels, kMixPixels});
-    expectThatOfTheReference(scene, stores, lattice, view, must, nameOf(projection), sheet);
+    expectThatOfTheReference(scene, stores, view, must, nameOf(projection), sheet);
   }
-  writeContactSheet(sheet, kMixPixels, fmt::format("volume_mix_{}_{}.png", nameOf(lattice), nameOf(projection)));
+  writeContactSheet(sheet, kMixPixels, fmt::format("volume_mix_{}.png", nameOf(projection)));
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, VolumeMixPicture,
-                         ::testing::Combine(::testing::Values(Lattice::kPixel, Lattice::kRay),
-                                            ::testing::Values(Projection::kOrthographic, Projection::kPerspective)));
+INSTANTIATE_TEST_SUITE_P(Projections, VolumeMixPicture,
+                         ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
 
 // Scans, at 512 x 512 pixels: a head, bone through translucent skin, and another one or an engine that is turned, has
 // voxels of other edges and goes through it.
-class NightlyMixOfScans
-    : public ::testing::TestWithParam<std::tuple<Lattice, const char*, Projection, MixMagnification>> {};
+class NightlyMixOfScans : public ::testing::TestWithParam<std::tuple<const char*, Projection, MixMagnification>> {};
 
 TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
   constexpr int kPixels = 512;
-  const auto [lattice, name, projection, must] = GetParam();
+  const auto [name, projection, must] = GetParam();
   const auto subject = [](const std::string& wanted) {
     const std::vector<QualityVolume>& all = qualityVolumes();
     return *std::find_if(all.begin(), all.end(), [&](const QualityVolume& v) { return v.name == wanted; });
@@ -174,16 +166,15 @@ TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
   scene[1].transfer_function.points[0].color = scene[1].transfer_function.points[1].color = {0.4, 0.6, 0.9};
   std::vector<std::vector<Image>> sheet(3);
   const Camera camera = cameraOf(head, first.geometry, projection, must.px_per_voxel, kPixels);
-  expectThatOfTheReference(scene, stores, lattice, resolve(camera, {kPixels, kPixels}), must,
+  expectThatOfTheReference(scene, stores, resolve(camera, {kPixels, kPixels}), must,
                            fmt::format("vhm_head and {}, {}", name, nameOf(projection)), sheet);
   writeContactSheet(sheet, kPixels,
-                    fmt::format("volume_mix_{}_{}_{}_{}px.png", name, nameOf(lattice), nameOf(projection), must.px_per_voxel));
+                    fmt::format("volume_mix_{}_{}_{}px.png", name, nameOf(projection), must.px_per_voxel));
 }
 
 // Of the reference, as many rays a voxel or more.
 INSTANTIATE_TEST_SUITE_P(Scans, NightlyMixOfScans,
-                         ::testing::Combine(::testing::Values(Lattice::kPixel, Lattice::kRay),
-                                            ::testing::Values("engine", "cthead"),
+                         ::testing::Combine(::testing::Values("engine", "cthead"),
                                             ::testing::Values(Projection::kOrthographic, Projection::kPerspective),
                                             ::testing::Values(MixMagnification{1, 28}, MixMagnification{2, 34, 2},
                                                               MixMagnification{4, 34, 2})));

@@ -41,7 +41,7 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
         {at(0.1), {1, 0.7, 0.5}, 0}, {at(0.3), {1, 0.7, 0.5}, 0.2}, {at(0.6), {1, 1, 0.8}, 0.7}};
     request.shading.specular = 0.3;
     // Rays, which are filtered, two a pixel, too.
-    request.samples = GetParam() == Lattice::kRay && type == VoxelType::i16 ? 2 : 1;
+    request.samples = GetParam() == Lattice::kPixel && type == VoxelType::i16 ? 2 : 1;
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
       // Along an axis, where footprints of voxels are straight, and across.
       for (const glm::dvec3& from : {glm::dvec3(0, -1, 0), glm::dvec3(0.7, -1, 0.4)}) {
@@ -72,10 +72,7 @@ TEST(InstructionSets, InterpolateTheSame) {
   request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
   for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
     request.interpolation = interpolation;
-    for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay}) {
-      request.lattice = lattice;
-      expectTheSameOnAllSets(store, request);
-    }
+    expectTheSameOnAllSets(store, request);
   }
 }
 
@@ -115,10 +112,7 @@ TEST(InstructionSets, CompositeSeveralVolumesTheSame) {
   request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
   request.volumes = {{soft, {}, {}}, {hard, {}, {}}};
   request.aovs.depth = request.aovs.normal = true;
-  for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay}) {
-    request.lattice = lattice;
-    expectTheSameOnAllSets(stores, request);
-  }
+  expectTheSameOnAllSets(stores, request);
 }
 
 }  // namespace

@@ -63,7 +63,6 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
     EXPECT_TRUE(equalBits(truth, draw(small, request))) << "tested for visibility";
     const ThreadLimit one(1);
     request.tile_px = 128;
-    request.sweep_px = 32;
     EXPECT_TRUE(equalBits(truth, draw(small, request, 2u << 20))) << "one thread, other tiles, little memory";
     request.crop = PixelRect{21, 13, 70, 57};
     EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(small, request))) << "cropped";
@@ -72,8 +71,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
 }
 
 // Known because nothing of it is said to be part of the picture.
-TEST_P(Labels, WithAnotherVolumeAreDrawnAlike) {
-  if (GetParam() == Lattice::kVoxel) GTEST_SKIP() << "draws one volume";
+TEST(LabelVolumes, WithAnotherVolumeAreDrawnAlike) {
   const DenseVolume volume = labelBodies();
   const DenseVolume amounts = cheese({{40, 41, 39}, VoxelType::u8, anisotropicAffine()}, 4, {0, 200});
   const auto stores = [&](int brick_size, const char* name) {
@@ -81,7 +79,7 @@ TEST_P(Labels, WithAnotherVolumeAreDrawnAlike) {
                        makeStore(amounts, std::string(name) + "_amounts", brick_size)};
   };
   const auto large = stores(64, "large"), small = stores(16, "small");
-  FrameRequest request = labelRequest(44, volume, GetParam());
+  FrameRequest request = labelRequest(44, volume, Lattice::kPixel);
   const TransferFunction fog{request.transfer_function.unit, {{20, {1, 1, 1}, 0}, {200, {1, 0.8, 0.6}, 0.03}}};
   request.volumes = {{request.transfer_function, {}, {}}, {fog, {}, {}}};
   const Image truth = draw(large, request);
@@ -89,7 +87,6 @@ TEST_P(Labels, WithAnotherVolumeAreDrawnAlike) {
   EXPECT_TRUE(equalBits(truth, draw(small, request))) << "bricks of 16";
   const ThreadLimit one(1);
   request.tile_px = 128;
-  request.sweep_px = 32;
   EXPECT_TRUE(equalBits(truth, draw(small, request))) << "one thread, other tiles";
 }
 

@@ -1,7 +1,8 @@
-// Partial images of boxes that fill the volume make the whole picture: they are drawn from the same samples, each slab
-// of a pixel in one of them, so that what differs is rounding and, where the opacity threshold is reached in one part
-// and not yet in another, less than what the threshold leaves open. The files say what orders them; what does not
-// belong together is refused by one line that names the file.
+// Partial images of boxes that fill the volume make the whole picture. On rays each sample is in one of them, so that
+// they differ by rounding and, where the opacity threshold is reached in one part and not yet in another, by less than
+// what the threshold leaves open. Footprints of voxels reach across borders of parts, and what a part adds there lies
+// in front of or behind all of the other part. The files say what orders them; files that do not belong together are
+// refused by one line that names the file.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "render/composite_parts.h"
 #include "render/render_job_run.h"
 #include "support/drawing.h"
+#include "support/lattices.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"
 #include "support/test_store.h"
@@ -20,7 +22,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-class PartialImages : public ::testing::Test {
+class PartialImages : public ::testing::TestWithParam<Lattice> {
  protected:
   void SetUp() override {
     volume_ = head({{40, 51, 37}, VoxelType::u8, obliqueAffine()}, usualRange(VoxelType::u8));
@@ -28,7 +30,8 @@ class PartialImages : public ::testing::Test {
     directory_ = store_.parent_path();
     job_.volume = store_;
     job_.picture.size = {70, 60};
-    job_.picture.samples = 1;  // as parts have
+    job_.picture.lattice = GetParam();
+    job_.picture.samples = 1;
     job_.output.exr_float = true;
   }
 
@@ -51,6 +54,32 @@ class PartialImages : public ::testing::Test {
     }
   }
 
+  // Measured over 200 scenes: on rays 64 dB or better and 0.0016 of a channel at most. Voxels have 22.5 dB at least, 40
+  // in three of four scenes, and single pixels are whole channels off.
+  double largestError() const { return GetParam() == Lattice::kPixel ? 1 / 255.0 : 1; }
+  double leastDb() const { return GetParam() == Lattice::kPixel ? 60 : 22; }
+
+  // Depths and normals are those of the whole picture.
+  void expectPlanesOf(const Image& whole, const Image& made) {
+    ASSERT_EQ(made.planes.size(), whole.planes.size());
+    const double diagonal = glm::length(glm::dvec3(40, 51, 37)) * volume_.geometry.meanSpacing();
+    const auto at = [](const Image& image, std::size_t plane, std::size_t i) {
+      return static_cast<double>(image.planes[plane].values[i]);
+    };
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < whole.rgba.size() / 4; ++i) {
+      ASSERT_EQ(std::isfinite(at(made, 1, i)), std::isfinite(at(whole, 1, i))) << i;
+      if (!std::isfinite(at(whole, 1, i))) continue;
+      EXPECT_NEAR(at(made, 1, i), at(whole, 1, i), 0.01 * diagonal) << i;
+      double dot = 0, length = 0;
+      for (std::size_t axis = 2; axis < 5; ++axis)
+        dot += at(made, axis, i) * at(whole, axis, i), length += at(whole, axis, i) * at(whole, axis, i);
+      turned += length > 0 && dot < 0.95 ? 1 : 0;
+    }
+    // A mean of normals that nearly cancel turns with the last bits.
+    EXPECT_LT(turned, whole.rgba.size() / 4 / 100);
+  }
+
   void checkOctants(std::uint64_t seed, bool inside) {
     Random random(seed ^ 0x70617274);
     RandomScene scene = randomScene(seed, volume_, job_.picture.size);
@@ -66,7 +95,10 @@ class PartialImages : public ::testing::Test {
     picture.shading = scene.shading;
     picture.background = scene.background;
     picture.clipping.planes = scene.clipping.planes;
-    picture.interpolation = scene.interpolation;
+    const bool rays = GetParam() == Lattice::kPixel;
+    if (rays) picture.interpolation = scene.interpolation;
+    picture.samples = std::array{1, rays ? 2 : 1, 4, 16}[seed % 4];
+    picture.aovs.depth = picture.aovs.normal = rays && seed % 2 == 0;
     if (seed % 3 == 0) picture.crop = PixelRect{5, 7, 66, 51};
     const Image whole = drawn("whole.exr", std::nullopt);
     const Extent3& n = volume_.geometry.dims;
@@ -87,7 +119,9 @@ class PartialImages : public ::testing::Test {
     const CompositedParts made = compositeParts(parts, silent_);
     EXPECT_EQ(made.volume_share, 1) << seed;
     const ImageDifference difference = compareImages(made.image, whole);
-    EXPECT_LT(difference.largest, 1 / 255.0) << "seed " << seed << (inside ? ", from inside" : "");
+    EXPECT_LE(difference.largest, largestError()) << "seed " << seed << (inside ? ", from inside" : "");
+    EXPECT_GT(difference.psnr_db, leastDb()) << "seed " << seed;
+    if (picture.aovs.any()) expectPlanesOf(whole, made.image);
     writeImage(made.image, made.metadata, {true}, directory_ / "made.exr");
     EXPECT_EQ(readImageText(directory_ / "made.exr").at("kiln:job"),
               readImageText(directory_ / "whole.exr").at("kiln:job"));
@@ -102,13 +136,13 @@ class PartialImages : public ::testing::Test {
   int drawn_ = 0, with_something_ = 0;
 };
 
-TEST_F(PartialImages, OfOctantsMakeTheWhole) {
+TEST_P(PartialImages, OfOctantsMakeTheWhole) {
   for (std::uint64_t seed = 900; seed < casesOf(906u, 903u); ++seed) checkOctants(seed, seed % 3 == 1);
   EXPECT_GT(with_something_, casesOf(3, 1));
 }
 
-// Where rims of several parts meet in one pixel, each covers some of it, behind or beside the others.
-TEST_F(PartialImages, OfABodyMeetAtItsEdges) {
+// Where rims of several parts meet in one pixel.
+TEST_P(PartialImages, OfABodyMeetAtItsEdges) {
   volume_ = cheese({{64, 64, 64}, VoxelType::u8}, 3, {0, 200});
   job_.volume = makeStore(volume_, "parts_edges", 32);
   PictureOptions& picture = job_.picture;
@@ -122,15 +156,17 @@ TEST_F(PartialImages, OfABodyMeetAtItsEdges) {
                                 VoxelBox{{27, 41, 0}, {64, 64, 30}}, VoxelBox{{27, 41, 30}, {64, 64, 64}}})
       parts.push_back(drawnPart(box));
     const ImageDifference difference = compareImages(compositeParts(parts, silent_).image, whole);
-    EXPECT_LT(difference.largest, 1 / 255.0);
+    EXPECT_LE(difference.largest, largestError());
     EXPECT_GT(difference.foreground, 3000u);
   }
 }
 
-TEST_F(PartialImages, NightlyOfOctantsMakeTheWholeForManyScenes) {
+TEST_P(PartialImages, NightlyOfOctantsMakeTheWholeForManyScenes) {
   for (std::uint64_t seed = 9000; seed < 9200; ++seed) checkOctants(seed, seed % 3 == 1);
   EXPECT_GT(with_something_, 100);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lattices, PartialImages, ::testing::Values(Lattice::kPixel, Lattice::kVoxel));
 
 // I/N are boxes that fill the volume.
 TEST(VolumeParts, FillTheVolumeWithoutOverlap) {
@@ -154,7 +190,7 @@ TEST(VolumeParts, FillTheVolumeWithoutOverlap) {
     EXPECT_EQ(partNumbered(wrong), std::nullopt) << wrong;
 }
 
-TEST_F(PartialImages, ThatDoNotBelongTogetherAreRefused) {
+TEST_P(PartialImages, ThatDoNotBelongTogetherAreRefused) {
   job_.picture.size = {8, 8};
   Camera camera;
   camera.projection = Projection::kOrthographic;

@@ -20,7 +20,6 @@ constexpr ImageSize kRaySize{70, 61};
 
 FrameRequest rayRequest(const DenseVolume& volume, Projection projection) {
   FrameRequest out;
-  out.lattice = Lattice::kRay;
   out.filters_rays = false;
   out.level = 0;
   out.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, projection), kRaySize);
@@ -54,7 +53,6 @@ class SamplesAlone {
         field_(volume, request.interpolation) {
     ZonedVolume zoned{&store.manifest(), levels_.projector(0).nearDepth()};
     zoned.sample_distance = request.sample_distance;
-    zoned.on_rays = true;
     zones_ = slabZones(zoned, view_, 0);
   }
   std::array<double, 4> composited(int x, int y) const;
@@ -227,7 +225,6 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
   const auto store = makeStore(volume, "uniform", 16);
   constexpr double kTau = 0.02;
   FrameRequest request;
-  request.lattice = Lattice::kRay;
   request.filters_rays = false;
   request.level = 0;
   request.shading.phong = false;
@@ -261,7 +258,6 @@ TEST(RayLattice, TwoSamplesAreOneWhereThatShowsLittle) {
   });
   const auto store = makeStore(volume, "soft", 16);
   FrameRequest request;
-  request.lattice = Lattice::kRay;
   request.level = 0;
   Camera camera = cameraFrom(volume.geometry, {0.3, -1, 0.2}, Projection::kOrthographic);
   camera.height = kRaySize.height / 1.5;  // half a voxel is more than half a pixel

@@ -6,7 +6,7 @@
 
 namespace kiln::test {
 
-inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel, Lattice::kRay};
+inline constexpr Lattice kLattices[] = {Lattice::kPixel, Lattice::kVoxel};
 
 inline void setLattice(FrameRequest& request, Lattice lattice) { request.lattice = lattice; }
 

@@ -119,10 +119,6 @@ class ThreadRanks : public Ranks {
     bytes = world_.sent_to_all;
     barrier();
   }
-  void reduce(std::span<std::byte> /*elements*/, std::size_t /*element_bytes*/, const Combine& /*combine*/,
-              std::span<const int> /*order*/) override {
-    throw std::logic_error("no test of this needs it");
-  }
 
   RankTraffic traffic() const override {
     const std::scoped_lock lock(world_.mutex);

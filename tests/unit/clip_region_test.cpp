@@ -58,13 +58,27 @@ TEST(ClipRegion, SharesOfSamplesAddUp) {
     double width = 0;
     for (int i = 0; i < 26; ++i) {
       const glm::dvec3 index((i + 0.5) * kEdge - 0.5, 1, 1);
-      const double share = below.shareOf(index, glm::dvec3(kEdge));
-      EXPECT_NEAR(share + above.shareOf(index, glm::dvec3(kEdge)), 1, 1e-3);
+      const glm::dvec3 along(i % 2 == 0 ? kEdge : -kEdge, 0.1, 0);
+      const double share = below.shareOf(index, along);
+      EXPECT_NEAR(share + above.shareOf(index, along), 1, 1e-12);
       width += share * kEdge;
     }
-    EXPECT_NEAR(width, static_cast<double>(face), 1e-3);
+    EXPECT_NEAR(width, static_cast<double>(face), 1e-12);
     for (std::int64_t x = 0; x < 16; ++x)
-      EXPECT_EQ(below.shareOf({x, 1, 1}, glm::dvec3(1)), x < face ? 1 : 0) << "whole voxels";
+      EXPECT_EQ(below.shareOf({x, 1, 1}, glm::dvec3(1, 0, 0)), x < face ? 1 : 0) << "whole voxels";
+  }
+}
+
+// Of a stretch across both faces of a thin plate, the plate's thickness is inside.
+TEST(ClipRegion, APlateHasTheShareOfItsThickness) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -1));
+  for (const double thickness : {1e-6, 1e-3, 0.2}) {
+    const double middle = glm::dot(normal, glm::dvec3(8, 8, 8));
+    const ClipRegion plate({{}, {{normal, thickness / 2 - middle}, {-normal, thickness / 2 + middle}}},
+                           volumeOf({16, 16, 16}));
+    EXPECT_NEAR(plate.shareOf({8, 8, 8}, normal), thickness, 1e-12);
+    EXPECT_NEAR(plate.shareOf({8, 8, 8}, 2.0 * normal), thickness / 2, 1e-12);
+    EXPECT_EQ(plate.shareOf(glm::dvec3(8, 8, 8) + normal, normal), 0);
   }
 }
 

@@ -292,8 +292,7 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.interpolation, Interpolation::kLinear);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "interpolation": "cubic"})", "job.json").picture.interpolation,
             Interpolation::kCubic);
-  for (const Lattice lattice : {Lattice::kPixel, Lattice::kRay})
-    EXPECT_NO_THROW(requireInterpolation(lattice, Interpolation::kCatmullRom));
+  EXPECT_NO_THROW(requireInterpolation(Lattice::kPixel, Interpolation::kCatmullRom));
   EXPECT_NO_THROW(requireInterpolation(Lattice::kVoxel, Interpolation::kLinear));
   try {
     requireInterpolation(Lattice::kVoxel, Interpolation::kCatmullRom);
@@ -304,13 +303,13 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
   }
 }
 
-TEST(RenderJob, SamplesOnRaysAreCompositedAndHaveADistance) {
+TEST(RenderJob, RayIsAnotherNameOfThePixelLattice) {
   const RenderJob job = parseJob(R"({"volume": "a.kiln", "lattice": "ray", "sampleDistance": 0.75})", "job.json");
-  EXPECT_EQ(job.picture.lattice, Lattice::kRay);
+  EXPECT_EQ(job.picture.lattice, Lattice::kPixel);
   EXPECT_EQ(job.picture.sample_distance, 0.75);
-  EXPECT_NO_THROW(requireSampleDistance(Lattice::kRay, Mode::kComposite, 0.75));
+  EXPECT_NO_THROW(requireSampleDistance(Lattice::kPixel, Mode::kComposite, 0.75));
   EXPECT_THROW(requireSampleDistance(Lattice::kVoxel, Mode::kComposite, 0.75), Error);
-  EXPECT_THROW(requireMode(Mode::kMip, Lattice::kRay, Interpolation::kLinear, {}), Error);
+  EXPECT_THROW(requireMode(Mode::kMip, Lattice::kVoxel, Interpolation::kLinear, {}), Error);
 }
 
 TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
@@ -368,9 +367,9 @@ TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
   EXPECT_EQ(subPixelsAlongEdge(16), 4);
   EXPECT_EQ(subPixelsAlongEdge(2), 2);
-  EXPECT_NO_THROW(requireSamples(Lattice::kRay, 2));
+  EXPECT_NO_THROW(requireSamples(Lattice::kPixel, 2));
   EXPECT_NO_THROW(requireSamples(Lattice::kPixel, 4));
-  for (const Lattice lattice : {Lattice::kPixel, Lattice::kVoxel}) EXPECT_THROW(requireSamples(lattice, 2), Error);
+  EXPECT_THROW(requireSamples(Lattice::kVoxel, 2), Error);
   for (const char* wrong : {"0", "3", "9", "64", "\"4\""}) {
     try {
       parseJob(std::string(R"({"volume": "a.kiln", "samples": )") + wrong + "}", "job.json");

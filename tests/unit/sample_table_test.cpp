@@ -82,19 +82,5 @@ TEST(SampleTable, CountsAllThatChanges) {
   EXPECT_TRUE(faint_colors.soft({90, 130}, 1, false));
 }
 
-TEST(SampleTable, IsThinWhereLittleIsShownOverSomeValues) {
-  EXPECT_FALSE(tableOf(cliff()).thinAnywhere(1));
-  EXPECT_TRUE(tableOf(cliff()).thinAnywhere(0.05));
-  EXPECT_FALSE(tableOf({{100, {1, 1, 1}, 0}, {110, {1, 1, 1}, ofDepth(3)}}).thinAnywhere(1));
-  EXPECT_FALSE(tableOf({{0, {1, 1, 1}, 0}, {255, {1, 1, 1}, 0}}).thinAnywhere(1));
-  const std::vector<TransferPoint> plateau = {
-      {80, {1, 1, 1}, 0}, {90, {1, 1, 1}, 0.1}, {120, {1, 1, 1}, 0.1}, {130, {1, 1, 1}, ofDepth(3)}};
-  EXPECT_TRUE(tableOf(plateau).thinAnywhere(1));
-  EXPECT_TRUE(tableOf(plateau, VoxelType::f32).thinAnywhere(1));
-  EXPECT_FALSE(tableOf(plateau).thinAnywhere(20));
-  // So few values have no neighbours.
-  EXPECT_FALSE(tableOf({{0, {1, 1, 1}, 0.1}}, VoxelType::u8, {0, 0}).thinAnywhere(1));
-}
-
 }  // namespace
 }  // namespace kiln

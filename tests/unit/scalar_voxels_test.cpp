@@ -75,7 +75,7 @@ Drawn drawnBy(const VoxelView& view, bool aovs, const Project& project, const La
   if (aovs) {
     for (auto& plane : out.planes) plane.resize(kEdge * kEdge);
     const auto at = [&](int i) { return out.planes[i].data() + first; };
-    tile.aovs = {at(0), nullptr, at(1), {at(2), at(3), at(4)}};
+    tile.aovs = {at(0), at(1), {at(2), at(3), at(4)}};
   }
   Closing closing;
   for (std::int32_t from = 0; from < kVoxels; from += kVoxelBatch) {

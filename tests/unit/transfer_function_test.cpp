@@ -62,29 +62,5 @@ TEST(TransferFunction, SrgbCurvesAreInverse) {
   for (int i = 0; i <= 1000; ++i) EXPECT_NEAR(srgbFromLinear(linearFromSrgb(i / 1000.0)), i / 1000.0, 1e-7);
 }
 
-// Of voxels a unit long: what they hide in all, or what changes in their light over the range, whichever is more.
-TEST(TransferFunction, IsAsSteepAsWhereItChangesFastest) {
-  const glm::dvec3 white(1), red(1, 0, 0);
-  const ValueRange range{0, 100};
-  const double half = std::log(2);
-  const auto steepness = [&](std::vector<TransferPoint> points, double unit = 1) {
-    return steepnessOf({unit, std::move(points)}, 1, range);
-  };
-  EXPECT_NEAR(steepness({{0, white, 0}, {100, white, 0.5}}), half, 1e-12);
-  EXPECT_NEAR(steepness({{0, white, 0}, {100, white, 0.5}}, 0.25), 4 * half, 1e-12);
-  EXPECT_NEAR(steepness({{0, white, 0}, {80, white, 0}, {90, white, 0.5}}), 10 * half, 1e-12);
-  EXPECT_NEAR(steepness({{0, white, 0.5}, {100, white, 0.5}}), half, 1e-12);
-  EXPECT_NEAR(steepness({{0, white, 0.5}, {20, red, 0.5}}), 5 * half, 1e-12);
-  EXPECT_NEAR(steepness({{-20, white, 0}, {-10, white, 0.5}, {110, white, 0.5}}), half, 1e-12);
-  EXPECT_TRUE(std::isinf(steepness({{0, white, 0}, {50, white, 0}, {50, white, 0.001}})));
-  EXPECT_EQ(steepness({}), 0);
-  TransferFunction modulated{1, {{0, white, 0.5}, {100, white, 0.5}}};
-  modulated.gradient_opacity = {{0, 0}, {1, 1}};
-  EXPECT_NEAR(steepnessOf(modulated, 1, range), 2 * half, 1e-12);
-  TransferFunction labels;
-  labels.labels = {{1, "bone", white, 0.1}};
-  EXPECT_TRUE(std::isinf(steepnessOf(labels, 1, range)));
-}
-
 }  // namespace
 }  // namespace kiln

@@ -29,9 +29,9 @@ void run(const CompareArguments& arguments) {
     for (const std::string& read : {arguments.a, arguments.b}) outputs.requireNone(read);
   }
   const std::uint64_t memory_bytes = parseBytes(arguments.memory, "--memory");
-  const Image a = readImage(arguments.a, {}, false, memory_bytes);
+  const Image a = readImage(arguments.a, {}, memory_bytes);
   const std::uint64_t picture_bytes = a.rgba.size() * sizeof(float);
-  const Image b = readImage(arguments.b, {}, false, memory_bytes - picture_bytes);
+  const Image b = readImage(arguments.b, {}, memory_bytes - picture_bytes);
   if (a.width != b.width || a.height != b.height)
     throw Error(ErrorCode::kUsage, arguments.b, "",
                 fmt::format("is {} x {} pixels, but {} is {} x {}", b.width, b.height, arguments.a, a.width, a.height));

@@ -134,7 +134,8 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
   }
   if (a.window) picture.window = parseWindow(*a.window, "--window");
   if (a.threshold) picture.opacity_threshold = between(*a.threshold, 0, 1, "--opacity-threshold");
-  if (a.lattice) picture.lattice = named<Lattice>(kLatticeNames, *a.lattice, "--lattice");
+  if (a.lattice)
+    picture.lattice = latticeOfName(static_cast<std::size_t>(named<int>(kLatticeNames, *a.lattice, "--lattice")));
   if (a.interpolation)
     picture.interpolation = named<Interpolation>(kInterpolationNames, *a.interpolation, "--interpolation");
   requireInterpolation(picture.lattice, picture.interpolation);
@@ -675,10 +676,10 @@ void addPixelOptions(CLI::App& command, RenderArguments& a) {
       .add_option("--crop", a.crop,
                   "draw these pixels of the picture only, the same bit for bit but for --visibility quadtree")
       ->type_name("X,Y,W,H");
-  command.add_option("--samples", a.samples,
-                     "sub-pixels that a pixel is made of: 1, 2 (of --lattice ray), 4, 16, or auto (default), which "
-                     "takes more than one for "
-                     "small pictures of small voxels");
+  command.add_option(
+      "--samples", a.samples,
+      "rays (of --lattice voxel sub-pixels) of a pixel: 1, 2, 4, 16, or auto (default), which takes more than "
+      "one where voxels are small or the camera moves");
   command
       .add_option(
           "--aov", a.aovs,
@@ -726,8 +727,8 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
                      "range of values or --window, if --tf names none)");
   command.add_option(
       "--lattice", a.lattice,
-      "where samples are: pixel (default; splatted, steadiest when turned), ray (on pixels' rays: several times as "
-      "fast) or voxel (the voxels alone, as Lee and Ihm have it)");
+      "where samples are: pixel (default; on pixels' rays; another name is ray) or voxel (the voxels alone, as Lee "
+      "and Ihm have it)");
   command.add_option("--interpolation", a.interpolation,
                      "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
                      "(smooth, keeps the voxels' values)");
