@@ -1,4 +1,4 @@
-// What the threads of a frame do and for how long. Every piece of work, from reading a brick to sweeping a tile, lives
+// What the threads of a frame do and for how long. Every piece of work, from reading a brick to drawing a tile, lives
 // as long as a span; spans of one thread nest. They always count the processor's time, of which utilisation is made,
 // and are written down where a trace is kept (base/trace.h).
 #pragma once

@@ -105,7 +105,7 @@ struct PictureOptions {
   std::optional<PartNumber> part;  // of the volume, instead of clipping.part
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
-  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice; samples on rays are linear
+  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice
   double sample_distance = kSampleDistance;              // of all but the voxel lattice, Sampling's. unit: voxels
   std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture

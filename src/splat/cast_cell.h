@@ -1,4 +1,4 @@
-// One cell of a brick on pixels' rays: the kernel of `--lattice ray`, in steps that each go through many rays or
+// One cell of a brick on pixels' rays: the kernel of the pixel lattice, in steps that each go through many rays or
 // samples, so that vectors are full and no sample waits for what was done to the one before: rays are found that go
 // through what may show something; along them places where samples may; their values are interpolated and classified;
 // those that do show something hide each other, one after the other; what is seen of them is lit. One implementation in

@@ -1,4 +1,4 @@
-// Along the rays of `--lattice ray`: the samples where pixels' rays meet slabs, cell after cell of a brick in one tile.
+// Along the rays of the pixel lattice: the samples where pixels' rays meet slabs, cell after cell of a brick in one tile.
 // Each sample is in one cell and fills its pixel of its slab by itself. Cells come front to back, so that a pixel has
 // its samples in the order of their depths, and nothing waits. What a cell shows is the kernel's (splat/cast_cell.h).
 #pragma once
@@ -12,7 +12,7 @@
 namespace kiln {
 
 /// Adds what the cells show to the tile. requires: all in front of them, as pixels' rays see it, has been added; `rays`
-/// and `frame` are of one zone on rays, `block` of its level; `cells` are its interesting ones, front to back; the tile
+/// and `frame` are of one zone, `block` of its level; `cells` are its interesting ones, front to back; the tile
 /// is at most kSquareEdge pixels wide and high. Of `opaque_at` SplatFrame says what it is.
 void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
                const TilePixels& tile, Visibility& visibility, float opaque_at, SplatCounts& counts);

@@ -1,6 +1,6 @@
 // Lanes of vectors as bits, and moved about where Highway's own words for it are slow: under AVX2 a gather is as slow
 // as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table to the stack at each call, which
-// with AVX2's of 1 KiB took a sixth of a frame of the pixel lattice and a quarter of one on rays. Compiled once for each
+// with AVX2's of 1 KiB took a quarter of a frame of the pixel lattice. Compiled once for each
 // instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_LANES_INL_H

@@ -16,8 +16,7 @@ int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_p
 // of it is in the zone.
 constexpr double kDeep = 0.25;
 
-// Of soft voxels (SampleTable::soft) that change by this part of what is soft, on rays one sample a voxel shows as much
-// as two.
+// One sample a voxel shows as much as two of soft voxels (SampleTable::soft) that change by this part of what is soft.
 constexpr double kPairChange = 0.25;
 
 // unit: world.
@@ -102,7 +101,7 @@ PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
   const bool deep = projector_.perspective() && at.farthest - at.nearest > kDeep * at.nearest;
   const ViewExtent seen =
       deep ? at.extentBetween(std::max(zone_.near, 0.5 * projector_.nearDepth()), zone_.far) : at.extent();
-  // Pixels whose centres are in it. Places on rays are floats, which round.
+  // Pixels whose centres are in the box. Places of samples are floats, which round.
   const double wide = std::max(seen.x1 - seen.x0, seen.y1 - seen.y0);
   const double slack = 0.01 + wide * std::ldexp(static_cast<double>(std::max({dims_.x, dims_.y, dims_.z})), -22);
   const auto first = [&](double px) { return floorOf(px - 0.5 - slack); };

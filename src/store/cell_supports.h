@@ -1,5 +1,5 @@
 // What the values that are linearly interpolated in a cell range over: the least and greatest of its voxels and those
-// next to it, for each cell of a brick and of the apron around it. Decides whether a cell is refined at all.
+// next to it, for each cell of a brick and of the apron around it. Decides whether a cell is drawn at all.
 #pragma once
 
 #include <cstddef>

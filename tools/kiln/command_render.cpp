@@ -734,8 +734,8 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
                      "(smooth, keeps the voxels' values)");
   command
       .add_option("--sample-distance", a.sample_distance,
-                  "between samples, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, and in any "
-                  "case half a pixel at the least, and a pixel at the most but on rays")
+                  "between samples along a ray, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, "
+                  "and in any case half a pixel at the least")
       ->type_name("VOXELS");
   command.add_option("--level", a.level,
                      "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
