@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace kiln {
 namespace {
@@ -38,6 +39,22 @@ RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) 
 SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
   if (part.far <= zone.near || part.near >= zone.far) return {};
   return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
+}
+
+bool hasMiddle(const RayFrame& frame, const RayPart& part) {
+  return std::any_of(frame.zones.begin(), frame.zones.end(),
+                     [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
+}
+
+// A slab that is all of `whole`, where `whole` passes between the samples of the frame's zones: through a clip thinner
+// than samples are apart, or a corner. Its one sample is at the middle of `whole`; nothing where a zone has samples.
+std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
+  if (whole.empty() || hasMiddle(frame, whole)) return std::nullopt;
+  const SlabZone slab{whole.near, whole.far, whole.far - whole.near, 1};
+  const double middle = whole.near + 0.5 * slab.thickness;
+  const bool drawn = std::any_of(frame.zones.begin(), frame.zones.end(),
+                                 [&](const SlabZone& zone) { return zone.near <= middle && middle < zone.far; });
+  return drawn ? std::optional(slab) : std::nullopt;
 }
 
 // What a mean takes of a sample: its slab, and at the ends of the ray what is inside of `whole`, more or less.
@@ -159,10 +176,18 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
       const PixelRay ray(*frame.projector, rect.x0 + i, y);
       const RayPart part = partIn(frame, ray, core);
       if (part.empty()) continue;
-      const RayPart whole = length != nullptr ? partIn(frame, ray, boxOf(frame.dims)) : part;
+      const bool middles = hasMiddle(frame, part);
+      const RayPart whole = length != nullptr || !middles ? partIn(frame, ray, boxOf(frame.dims)) : part;
+      double* const length_here = length == nullptr ? nullptr : length + i;
+      if (!middles) {
+        const std::optional<SlabZone> slab = shortRay(frame, whole);
+        const double middle = slab ? slab->near + 0.5 * slab->thickness : 0;
+        if (slab && part.near <= middle && middle < part.far) take(ray, whole, *slab, {0, 1}, held[i], length_here);
+        continue;
+      }
       for (const SlabZone& zone : frame.zones) {
         const SlabSpan span = slabsOf(zone, part);
-        if (!span.empty()) take(ray, whole, zone, span, held[i], length == nullptr ? nullptr : length + i);
+        if (!span.empty()) take(ray, whole, zone, span, held[i], length_here);
       }
     }
   }
@@ -172,8 +197,7 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
 
 bool hasSample(const RayFrame& frame, int x, int y) {
   const RayPart part = partIn(frame, PixelRay(*frame.projector, x, y), boxOf(frame.dims));
-  return !part.empty() && std::any_of(frame.zones.begin(), frame.zones.end(),
-                                      [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
+  return !part.empty() && (hasMiddle(frame, part) || shortRay(frame, part));
 }
 
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,

@@ -1,5 +1,6 @@
 // The kernel of `--mode mip|minip|average`: one brick in one tile. A zone's slabs are as thick as samples are apart: a
-// pixel takes, of each slab whose middle its ray meets in the brick, the value there, interpolated linearly. Places are
+// pixel takes, of each slab whose middle its ray meets in the brick, the value there, interpolated linearly. A ray whose
+// whole stretch inside the clipping lies between two samples has one at the stretch's middle. Places are
 // counted in the level's index space and slabs in the zone, so that a sample is the same bit for bit whatever brick or
 // tile it is taken in; and a pixel's samples are taken from front to back in each brick, so that with bricks in that
 // order sums are, too.

@@ -123,8 +123,8 @@ class Studio {
     request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
     request.opacity_threshold = options_.opacity_threshold;
     request.sample_distance = options_.sample_distance;
-    request.lattice = static_cast<Lattice>(std::find(kLatticeNames.begin(), kLatticeNames.end(), options_.lattice) -
-                                           kLatticeNames.begin());
+    const auto* const name = std::find(kLatticeNames.begin(), kLatticeNames.end(), options_.lattice);
+    request.lattice = latticeOfName(static_cast<std::size_t>(name - kLatticeNames.begin()));
     request.interpolation = interpolationNamed(options_.interpolation);
     request.samples = samplesFor(camera);
     FrameStatistics statistics;

@@ -156,6 +156,34 @@ TEST(Projection, OfASlabIsKnown) {
   }
 }
 
+// A clip thinner than samples are apart has a value in each pixel that a thick clip has, whatever the brick size: between
+// oblique planes, and between planes across the rays, of which no sample is inside.
+TEST(Projection, OfAThinClipHasNoHoles) {
+  const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return 100 + 2 * hashUnit(3, static_cast<std::uint64_t>((k * 32 + j) * 32 + i));
+  };
+  const DenseVolume volume = fill({{32, 32, 32}, VoxelType::f32}, value);
+  const auto small = makeStore(volume, "small", 8), large = makeStore(volume, "large", 32);
+  for (const glm::dvec3 towards : {glm::dvec3(0, 1, 0), glm::dvec3(0.3, 1, 0)}) {
+    // The planes are 10.3 voxels from the volume's front.
+    Camera camera = cameraFrom(volume.geometry, towards, Projection::kOrthographic);
+    camera.height = 20;
+    for (const double thickness : {0.05, 0.3}) {
+      for (const Mode mode : kProjections) {
+        FrameRequest request = requestOf(resolve(camera, {60, 60}), mode);
+        request.level = 0;
+        request.clipping.planes = {{{0, 1, 0}, -10.3}, {{0, -1, 0}, 10.3 + thickness}};
+        const Image image = draw(large, request);
+        for (const float found : valuesOf(image)) {
+          ASSERT_GE(found, 100) << "thickness " << thickness << " mode " << int(mode);
+          ASSERT_LE(found, 102);
+        }
+        EXPECT_TRUE(equalBits(image, draw(small, request))) << "thickness " << thickness << " mode " << int(mode);
+      }
+    }
+  }
+}
+
 // Every ray meets the greatest value in the second of four layers of bricks: it is drawn first, and no other is read.
 TEST(Projection, BricksThatHaveNothingMoreAreNotRead) {
   const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
