@@ -38,9 +38,11 @@ bool leadsTo(const fs::path& path, int open_file) {
 
 void removeIfStill(const fs::path& path, int open_file) noexcept {
   struct stat open, named;
-  const bool known = ::fstat(open_file, &open) == 0 && ::lstat(path.c_str(), &named) == 0;
-  if (known && (open.st_dev != named.st_dev || open.st_ino != named.st_ino)) return;
-  // What stays is in nobody's way, but nobody removes it either: a call that failed once is repeated.
+  const auto known = [&] { return ::fstat(open_file, &open) == 0 && ::lstat(path.c_str(), &named) == 0; };
+  // A call that failed once is repeated. A name without a file stays alone: another process may give it to its own file
+  // before an unlink.
+  if (!known() && !known()) return;
+  if (open.st_dev != named.st_dev || open.st_ino != named.st_ino) return;
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) ::unlink(path.c_str());
 }
 
