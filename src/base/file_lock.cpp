@@ -65,6 +65,11 @@ bool isLock(int file, const fs::path& path) {
   return kHolder.starts_with(std::string_view(begin.data(), static_cast<std::size_t>(got)));
 }
 
+bool isEmpty(int file) {
+  struct stat status;
+  return ::fstat(file, &status) == 0 && status.st_size == 0;
+}
+
 }  // namespace
 
 FileLock::FileLock(fs::path path, const std::function<void()>& waiting) : path_(std::move(path)) {
@@ -102,13 +107,11 @@ FileLock::Attempt FileLock::attempt() {
     // The former holder may have removed the file: then others lock a new file of that name.
     if (failed == 0 && leadsTo(path_, file_)) return Attempt::kDone;
     disk_has_locks_ = failed == 0 || failed == EWOULDBLOCK;
-    struct stat status;
-    if (!disk_has_locks_ && ::fstat(file_, &status) == 0 && status.st_size == 0) removeIfStill(path_, file_);
+    if (!disk_has_locks_ && isEmpty(file_)) removeIfStill(path_, file_);
     ::close(std::exchange(file_, -1));
     return failed == 0 ? Attempt::kAgain : failed == EWOULDBLOCK ? Attempt::kBusy : Attempt::kDone;
   } catch (const Error&) {
-    struct stat status;
-    if (::fstat(file_, &status) == 0 && status.st_size == 0 && lockAtOnce(file_)) removeIfStill(path_, file_);
+    if (isEmpty(file_) && lockAtOnce(file_)) removeIfStill(path_, file_);
     ::close(std::exchange(file_, -1));
     throw;
   }

@@ -1,5 +1,7 @@
 #include "base/folder.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 
 namespace kiln {
@@ -30,5 +32,9 @@ bool walk(const fs::path& folder, bool below, const VisitEntry& visit) {
 void forEachEntry(const fs::path& folder, const VisitEntry& visit) { walk(folder, false, visit); }
 
 void forEachEntryBelow(const fs::path& folder, const VisitEntry& visit) { walk(folder, true, visit); }
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
 
 }  // namespace kiln

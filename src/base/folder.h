@@ -17,4 +17,7 @@ void forEachEntry(const std::filesystem::path& folder, const VisitEntry& visit);
 /// throws: as forEachEntry.
 void forEachEntryBelow(const std::filesystem::path& folder, const VisitEntry& visit);
 
+/// True where `path` is `folder` or lies below it, by the names alone. requires: both are canonical.
+bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
+
 }  // namespace kiln

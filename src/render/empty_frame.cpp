@@ -83,32 +83,38 @@ std::optional<EmptyFrame> outOfView(const VolumeGeometry& volume, const FrameReq
   return std::nullopt;
 }
 
-EmptyFrame reasonOf(Mode mode, const TransferFunction& function, const Clipping& clipping, const FrameRequest& request,
-                    const Manifest& volume) {
-  if (mode == Mode::kComposite && !showsSomeValue(function)) return EmptyFrame::kOpacity;
-  if (mode == Mode::kComposite ? !showsSomeOf(function, volume.range) : volume.range.empty())
-    return EmptyFrame::kValues;
-  if (ClipRegion(clipping, volume.geometry()).classify(boxOf(volume.geometry().dims)) == ClipRegion::Overlap::kOutside)
+struct DrawnVolume {
+  const TransferFunction& function;
+  const Clipping& clipping;
+  const Manifest& manifest;
+};
+
+std::vector<DrawnVolume> volumesOf(const FrameScene& scene, const std::vector<const Manifest*>& manifests) {
+  if (scene.volumes.empty()) return {{scene.transfer_function, scene.picture.clipping, *manifests.front()}};
+  std::vector<DrawnVolume> out;
+  for (std::size_t i = 0; i < scene.volumes.size(); ++i)
+    out.push_back({scene.volumes[i].transfer_function, scene.volumes[i].clipping, *manifests[i]});
+  return out;
+}
+
+EmptyFrame reasonOf(Mode mode, const DrawnVolume& volume, const FrameRequest& request) {
+  const ValueRange& range = volume.manifest.range;
+  const VolumeGeometry& geometry = volume.manifest.geometry();
+  if (mode == Mode::kComposite && !showsSomeValue(volume.function)) return EmptyFrame::kOpacity;
+  if (mode == Mode::kComposite ? !showsSomeOf(volume.function, range) : range.empty()) return EmptyFrame::kValues;
+  if (ClipRegion(volume.clipping, geometry).classify(boxOf(geometry.dims)) == ClipRegion::Overlap::kOutside)
     return EmptyFrame::kClipped;
-  if (const auto why = outOfView(volume.geometry(), request)) return *why;
-  return isTooSmall(volume.geometry(), request.view) ? EmptyFrame::kTooSmall : EmptyFrame::kCombined;
+  if (const auto why = outOfView(geometry, request)) return *why;
+  return isTooSmall(geometry, request.view) ? EmptyFrame::kTooSmall : EmptyFrame::kCombined;
 }
 
-bool cuts(const Clipping& clipping, const Manifest& volume) {
-  return !ClipRegion(clipping, volume.geometry()).showsAll();
-}
-
-// Whether region, box of the world or planes cut a volume.
-bool cutsSome(const FrameScene& scene, const std::vector<const Manifest*>& manifests) {
-  if (scene.volumes.empty()) return cuts(scene.picture.clipping, *manifests.front());
-  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-    if (cuts(scene.volumes[i].clipping, *manifests[i])) return true;
-  }
-  return false;
-}
+// True where a region, a box of the world or planes cut a volume.
+bool isCut(const DrawnVolume& volume) { return !ClipRegion(volume.clipping, volume.manifest.geometry()).showsAll(); }
 
 // A function without a difference is of one colour on purpose, and gradients make differences of their own.
-bool isBeside(const TransferFunction& function, const ValueRange& range) {
+bool isBeside(const DrawnVolume& volume) {
+  const TransferFunction& function = volume.function;
+  const ValueRange& range = volume.manifest.range;
   const auto& points = function.points;
   if (!function.labels.empty() || !function.gradient_opacity.empty() || points.empty()) return false;
   const auto differs = [&](const TransferPoint& point) {
@@ -121,13 +127,9 @@ bool isBeside(const TransferFunction& function, const ValueRange& range) {
 // requires: the frame is empty.
 EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request,
                             const std::vector<const Manifest*>& manifests) {
-  const Mode mode = scene.picture.mode;
-  if (scene.volumes.empty())
-    return reasonOf(mode, scene.transfer_function, scene.picture.clipping, request, *manifests.front());
   std::optional<EmptyFrame> out;
-  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-    const EmptyFrame why =
-        reasonOf(mode, scene.volumes[i].transfer_function, scene.volumes[i].clipping, request, *manifests[i]);
+  for (const DrawnVolume& volume : volumesOf(scene, manifests)) {
+    const EmptyFrame why = reasonOf(scene.picture.mode, volume, request);
     out = !out || *out == why ? why : EmptyFrame::kCombined;
   }
   return *out;
@@ -154,11 +156,8 @@ bool isVisible(const Image& image) {
 }
 
 bool isOfOneColour(const FrameScene& scene, const std::vector<const Manifest*>& manifests) {
-  if (scene.volumes.empty()) return isBeside(scene.transfer_function, manifests.front()->range);
-  for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-    if (isBeside(scene.volumes[i].transfer_function, manifests[i]->range)) return true;
-  }
-  return false;
+  const std::vector<DrawnVolume> volumes = volumesOf(scene, manifests);
+  return std::any_of(volumes.begin(), volumes.end(), isBeside);
 }
 
 // Projected voxels may be NaN: visited voxels alone do not make a picture. A part of a picture may be faint where the
@@ -169,7 +168,8 @@ EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, co
   const EmptyFrame out =
       emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
   if (out != EmptyFrame::kShows || !composites || is_part || drawn.visible) return out;
-  return cutsSome(scene, manifests) ? EmptyFrame::kThin : EmptyFrame::kFaint;
+  const std::vector<DrawnVolume> volumes = volumesOf(scene, manifests);
+  return std::any_of(volumes.begin(), volumes.end(), isCut) ? EmptyFrame::kThin : EmptyFrame::kFaint;
 }
 
 std::string emptyText(EmptyFrame why) {
@@ -190,8 +190,7 @@ std::string emptyText(EmptyFrame why) {
       return "the volume is far smaller than a pixel: the eye is too far away, or the zoom too small";
     case EmptyFrame::kThin:
       return "the region, the box of the world or the clip planes leave too thin a part of the volume to be seen: "
-             "alpha "
-             "is below 1/510 everywhere";
+             "alpha is below 1/510 everywhere";
     case EmptyFrame::kFaint:
       return "the transfer function is too transparent, or what it shows too small, to be seen: alpha is below 1/510 "
              "everywhere";

@@ -26,10 +26,14 @@ void layPixelBehind(const float* behind, const AovPixels& planes_behind, float o
   front[3] = 1.0f;
 }
 
+PixelFilter filterOf(const PictureOptions& picture) {
+  return pixelFilterOf(picture.mode, picture.lattice, picture.samples.value_or(1));
+}
+
 }  // namespace
 
 SampleWindow sampleWindowOf(const PictureOptions& picture) {
-  const PixelFilter filter = pixelFilterOf(picture.mode, picture.lattice, picture.samples.value_or(1));
+  const PixelFilter filter = filterOf(picture);
   const int edge = filter.edge();
   return {filter.samplesOf(drawnPixels(picture.size, picture.crop), picture.size),
           {edge * picture.size.width, edge * picture.size.height}};
@@ -67,7 +71,7 @@ void layBehind(Image& behind, const Aovs& aovs, int x0, int y0, float opaque_at,
 }
 
 Image pixelsOf(Image& samples, const PictureOptions& picture, const Aovs& aovs) {
-  const PixelFilter filter = pixelFilterOf(picture.mode, picture.lattice, picture.samples.value_or(1));
+  const PixelFilter filter = filterOf(picture);
   const PixelRect pixels = drawnPixels(picture.size, picture.crop), drawn = sampleWindowOf(picture).samples;
   Image out = emptyPart(pixels, aovs);
   filter.put(samples, drawn, pixels, out, 0);

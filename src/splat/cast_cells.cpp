@@ -87,7 +87,7 @@ class Casting {
     counts_.changed = counts_.changed || out.samples > 0;
     for (int y = 0; y < in.rect.height(); ++y) {
       for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)
-        close(in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
+        rays_.close(visibility_, in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
     }
   }
 
@@ -106,12 +106,6 @@ class Casting {
     // Along a ray one label looks the same all over.
     in.one_label = in.in_pairs = around == LabelsAround::kOne;
     return around != LabelsAround::kNone;
-  }
-
-  // In quincunx, of two pixels beside each other one has a ray, and hides for both.
-  void close(int x, int y) {
-    visibility_.close(x, y);
-    if (rays_.quincunx) visibility_.close(x ^ 1, y);
   }
 
   const RaySlabs& rays_;

@@ -54,7 +54,8 @@ class SlabCompositing {
     }
     if (!drawn) return;
     std::copy_n(rgba_, floats, pixels);
-    close(row, closed);
+    for (; closed != 0; closed &= closed - 1)
+      rays_.close(visibility_, tile_.rect.x0 + std::countr_zero(closed), tile_.rect.y0 + row);
   }
 
   // Composites a vector of a row's pixels in a slab. Returns a bit for each pixel that is closed now.
@@ -112,16 +113,6 @@ class SlabCompositing {
       if (tile_.deep != nullptr)
         tile_.deep->add(column, y, static_cast<float>(near), static_cast<float>(near + zone_.thickness), before,
                         rgba_ + 4 * (x + lane));
-    }
-  }
-
-  // In quincunx, of two pixels beside each other one has a ray, and hides for both.
-  void close(int row, std::uint64_t closed) {
-    const int y = tile_.rect.y0 + row;
-    for (; closed != 0; closed &= closed - 1) {
-      const int x = tile_.rect.x0 + std::countr_zero(closed);
-      visibility_.close(x, y);
-      if (rays_.quincunx) visibility_.close(x ^ 1, y);
     }
   }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWide = LabelVoxels::kWide;
 
-// Binomial, by how far they reach: sums of them are exact halves.
+// Binomial weights, by reach; sums of the weights are exact in floats.
 constexpr float kSmoothing[kMostLabelSmoothing + 1][kMostLabelSmoothing + 1] = {
     {1}, {0.5f, 0.25f}, {0.375f, 0.25f, 0.0625f}, {0.3125f, 0.234375f, 0.09375f, 0.015625f}};
 
@@ -32,7 +32,7 @@ class LabelLoad {
   }
 
  private:
-  // Voxels that the brick has not, which no sample of its needs, repeat the nearest.
+  // Voxels outside the brick repeat the nearest voxel; no sample of the brick needs them.
   template <class T>
   void load(const VoxelCoord& lo) {
     const VoxelBox& has = block_.extent;
@@ -78,7 +78,7 @@ class LabelLoad {
     return table_.rankOf(static_cast<float>(static_cast<double>(value) - table_.offset()));
   }
 
-  // Along one axis after the other, each of which then has fewer voxels.
+  // Smooths along one axis after the other; each pass leaves fewer voxels along its axis.
   void smooth() {
     float *from = out_.smoothed[0], *to = out_.smoothed[1];
     const int stride[3] = {1, kWide, kWide * kWide};
@@ -111,7 +111,7 @@ class LabelLoad {
   LabelVoxels& out_;
   const int reach_;
   std::array<int, 3> inner_{}, wide_{};
-  bool one_ = false;  // whether all voxels are one label, or none that is shown
+  bool one_ = false;  // all voxels have one label, or none has a label that is shown
   int first_ = -1;
 };
 

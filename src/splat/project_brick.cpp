@@ -10,13 +10,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What of a ray is in a box of voxels, in the volume and inside of the clipping. unit: depth.
+// The stretch of a ray in a box of voxels, in the volume and inside the clipping. unit: depth.
 struct RayPart {
   double near, far;
   bool empty() const { return !(near < far); }
 };
 
-// A box and its neighbour ask about the plane between them in the same words.
+// A box and its neighbour compute the plane between them with the same operations, so that no sample is in both.
 RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
   RayPart out{frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity, kInfinity};
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,13 +41,14 @@ SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
   return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
 }
 
+// True where the stretch contains the middle of a slab of any zone.
 bool hasMiddle(const RayFrame& frame, const RayPart& part) {
   return std::any_of(frame.zones.begin(), frame.zones.end(),
                      [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
 }
 
-// A slab that is all of `whole`, where `whole` passes between the samples of the frame's zones: through a clip thinner
-// than samples are apart, or a corner. Its one sample is at the middle of `whole`; nothing where a zone has samples.
+// Returns a slab that covers all of `whole` where `whole` passes between the samples of the frame's zones, as in a clip
+// thinner than the sample step. The slab's one sample is at the middle of `whole`.
 std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
   if (whole.empty() || hasMiddle(frame, whole)) return std::nullopt;
   const SlabZone slab{whole.near, whole.far, whole.far - whole.near, 1};
@@ -57,7 +58,7 @@ std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
   return drawn ? std::optional(slab) : std::nullopt;
 }
 
-// What a mean takes of a sample: its slab, and at the ends of the ray what is inside of `whole`, more or less.
+// Returns the weight of a sample in a mean: the slab's thickness, at the ends of the ray the part of it in `whole`.
 double lengthOf(const SlabZone& zone, int slab, const RayPart& whole) {
   const double begin = zone.near + slab * zone.thickness, end = begin + zone.thickness;
   const bool first = begin - 0.5 * zone.thickness < whole.near, last = end + 0.5 * zone.thickness >= whole.far;
@@ -176,19 +177,19 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
       const PixelRay ray(*frame.projector, rect.x0 + i, y);
       const RayPart part = partIn(frame, ray, core);
       if (part.empty()) continue;
-      const bool middles = hasMiddle(frame, part);
-      const RayPart whole = length != nullptr || !middles ? partIn(frame, ray, boxOf(frame.dims)) : part;
       double* const length_here = length == nullptr ? nullptr : length + i;
-      if (!middles) {
-        const std::optional<SlabZone> slab = shortRay(frame, whole);
-        const double middle = slab ? slab->near + 0.5 * slab->thickness : 0;
-        if (slab && part.near <= middle && middle < part.far) take(ray, whole, *slab, {0, 1}, held[i], length_here);
-        continue;
-      }
+      RayPart whole = length != nullptr ? partIn(frame, ray, boxOf(frame.dims)) : part;
+      bool taken = false;
       for (const SlabZone& zone : frame.zones) {
         const SlabSpan span = slabsOf(zone, part);
-        if (!span.empty()) take(ray, whole, zone, span, held[i], length_here);
+        if (span.empty()) continue;
+        take(ray, whole, zone, span, held[i], length_here);
+        taken = true;
       }
+      if (taken) continue;
+      if (length == nullptr) whole = partIn(frame, ray, boxOf(frame.dims));
+      const std::optional<SlabZone> slab = shortRay(frame, whole);
+      if (slab && !slabsOf(*slab, part).empty()) take(ray, whole, *slab, {0, 1}, held[i], length_here);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "occlusion/visibility.h"
 #include "splat/projector.h"
 #include "splat/slab_grid.h"
 #include "splat/splat_cell.h"
@@ -26,6 +27,11 @@ struct RaySlabs {
   /// In a row, the first pixel from x on that has a ray, and how far it is to the next one (Sampling::quincunx).
   int firstRay(int x, int y) const { return quincunx ? x + ((x + y) & 1) : x; }
   int rayStride() const { return quincunx ? 2 : 1; }
+  /// Closes the pixel of a ray; in quincunx the pixel beside it, too, which has no ray.
+  void close(Visibility& visibility, int x, int y) const {
+    visibility.close(x, y);
+    if (quincunx) visibility.close(x ^ 1, y);
+  }
 
   /// The coordinate `at` of a face across an axis, as rays are asked about it: from the eye where they begin there,
   /// else from the anchor. Both in doubles, so that a ray that runs in a face, or nearly so, is on one side of it all

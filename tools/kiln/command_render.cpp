@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/file_lock.h"
+#include "base/folder.h"
 #include "base/memory.h"
 #include "cluster/shared_lists.h"
 #include "commands.h"
@@ -338,8 +339,7 @@ bool isIn(const fs::path& path, const fs::path& folder) {
     if (unknown) throw systemError(unknown.value(), name, "looking at its folder");
     return out;
   };
-  const fs::path whole = whole_name(folder), place = whole_name(behindLinks(path));
-  return std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
+  return isWithin(whole_name(behindLinks(path)), whole_name(folder));
 }
 
 // That nothing is put into the folder of a video's frames, which is removed with all that is in it.

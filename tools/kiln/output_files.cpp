@@ -51,8 +51,7 @@ bool OutputFiles::mayBeIn(const fs::path& folder) const {
   const fs::path whole = fs::canonical(folder, unknown);
   return std::any_of(outputs_.begin(), outputs_.end(), [&](const Output& output) {
     const fs::path place = fs::canonical(output.path, unknown);
-    return output.linked || unknown ||
-           std::mismatch(whole.begin(), whole.end(), place.begin(), place.end()).first == whole.end();
+    return output.linked || unknown || isWithin(place, whole);
   });
 }
 
