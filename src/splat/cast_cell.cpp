@@ -221,28 +221,28 @@ class CellCaster {
   // and, in the place of its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its
   // colours are divided by its alpha when they are all there.
   void blendAll() {
-    std::size_t seen = 0;
-    closed_count_ = 0;
+    std::size_t seen = 0, closed = 0;
     out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
-      const std::int32_t pixel = s_.code[s_.index[n]] & CellPlaces::kPixel;
+      const std::int32_t index = s_.index[n], pixel = s_.code[index] & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
       // Nothing where the pixel is closed. No branches, as nobody can tell which samples close a pixel, or are behind
       // it.
-      const float before = alpha, weight = (1 - before) * s_.opacity[n];
-      alpha = before + weight;
-      const bool closes = (alpha >= opaque_at_) & (before != 1.0f);
-      s_.index[seen] = s_.index[n], s_.entry[seen] = s_.entry[n], s_.weight[seen] = weight;
+      const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
+      const bool closes = (after >= opaque_at_) & (before != 1.0f);
+      alpha = after;
+      s_.index[seen] = index, s_.entry[seen] = s_.entry[n], s_.weight[seen] = weight;
       if (derives_) {
         for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
-        if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, s_.opacity[n], closes);
+        if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, opacity, closes);
       }
       s_.opacity[seen] = before;
       seen += weight > 0 ? 1 : 0;
       if (!closes) continue;
-      s_.closed[closed_count_++] = {pixel, alpha};
+      s_.closed[closed++] = {pixel, after};
       alpha = 1.0f;
     }
+    closed_count_ = closed;
     kept_ = seen;
     out_.samples += seen;
   }

@@ -31,7 +31,12 @@ class CellPlaces {
   static constexpr float kFar = 1e30f;
 
   CellPlaces(const RaySlabs& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
-      : r_(rays), l_(lattice), in_(in), tile_(tile) {}
+      : r_(rays),
+        l_(lattice),
+        in_(in),
+        first_pixel_(tile.placeOf(in.rect.x0, in.rect.y0)),
+        row_pixels_(tile.stride / 4),
+        rgba_(tile.rgba) {}
 
   // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
   // upper side of one that it runs in. unit: slabs from the middle one.
@@ -116,15 +121,16 @@ class CellPlaces {
   }
 
   std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
-    return tile_.placeOf(in_.rect.x0 + (pixel & (kSquareEdge - 1)), in_.rect.y0 + (pixel >> kPixelBits));
+    return first_pixel_ + (pixel & (kSquareEdge - 1)) + (pixel >> kPixelBits) * row_pixels_;
   }
-  float* pixelOf(std::int32_t pixel) const { return tile_.rgba + 4 * pixelPlace(pixel); }
+  float* pixelOf(std::int32_t pixel) const { return rgba_ + 4 * pixelPlace(pixel); }
 
  private:
   const RaySlabs& r_;
   const SampleLattice& l_;
   const CellInput& in_;
-  const TilePixels& tile_;
+  const std::ptrdiff_t first_pixel_, row_pixels_;  // of the cell's rectangle in the tile, and from row to row
+  float* const rgba_;
 };
 
 }  // namespace
