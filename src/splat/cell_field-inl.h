@@ -69,24 +69,31 @@ class LinearCellField {
     return mix(d, before, after, hn::Load(d, s_.fraction[0] + n));
   }
 
-  // Interpolates along y and z, four voxels along x at a time.
+  // Interpolates along y and z, four voxels along x at a time, of two samples where a vector holds both.
   HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
-    const D4 d4;
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const auto index = static_cast<std::size_t>(s_.index[n + lane]);
-      const float* const at = in_.values + s_.offset[index] - 1;
-      s_.fraction_x[lane] = s_.fraction[0][index];
-      const auto y = hn::Set(d4, s_.fraction[1][index]), z = hn::Set(d4, s_.fraction[2][index]);
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
-        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
-        const auto of_row = [&](int dy) { return mix(d4, row(dy, 0), row(dy, 1), z); };
+    const DRows d;
+    constexpr std::size_t kSamples = (hn::MaxLanes(DRows()) + 3) / 4;
+    for (std::size_t lane = 0; lane < count; lane += kSamples) {
+      const auto first = static_cast<std::size_t>(s_.index[n + lane]);
+      const auto last = static_cast<std::size_t>(s_.index[n + std::min(lane + kSamples, count) - 1]);
+      s_.fraction_x[lane] = s_.fraction[0][first], s_.fraction_x[lane + kSamples - 1] = s_.fraction[0][last];
+      const float* const of_first = in_.values + s_.offset[first] - 1;
+      const float* const of_last = in_.values + s_.offset[last] - 1;
+      const auto y = bothOf(s_.fraction[1][first], s_.fraction[1][last]);
+      const auto z = bothOf(s_.fraction[2][first], s_.fraction[2][last]);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        const auto row = [&](int dy, int dz) {
+          const int at = dz * kPlane + dy * kUnitSamples + static_cast<int>(i);
+          return bothFrom(of_first + at, of_last + at);
+        };
+        const auto of_row = [&](int dy) { return mix(d, row(dy, 0), row(dy, 1), z); };
         const auto along_z = [&](int dy) {
-          return mix(d4, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
+          return mix(d, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
         };
         const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
-        hn::Store(mix(d4, here, next, y), d4, s_.rows[1] + 4 * lane + i);
-        hn::Store(mix(d4, hn::Sub(next, before), hn::Sub(after, here), y), d4, s_.rows[2] + 4 * lane + i);
-        hn::Store(mix(d4, along_z(0), along_z(1), y), d4, s_.rows[3] + 4 * lane + i);
+        hn::Store(mix(d, here, next, y), d, s_.rows[1] + 4 * lane + i);
+        hn::Store(mix(d, hn::Sub(next, before), hn::Sub(after, here), y), d, s_.rows[2] + 4 * lane + i);
+        hn::Store(mix(d, along_z(0), along_z(1), y), d, s_.rows[3] + 4 * lane + i);
       }
     }
   }
@@ -113,6 +120,21 @@ class LinearCellField {
 
  private:
   static constexpr int kPlane = CellInput::kPlane;
+
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SSE4
+  using DRows = D4;
+  static HWY_INLINE hn::Vec<DRows> bothOf(float first, float) { return hn::Set(DRows(), first); }
+  static HWY_INLINE hn::Vec<DRows> bothFrom(const float* first, const float*) { return hn::LoadU(DRows(), first); }
+#else
+  using DRows = hn::CappedTag<float, 8>;
+  static HWY_INLINE hn::Vec<DRows> bothOf(float first, float last) {
+    return hn::Combine(DRows(), hn::Set(D4(), last), hn::Set(D4(), first));
+  }
+  static HWY_INLINE hn::Vec<DRows> bothFrom(const float* first, const float* last) {
+    return hn::Combine(DRows(), hn::LoadU(D4(), last), hn::LoadU(D4(), first));
+  }
+#endif
+
   const SampleLattice& l_;
   const CellInput& in_;
   CellSamples& s_;
