@@ -57,12 +57,6 @@ class CellCaster {
     return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
   }
 
-  // Of the n-th of `index` and those after it.
-  HWY_INLINE VI codesAt(std::size_t n, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) s_.lane_code[i] = s_.code[s_.index[n + i]];
-    return hn::Load(DI(), s_.lane_code);
-  }
-
   HWY_NOINLINE void castFound(std::size_t count) {
     count_ = count;
     placeAll();
@@ -117,6 +111,7 @@ class CellCaster {
       const Packing packed(shows);
       if (l_.integral != nullptr) hn::StoreU(packed(tau), d, s_.opacity + kept_);
       hn::StoreU(packed(index), di, s_.index + kept_);
+      hn::StoreU(packed(hn::Load(di, s_.code + n)), di, s_.kept_code + kept_);
       hn::StoreU(packed(entry), d, s_.entry + kept_);
       kept_ += hn::CountTrue(d, shows);
     }
@@ -161,20 +156,15 @@ class CellCaster {
   // Their opacities; of several volumes, their optical depths.
   void attenuateAll() {
     const D d;
-    const DI di;
-    for (std::size_t n = 0; n < kept_; ++n)
-      std::memcpy(s_.pair + 2 * n, l_.extinctions + static_cast<std::int32_t>(s_.entry[n]), 2 * sizeof(float));
+    // Beyond the last one vectors look up the table's first entry.
+    hn::StoreU(hn::Zero(d), d, s_.entry + kept_);
     const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
-      const V entry = hn::Load(d, s_.entry + n);
-      V here, next;
-      hn::LoadInterleaved2(d, s_.pair + 2 * n, here, next);
-      V tau = between(here, next, hn::Sub(entry, hn::ConvertTo(d, hn::ConvertTo(di, entry))));
-      if (l_.integral != nullptr) tau = hn::Load(d, s_.opacity + n);
+      V tau = l_.integral != nullptr ? hn::Load(d, s_.opacity + n) : extinctionAt(d, l_, hn::Load(d, s_.entry + n));
       V length = hn::Set(d, l_.thickness);
       if (asks) {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
-        const CellPlaces::Where w = p_.whereIs(codesAt(n, count));
+        const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
         length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
         if (derives_) tau = finishTau(n, count, w, tau);
       }
@@ -224,18 +214,15 @@ class CellCaster {
     std::size_t seen = 0, closed = 0;
     out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
-      const std::int32_t index = s_.index[n], pixel = s_.code[index] & CellPlaces::kPixel;
+      const std::int32_t code = s_.kept_code[n], pixel = code & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
       // Nothing where the pixel is closed. No branches, as nobody can tell which samples close a pixel, or are behind
       // it.
       const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
       const bool closes = (after >= opaque_at_) & (before != 1.0f);
       alpha = after;
-      s_.index[seen] = index, s_.entry[seen] = s_.entry[n], s_.weight[seen] = weight;
-      if (derives_) {
-        for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
-        if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, opacity, closes);
-      }
+      keep(n, seen, weight);
+      if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, opacity, closes);
       s_.opacity[seen] = before;
       seen += weight > 0 ? 1 : 0;
       if (!closes) continue;
@@ -247,6 +234,13 @@ class CellCaster {
     out_.samples += seen;
   }
 
+  // Moves the n-th of those that are kept forward, with what it is multiplied by.
+  HWY_INLINE void keep(std::size_t n, std::size_t to, float weight) {
+    s_.index[to] = s_.index[n], s_.kept_code[to] = s_.kept_code[n], s_.entry[to] = s_.entry[n], s_.weight[to] = weight;
+    if (!derives_) return;
+    for (int a = 0; a < 3; ++a) s_.slope[a][to] = s_.slope[a][n], s_.index_place[a][to] = s_.index_place[a][n];
+  }
+
   // Keeps all samples with optical depth, for sums over several volumes.
   HWY_NOINLINE void keepAll() {
     std::size_t seen = 0;
@@ -254,13 +248,10 @@ class CellCaster {
     out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
       const float depth = s_.opacity[n];
-      s_.index[seen] = s_.index[n], s_.entry[seen] = s_.entry[n], s_.weight[seen] = depth;
-      if (derives_) {
-        for (int a = 0; a < 3; ++a) s_.slope[a][seen] = s_.slope[a][n], s_.index_place[a][seen] = s_.index_place[a][n];
-        if (in_.sums->hasNormals() && depth > 0) {
-          const CellPlaces::Place at = p_.placeOf(s_.code[s_.index[seen]]);
-          in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(seen)));
-        }
+      keep(n, seen, depth);
+      if (derives_ && in_.sums->hasNormals() && depth > 0) {
+        const CellPlaces::Place at = p_.placeOf(s_.kept_code[seen]);
+        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(seen)));
       }
       seen += depth > 0 ? 1 : 0;
     }
@@ -277,7 +268,7 @@ class CellCaster {
     layer.closes = closes;
     layer.opacity = opacity;
     layer.middle = site.view.z;
-    layer.thickness = (s_.code[s_.index[n]] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    layer.thickness = (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
     const glm::vec3 normal = finishedNormal(frame_.look(), site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
@@ -302,7 +293,6 @@ class CellCaster {
     const D d;
     const D4 d4;
     for (std::size_t i = 0; i < count; ++i) {
-      s_.lit_code[i] = s_.code[s_.index[n + i]];
       const float entry = s_.entry[n + i];
       const auto whole = static_cast<std::int32_t>(entry);
       const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
@@ -319,7 +309,7 @@ class CellCaster {
       hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
       if (l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
-        const Sight sight = p_.sightOf(p_.whereIs(hn::Load(DI(), s_.lit_code + i)));
+        const Sight sight = p_.sightOf(p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i)));
         lightOn(d, l_.light, l_.perspective, field_.slopes(i), sight, matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
@@ -330,7 +320,7 @@ class CellCaster {
     }
     if (tile_.deep != nullptr && in_.sums == nullptr) return addDeep(n, count);
     for (std::size_t i = 0; i < count; ++i) {
-      float* const to = lightOf(s_.lit_code[i]);
+      float* const to = lightOf(s_.kept_code[n + i]);
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
         hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
     }
@@ -341,7 +331,7 @@ class CellCaster {
     const SlabZone& zone = frame_.zone();
     const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };
     for (std::size_t i = 0; i < count; ++i) {
-      const std::int32_t code = s_.lit_code[i];
+      const std::int32_t code = s_.kept_code[n + i];
       float* const to = p_.pixelOf(code & CellPlaces::kPixel);
       float before[4] = {0, 0, 0, s_.opacity[n + i]}, after[4] = {0, 0, 0, before[3] + s_.weight[n + i]};
       for (int c = 0; c < 3; ++c) before[c] = to[c], after[c] = to[c] = to[c] + s_.rows[0][4 * i + c];

@@ -52,16 +52,14 @@ struct CellSamples {
   // Of each sample that was found: its code, which voxels it is between, how far, and the values around it along x.
   alignas(64) std::int32_t code[kRoom], offset[kRoom];
   alignas(64) float fraction[3][kRoom], pair[2 * kRoom];
-  // Of each that is kept: which of them it is, its place in the table, and so on.
-  alignas(64) std::int32_t index[kRoom];
+  // Of each that is kept: which of them it is, its code and its place in the table, and so on.
+  alignas(64) std::int32_t index[kRoom], kept_code[kRoom];
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
   // The same, where samples are finished one by one.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
-  // Of a vector of pixels, or of samples.
+  // Of a vector of pixels.
   alignas(64) float alpha[kLanes];
-  alignas(64) std::int32_t lane_code[kLanes];
   // Of samples that are lit together.
-  alignas(64) std::int32_t lit_code[kLit];
   alignas(64) float fraction_x[kLit], rows[4][4 * kLit];
   // Of each that closed its pixel.
   struct Closed {
