@@ -111,17 +111,26 @@ class Arrangement {
     if (!square) fail(name(slices_.front()) + ": the orientation is not two unit vectors at a right angle");
     if (!first().spacing) fail(name(slices_.front()) + " has a position, but no spacing of pixels");
     normal_ = glm::normalize(glm::cross(x, y));
-    for (const DicomSlice& s : slices_) {
-      const DicomFrame& other = frame(s);
-      const double turned = std::max(glm::length(*other.along_row - x), glm::length(*other.along_column - y));
-      if (turned > kDirectionTolerance) {
-        fail(fmt::format("{} is turned against {}; slices of one volume are parallel (a scout among them?)", name(s),
-                         name(slices_.front())));
-      }
-      if (!other.spacing || glm::length(*other.spacing - *first().spacing) > 1e-4 * glm::length(*first().spacing)) {
-        fail(fmt::format("{} has pixels of another size than {}", name(s), name(slices_.front())));
-      }
-    }
+    const auto turned = [&](const DicomFrame& f) {
+      return std::max(glm::length(*f.along_row - x), glm::length(*f.along_column - y)) > kDirectionTolerance;
+    };
+    const auto resized = [&](const DicomFrame& f) {
+      return !f.spacing || glm::length(*f.spacing - *first().spacing) > 1e-4 * glm::length(*first().spacing);
+    };
+    requireLikeFirst(turned, "is turned against", "slices of one volume are parallel (a scout among them?)");
+    requireLikeFirst(resized, "has pixels of another size than", "slices of one volume are alike");
+  }
+
+  // The one that differs from most is named, be it the first.
+  template <class Differs>
+  void requireLikeFirst(const Differs& differs, const char* what, const char* rule) const {
+    const auto unlike = [&](const DicomSlice& s) { return differs(frame(s)); };
+    const auto found = std::find_if(slices_.begin(), slices_.end(), unlike);
+    if (found == slices_.end()) return;
+    const auto count = static_cast<std::size_t>(std::count_if(found, slices_.end(), unlike));
+    const bool first_is_odd = 2 * count > slices_.size();
+    const DicomSlice &odd = first_is_odd ? slices_.front() : *found, &other = first_is_odd ? *found : slices_.front();
+    fail(fmt::format("{} {} {}; {}", name(odd), what, name(other), rule));
   }
 
   double along(const DicomSlice& s) const { return glm::dot(*frame(s).position, normal_); }

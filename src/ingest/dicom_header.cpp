@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -74,10 +75,12 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
       out.distance = std::abs(d[0]);
   }
   // A dose has a factor of its own.
-  const double slope =
-      rescaling(top, index, kSlope, path).value_or(1) * rescaling(top, index, kDoseScaling, path).value_or(1);
-  if (slope != 0) out.slope = slope;
-  out.intercept = rescaling(top, index, kIntercept, path).value_or(0);
+  const std::optional<double> slope = rescaling(top, index, kSlope, path),
+                              dose = rescaling(top, index, kDoseScaling, path);
+  if (slope || dose) out.slope = slope.value_or(1) * dose.value_or(1);
+  out.slope_is_zero = out.slope == 0;
+  if (out.slope_is_zero) out.slope.reset();
+  out.intercept = rescaling(top, index, kIntercept, path);
   return out;
 }
 
@@ -149,6 +152,7 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
   out.bits_stored = set.number(kBitsStored).value_or(out.bits_allocated);
   out.high_bit = set.number(kHighBit).value_or(out.bits_stored - 1);
   out.is_signed = set.number(kSigned).value_or(0) == 1;
+  out.smallest_is_white = trimmed(set.text(kPhotometric)) == "MONOCHROME1";
   if (out.bits_stored < 1 || out.bits_stored > out.bits_allocated || out.high_bit < out.bits_stored - 1 ||
       out.high_bit >= out.bits_allocated) {
     fail(kBitsStored,
@@ -208,7 +212,16 @@ DicomHeader readDicomHeader(const fs::path& path) {
   if (!out.refusal.empty()) return out;
   requirePixels(out.pixels, parsed, file);
   const auto count = static_cast<std::size_t>(out.pixels.frames);
-  for (std::size_t i = 0; i < count; ++i) out.frames.push_back(frameOf(parsed.set, i, path));
+  for (std::size_t i = 0; i < count; ++i) {
+    out.frames.push_back(frameOf(parsed.set, i, path));
+    const ValueMap map = out.frames.back().map(out.pixels.storedType(), VoxelType::f32);
+    if (map.leavesFloat())
+      throw Error(
+          ErrorCode::kFormat, path, nameOf(kSlope),
+          fmt::format("slope {:g} and intercept {:g} take values beyond what a float can hold, {:g} to {:g}; "
+                      "correct the header",
+                      map.slope, map.intercept, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
+  }
   placeFrames(parsed.set, out.frames);
   if (!out.pixels.packed) return out;
   std::vector<std::vector<ByteRange>> fragments = dicomFragments(file, out.pixels.offset_bytes, count);

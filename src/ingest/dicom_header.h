@@ -11,6 +11,7 @@
 
 #include "grid/voxel_type.h"
 #include "ingest/dicom_fragments.h"
+#include "ingest/value_map.h"
 
 namespace kiln {
 
@@ -19,6 +20,8 @@ struct DicomPixels {
   std::int64_t columns = 0, rows = 0, frames = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
+  /// The smallest value is shown white (MONOCHROME1).
+  bool smallest_is_white = false;
   bool big_endian = false;
   /// Compressed: a frame is decoded as one. Else frames lie at the offset, x fastest, in the file or, where
   /// `deflated_offset_bytes` is not 0, in the elements that the stream from there on inflates to.
@@ -42,8 +45,13 @@ struct DicomFrame {
   std::optional<glm::dvec2> spacing;
   /// From slice to slice, or the thickness of one; 0 where neither is said.
   double distance = 0;
-  /// value = stored * slope + intercept.
-  double slope = 1, intercept = 0;
+  /// value = stored * slope + intercept. Empty where the file says none; a slope of 0, which no value survives, is
+  /// none.
+  std::optional<double> slope, intercept;
+  bool slope_is_zero = false;
+  ValueMap map(VoxelType stored, VoxelType to) const {
+    return {stored, to, false, slope.value_or(1), intercept.value_or(0)};
+  }
   /// Where a compressed frame's bytes are.
   std::vector<ByteRange> fragments;
 };

@@ -61,32 +61,103 @@ std::string reasonAgainst(const DicomHeader& header, const Majority& most) {
   return most.readable ? header.refusal : "";
 }
 
+// Of files that differ in what `kind` says of each: one of the rarest kind, and one of the most frequent.
+template <class Kind>
+std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(const std::vector<DicomHeader>& files,
+                                                                             const Kind& kind) {
+  std::map<decltype(kind(files.front())), std::vector<const DicomHeader*>> kinds;
+  for (const DicomHeader& file : files) kinds[kind(file)].push_back(&file);
+  if (kinds.size() < 2) return std::nullopt;
+  // Of equally many, the later one is odd.
+  const auto rarer = [](const auto& a, const auto& b) {
+    const auto &x = a.second, &y = b.second;
+    return x.size() != y.size() ? x.size() < y.size() : x.front() > y.front();
+  };
+  const auto [odd, usual] = std::minmax_element(kinds.begin(), kinds.end(), rarer);
+  return std::pair(odd->second.front(), usual->second.front());
+}
+
 // Slices of one size are of one type, and can be read.
-void requireAlike(const DicomHeader& header, const DicomHeader& first) {
-  if (!header.refusal.empty()) throw Error(ErrorCode::kUnsupported, header.path, "", header.refusal);
-  const DicomPixels &a = header.pixels, &b = first.pixels;
-  if (a.storedType() == b.storedType()) return;
-  throw Error(ErrorCode::kFormat, header.path, "",
-              fmt::format("is {} of {}, but {} is {} of {}; slices of one volume are alike", extentOf(a),
-                          nameOf(a.storedType()), first.path.filename().string(), extentOf(b), nameOf(b.storedType())));
+void requireAlike(const std::vector<DicomHeader>& files) {
+  for (const DicomHeader& file : files)
+    if (!file.refusal.empty()) throw Error(ErrorCode::kUnsupported, file.path, "", file.refusal);
+  const auto type = [](const DicomHeader& file) { return std::string(nameOf(file.pixels.storedType())); };
+  const auto white = [](const DicomHeader& file) {
+    return std::string(file.pixels.smallest_is_white ? "shows its smallest values white (MONOCHROME1)"
+                                                     : "shows its smallest values black (MONOCHROME2)");
+  };
+  const auto fail = [](const DicomHeader& odd, const std::string& what, const DicomHeader& usual,
+                       const std::string& is) {
+    throw Error(ErrorCode::kFormat, odd.path, "",
+                fmt::format("{}, but {} {}; slices of one volume are alike, so mend or remove it", what,
+                            inQuotes(usual.path.filename().string()), is));
+  };
+  if (const auto found = oddAndUsual(files, type)) {
+    const auto [odd, usual] = *found;
+    const std::string extent = extentOf(odd->pixels);
+    fail(*odd, fmt::format("is {} of {}", extent, type(*odd)), *usual,
+         fmt::format("is {} of {}", extent, type(*usual)));
+  }
+  if (const auto found = oddAndUsual(files, white))
+    fail(*found->first, white(*found->first), *found->second, white(*found->second));
+}
+
+// A number that some frames are rescaled by and others leave out: values would be off by it. Left out is as good as
+// said where it changes nothing.
+void requireSaid(const std::vector<DicomHeader>& files, const char* name, std::optional<double> DicomFrame::*number,
+                 double otherwise, const SourceOptions& options, std::vector<std::string>& notes) {
+  const auto says = [&](const DicomHeader& file, bool said) {
+    return std::any_of(file.frames.begin(), file.frames.end(), [&](const DicomFrame& frame) {
+      return said ? (frame.*number).value_or(otherwise) != otherwise : !(frame.*number).has_value();
+    });
+  };
+  const auto with = std::find_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, true); });
+  const auto without = std::find_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, false); });
+  if (with == files.end() || without == files.end()) return;
+  const auto found = std::find_if(with->frames.begin(), with->frames.end(), [&](const DicomFrame& frame) {
+    return (frame.*number).value_or(otherwise) != otherwise;
+  });
+  const auto count = std::count_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, false); });
+  const std::string what = fmt::format(
+      "has no {}{}, but {} has {:g}", name, count == 1 ? "" : fmt::format(" (nor have {} others)", count - 1),
+      with == without ? "another frame of it" : inQuotes(with->path.filename().string()), *((*found).*number));
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, without->path, "",
+                fmt::format("{}; mend or remove it, or --allow-irregular takes {:g} there", what, otherwise));
+  notes.push_back(fmt::format("{} {}; took {:g} there", inQuotes(without->path.filename().string()), what, otherwise));
+}
+
+void requireScaledAlike(const std::vector<DicomHeader>& files, const SourceOptions& options,
+                        std::vector<std::string>& notes) {
+  requireSaid(files, "RescaleIntercept (0028,1052)", &DicomFrame::intercept, 0, options, notes);
+  requireSaid(files, "RescaleSlope (0028,1053), or one of 0", &DicomFrame::slope, 1, options, notes);
+  const auto zero = std::find_if(files.begin(), files.end(), [](const DicomHeader& file) {
+    return std::any_of(file.frames.begin(), file.frames.end(), [](const DicomFrame& f) { return f.slope_is_zero; });
+  });
+  if (zero != files.end())
+    notes.push_back(fmt::format("{}: RescaleSlope (0028,1053) is 0, which no value survives; 1 is taken",
+                                inQuotes(zero->path.filename().string())));
 }
 
 // The extent that most slices have that can be read, or, where none can be read, most of all. throws: Error kFormat
 // where two extents are equally frequent.
-Majority majorityOf(const std::vector<DicomHeader>& all, const std::string& series) {
+Majority majorityOf(const std::vector<DicomHeader>& all, const std::string& series, const fs::path& input) {
   std::map<std::string, std::int64_t> readable, refused;
+  std::map<std::string, std::string> first;
   for (const DicomHeader& header : all) {
     if (header.series != series || !header.has_pixels) continue;
     (header.refusal.empty() ? readable : refused)[extentOf(header.pixels)] += header.pixels.frames;
+    first.emplace(extentOf(header.pixels), inQuotes(header.path.filename().string()));
   }
   const auto& extents = readable.empty() ? refused : readable;
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto most = std::max_element(extents.begin(), extents.end(), fewer);
   for (const auto& [extent, slices] : extents) {
     if (extent != most->first && slices == most->second)
-      throw Error(ErrorCode::kFormat, all.front().path, "",
-                  fmt::format("its series has {} slice{} of {} pixels and as many of {}; put them apart", slices,
-                              slices == 1 ? "" : "s", most->first, extent));
+      throw Error(
+          ErrorCode::kFormat, input, "",
+          fmt::format("its series has {} slice{} of {} pixels (as {}) and as many of {} (as {}); put them apart",
+                      slices, slices == 1 ? "" : "s", most->first, first[most->first], extent, first[extent]));
   }
   return {most->first, most->second, !readable.empty()};
 }
@@ -127,7 +198,7 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
                 "has no pixel data; it is a DICOM file of another kind than an image");
   }
   const std::string chosen = theSeries(input.input, series, options);
-  const Majority most = majorityOf(all, chosen);
+  const Majority most = majorityOf(all, chosen, input.input);
   PassedOver passed_over;
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -144,10 +215,9 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   }
   passed_over.note(notes);
   std::vector<DicomHeader> out;
-  for (const std::size_t i : taken) {
-    requireAlike(all[i], out.empty() ? all[i] : out.front());
-    out.push_back(std::move(all[i]));
-  }
+  for (const std::size_t i : taken) out.push_back(std::move(all[i]));
+  requireAlike(out);
+  requireScaledAlike(out, options, notes);
   if (series.size() > 1) notes.push_back(fmt::format("passed over {} other series", series.size() - 1));
   return out;
 }

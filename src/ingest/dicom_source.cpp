@@ -1,7 +1,7 @@
 // A DICOM series: slices in files of their own, or frames of one. Rows of pixels that are not compressed are read from
 // where they lie, any box from any thread; a compressed frame is decoded whole and kept while neighbouring boxes ask
 // for it. Values are rescaled to what they mean, in the narrowest type that holds all of them exactly; where zero is
-// white (MONOCHROME1) they are not turned around.
+// white (MONOCHROME1) they are not turned around, and a note says so.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -153,7 +153,7 @@ void DicomSource::read(const VoxelBox& box, std::span<std::byte> out) {
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z, to += count * sizeOf(info_.type)) {
     const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
     const DicomFrame& f = frame(slices_[static_cast<std::size_t>(z)]);
-    const ValueMap map = {stored(), info_.type, false, f.slope, f.intercept};
+    const ValueMap map = f.map(stored(), info_.type);
     if (map.copies()) {
       readStored(in_slice, to);
       continue;
@@ -167,16 +167,17 @@ void DicomSource::read(const VoxelBox& box, std::span<std::byte> out) {
 // The narrowest type for all values that can be, else for all that are.
 VoxelType DicomSource::type() {
   double least = std::numeric_limits<double>::infinity(), most = -least;
-  bool whole = true, same = true;
+  bool whole = true, same = true, merges = false;
   for (const DicomSlice& s : slices_) {
-    const DicomFrame& f = frame(s);
-    whole = whole && f.slope == 1 && f.intercept == std::floor(f.intercept);
-    same = same && f.slope == 1 && f.intercept == 0;
-    least = std::min(least, f.intercept);
-    most = std::max(most, f.intercept);
+    const ValueMap map = frame(s).map(stored(), stored());
+    whole = whole && map.slope == 1 && map.intercept == std::floor(map.intercept);
+    same = same && map.copies();
+    merges = merges || map.mergesInFloat();
+    least = std::min(least, map.intercept);
+    most = std::max(most, map.intercept);
   }
   if (same) return stored();
-  if (sizeOf(stored()) > 2) return VoxelType::f64;
+  if (sizeOf(stored()) > 2 || merges) return VoxelType::f64;
   if (!whole) return VoxelType::f32;
   // Scanners use few of 16 bits, but say that they use all of them: their values decide.
   if (storedFit(-32768 - least, 32767 - most)) return VoxelType::i16;
@@ -221,6 +222,10 @@ std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOpt
   SourceInfo info;
   info.notes = input.notes;
   std::vector<DicomHeader> files = readSeries(input, options, info.notes);
+  if (files.front().pixels.smallest_is_white)
+    info.notes.push_back(
+        "the DICOM files show their smallest values white (MONOCHROME1); the values are taken as stored, and a "
+        "transfer function decides what is bright");
   std::vector<DicomSlice> slices;
   info.geometry = arrangeSlices(input.input, files, options, slices, info.notes);
   checkedBytes(info.geometry.dims, files.front().pixels.storedType(), input.input);

@@ -15,6 +15,7 @@
 #include "ingest/linear_source.h"
 #include "ingest/nifti_geometry.h"
 #include "ingest/nifti_header.h"
+#include "ingest/value_map.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -142,21 +143,6 @@ VoxelType typeOf(const NiftiHeader& header) {
   }
 }
 
-// Values of 32-bit floats have an end, beyond which they are infinite.
-void requireWithinFloat(const NiftiHeader& header, VoxelType stored, double slope, double intercept) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  const double most = withVoxelType(stored, []<class T>(std::type_identity<T>) {
-    // Of floats any value may be there; room is left for the sizes that instruments measure.
-    if constexpr (std::is_floating_point_v<T>) return 1e8;
-    return std::max(-static_cast<double>(std::numeric_limits<T>::lowest()),
-                    static_cast<double>(std::numeric_limits<T>::max()));
-  });
-  if (most * std::abs(slope) + std::abs(intercept) <= kLargest) return;
-  header.fail("byte 112", fmt::format("scl_slope {:g} and scl_inter {:g} take values beyond the largest float, {:g}; "
-                                      "correct the header",
-                                      slope, intercept, kLargest));
-}
-
 void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std::vector<std::string>& notes) {
   const double slope = header.f32(kSclSlope), intercept = header.f32(kSclInter);
   if (!std::isfinite(slope))
@@ -168,8 +154,13 @@ void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std
   data.intercept = intercept;
   // 24 bits of a float hold the 16 of the stored value and most of the factor's; 32-bit integers need a double.
   const bool narrow = sizeOf(data.stored_type) <= 2 || data.stored_type == VoxelType::f32;
-  type = narrow ? VoxelType::f32 : VoxelType::f64;
-  if (narrow) requireWithinFloat(header, data.stored_type, slope, intercept);
+  const ValueMap map = {data.stored_type, VoxelType::f32, false, slope, intercept};
+  type = narrow && !map.mergesInFloat() ? VoxelType::f32 : VoxelType::f64;
+  if (narrow && map.leavesFloat())
+    header.fail("byte 112",
+                fmt::format("scl_slope {:g} and scl_inter {:g} take values beyond what a float can hold, "
+                            "{:g} to {:g}; correct the header",
+                            slope, intercept, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
 }
 
 void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& data) {

@@ -15,6 +15,11 @@ struct ValueMap {
   bool swap = false;
   double slope = 1, intercept = 0;
 
+  /// Whether a stored value may become infinite as a 32-bit float, or the factor 0. Stored floats are taken to be at
+  /// most 1e8, as instruments measure.
+  bool leavesFloat() const;
+  /// Whether neighbours of 16 stored bits may become one 32-bit float, as with a large offset.
+  bool mergesInFloat() const;
   /// The bytes are the values, but for their order.
   bool copies() const { return from == to && slope == 1 && intercept == 0; }
   /// Brings `count` stored values into the machine's order, in place.

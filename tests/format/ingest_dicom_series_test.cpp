@@ -156,6 +156,76 @@ TEST_F(DicomSeries, SlicesThatAreNotAlikeAreNamed) {
   expectError(ErrorCode::kFormat, "'a': the orientation is not two unit vectors");
 }
 
+// Known: all slices but one are alike, and the odd one is named wherever it stands.
+TEST_F(DicomSeries, OddSlice_IsNamedBeItTheFirst) {
+  const std::vector<glm::dvec3> positions = {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}};
+  DicomSpec turned, resized, unsigned_values, white;
+  turned.orientation = "0\\1\\0\\0\\0\\-1";
+  resized.spacing = "1\\2";
+  unsigned_values.is_signed = false;
+  white.photometric = "MONOCHROME1";
+  const std::pair<DicomSpec, std::vector<std::string>> cases[] = {
+      {turned, {"'a' is turned against 'b'", "'b' is turned against 'a'", "'c' is turned against 'a'"}},
+      {resized,
+       {"'a' has pixels of another size than 'b'", "'b' has pixels of another size than 'a'",
+        "'c' has pixels of another size than 'a'"}},
+      {unsigned_values,
+       {"a: is 5 x 4 of u16, but 'b' is 5 x 4 of i16", "b: is 5 x 4 of u16, but 'a' is",
+        "c: is 5 x 4 of u16, but 'a' is"}},
+      {white,
+       {"a: shows its smallest values white (MONOCHROME1), but 'b'", "b: shows its smallest values white",
+        "c: shows its smallest values white"}}};
+  for (const auto& [odd, expected] : cases) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      writeAt(positions);
+      DicomSpec spec = odd;
+      spec.position = triple(positions[i]);
+      files_.write(std::string(1, static_cast<char>('a' + i)), slice(spec, 0));
+      expectError(ErrorCode::kFormat, expected[i]);
+    }
+  }
+}
+
+// Known: a slice that says nothing beside those that have -1024 would be 1024 off.
+TEST_F(DicomSeries, RescalingThatOneSliceLacks_IsAnError) {
+  DicomSpec spec;
+  spec.intercept = "-1024", spec.slope = "1";
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}}, spec);
+  EXPECT_TRUE(open()->info().notes.empty());
+  DicomSpec lacking = spec;
+  lacking.position = "0\\0\\2", lacking.intercept = "";
+  files_.write("b", slice(lacking, 1));
+  expectError(ErrorCode::kFormat,
+              "b: has no RescaleIntercept (0028,1052), but 'a' has -1024; mend or remove it, or "
+              "--allow-irregular takes 0 there");
+  EXPECT_EQ(open(allowing())->info().notes,
+            std::vector<std::string>{"'b' has no RescaleIntercept (0028,1052), but 'a' has -1024; took 0 there"});
+  // An intercept of 0 is as good as none.
+  spec.intercept = "0";
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}}, spec);
+  files_.write("b", slice(lacking, 1));
+  EXPECT_TRUE(open()->info().notes.empty());
+  spec.slope = "2";
+  for (const char* none : {"", "0"}) {
+    lacking.slope = none;
+    writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}}, spec);
+    files_.write("b", slice(lacking, 1));
+    expectError(ErrorCode::kFormat, "b: has no RescaleSlope (0028,1053), or one of 0, but 'a' has 2");
+  }
+}
+
+TEST_F(DicomSeries, SlopeOfZeroAndWhiteZero_AreNoted) {
+  DicomSpec spec;
+  spec.slope = "0", spec.intercept = "-5";
+  writeAt({{0, 0, 0}, {0, 0, 2}}, spec);
+  EXPECT_EQ(open()->info().notes,
+            std::vector<std::string>{"'a': RescaleSlope (0028,1053) is 0, which no value survives; 1 is taken"});
+  spec = {}, spec.photometric = "MONOCHROME1";
+  writeAt({{0, 0, 0}, {0, 0, 2}}, spec);
+  ASSERT_EQ(open()->info().notes.size(), 1u);
+  EXPECT_TRUE(open()->info().notes[0].starts_with("the DICOM files show their smallest values white (MONOCHROME1)"));
+}
+
 // A screenshot, a localizer and a report in the series itself, a presentation state beside it: the volume is what most
 // slices are, and each other object is named with its reason.
 TEST_F(DicomSeries, OtherObjectsOfASeries_arePassedOverWithTheirReason) {
@@ -189,7 +259,7 @@ TEST_F(DicomSeries, AsManySlicesOfTwoSizes_areAnError) {
   DicomSpec other;
   other.columns = 4, other.position = "0\\0\\2";
   files_.write("b", slice(other, 9));
-  expectError(ErrorCode::kFormat, "1 slice of 4 x 4 pixels and as many of 5 x 4");
+  expectError(ErrorCode::kFormat, "1 slice of 4 x 4 pixels (as 'b') and as many of 5 x 4 (as 'a')");
 }
 
 // A CD: a list and folders in folders; the list, or the folder that holds it, stands for all series.

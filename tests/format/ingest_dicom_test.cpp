@@ -259,6 +259,9 @@ TEST(IngestDicom, RescalingTakesTheNarrowestExactType) {
   EXPECT_EQ(rescaled(spec, 7), (Answer{VoxelType::f32, 6.5}));
   spec.intercept = "-1024", spec.slope = "0.1";
   EXPECT_EQ(rescaled(spec, 4000), (Answer{VoxelType::f32, static_cast<double>(static_cast<float>(4000 * 0.1 - 1024))}));
+  // A float of this size steps by 64.
+  spec.intercept = "1000000000", spec.slope = "0.5";
+  EXPECT_EQ(rescaled(spec, 3), (Answer{VoxelType::f64, 1000000001.5}));
   spec = {}, spec.bits_allocated = spec.bits_stored = 32, spec.intercept = "1";
   EXPECT_EQ(rescaled(spec, 2147483647), (Answer{VoxelType::f64, 2147483648.0}));
   spec = {}, spec.bits_allocated = spec.bits_stored = 8, spec.is_signed = false, spec.intercept = "-10";
@@ -349,6 +352,18 @@ TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
   expect(s, ErrorCode::kFormat, "there are 120 bytes");
   s = spec, s.slope = "2,5";
   expect(s, ErrorCode::kFormat, "(0028,1053): '2,5' is not a number");
+  for (const char* garbage : {"nan", "inf", "1e400", "1\\2", "0x10"}) {
+    s = spec, s.slope = garbage;
+    expect(s, ErrorCode::kFormat, "is not a number");
+    s = spec, s.intercept = garbage;
+    expect(s, ErrorCode::kFormat, "is not a number");
+  }
+  for (const char* extreme : {"1e300", "-1e36", "1e-300"}) {
+    s = spec, s.slope = extreme;
+    expect(s, ErrorCode::kFormat, "take values beyond what a float can hold");
+  }
+  s = spec, s.intercept = "1e300";
+  expect(s, ErrorCode::kFormat, "intercept 1e+300 take values beyond what a float can hold");
   s = spec, s.bits_stored = 17;
   expect(s, ErrorCode::kFormat, "17 bits stored");
   files.write("a.dcm", std::string(128, '\0') + "DICM");
