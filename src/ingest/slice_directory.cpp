@@ -75,19 +75,27 @@ std::string named(const std::vector<fs::path>& files) {
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
 }
 
-std::vector<fs::path> filesIn(const fs::path& directory) {
-  std::vector<fs::path> out;
+// What is in a directory: files, and pipes, devices and folders, which cannot be slices.
+struct Entries {
+  std::vector<fs::path> files, others;
+};
+
+Entries entriesOf(const fs::path& directory) {
+  Entries out;
   forEachEntry(directory, [&](const fs::directory_entry& entry) {
     // An entry without a status, such as a link to nothing, may be a slice that is missing.
     std::error_code unknown;
     const fs::file_status status = entry.status(unknown);
     const bool hidden = entry.path().filename().string().starts_with('.');
-    if (!hidden && (unknown || !fs::exists(status) || fs::is_regular_file(status))) out.push_back(entry.path());
+    const bool file = unknown || !fs::exists(status) || fs::is_regular_file(status);
+    if (!hidden) (file ? out.files : out.others).push_back(entry.path());
     return Walk::kGoOn;
   });
-  std::sort(out.begin(), out.end(), [](const fs::path& a, const fs::path& b) {
-    return naturallyBefore(a.filename().string(), b.filename().string());
-  });
+  for (std::vector<fs::path>* const paths : {&out.files, &out.others}) {
+    std::sort(paths->begin(), paths->end(), [](const fs::path& a, const fs::path& b) {
+      return naturallyBefore(a.filename().string(), b.filename().string());
+    });
+  }
   return out;
 }
 
@@ -132,10 +140,12 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 }
 
 SliceFiles slicesIn(const fs::path& directory) {
-  std::vector<fs::path> tiff, dicom, other;
+  std::vector<fs::path> tiff, dicom, other, no_files;
   std::vector<Unread> unread;
   const auto add = [&](const fs::path& folder) {
-    for (const fs::path& path : filesIn(folder)) {
+    const Entries entries = entriesOf(folder);
+    no_files.insert(no_files.end(), entries.others.begin(), entries.others.end());
+    for (const fs::path& path : entries.files) {
       try {
         const SliceFormat format = formatOf(path);
         (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
@@ -183,6 +193,12 @@ SliceFiles slicesIn(const fs::path& directory) {
         ErrorCode::kFormat, path, "",
         fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
                     out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
+  }
+  for (const fs::path& path : no_files) {
+    if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
+    throw Error(ErrorCode::kFormat, path, "",
+                fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
+                            isFolder(path) ? "folder" : "pipe or a device"));
   }
   if (!missing.empty()) out.notes.push_back(missing);
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");

@@ -31,7 +31,8 @@ struct SliceFiles {
 /// The slices in `directory`, by what its files hold; names that begin with a dot do not count. Folders in it are
 /// searched, for DICOM only, where it has a DICOMDIR or no slices of its own.
 /// A file that cannot be read is passed over where no slice has its name's ending. throws: Error kUnsupported where
-/// there are none, or of both formats; kIo where a file that may be a slice cannot be read, or the folder.
+/// there are none, or of both formats; kFormat where a folder, pipe or device has the ending of the slices; kIo where a
+/// file that may be a slice cannot be read, or the folder.
 SliceFiles slicesIn(const std::filesystem::path& directory);
 
 }  // namespace kiln

@@ -1,6 +1,6 @@
 // libtiff behind a wall: it reads through Kiln's own file, what it complains about becomes the text of an Error, and
-// nothing of it reaches a terminal or the process's global handlers. The orientation tag is for viewers: the first row
-// of the file is row 0. Source: TIFF 6.0, Adobe 1992; libtiff 4.5's tiffio.h.
+// nothing of it reaches a terminal or the process's global handlers. Tags for viewers (orientation, white zeros) move
+// no value: the first row of the file is row 0. Source: TIFF 6.0, Adobe 1992; libtiff 4.5's tiffio.h.
 #include "ingest/tiff_file.h"
 
 #include <fmt/format.h>
@@ -196,6 +196,9 @@ void TiffFile::readPage() {
   page_.y_resolution = static_cast<double>(h.field<float>(TIFFTAG_YRESOLUTION, 0));
   page_.resolution_unit = h.field<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
 
+  page_.orientation = std::max<int>(h.field<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT), 1);
+  page_.smallest_is_white = kind.photometric == PHOTOMETRIC_MINISWHITE;
+
   const std::uint64_t size = h.file.size(), bytes = page_.bytes();
   if (page_.packed ? bytes / kMostUnpacking > size : bytes > size) {
     fail(fmt::format("is {} x {} of {}, more than the file's {} bytes can hold", page.width, page.height,
@@ -245,7 +248,8 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   // libtiff keeps the packed bytes for the next block, and there are many files: a strip may be a whole slice.
   TIFFReadBufferSetup(handle_->tiff, nullptr, 1024);
   handle_->rethrow();
-  if (got != length || !handle_->complaint.empty()) fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
+  if (got != length || !handle_->complaint.empty())
+    fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
   return out;
 }
 

@@ -26,6 +26,9 @@ struct TiffPage {
   /// As the tags say: pixels per unit, 0 where there is none; 1 is no unit, 2 an inch, 3 a centimetre.
   double x_resolution = 0, y_resolution = 0;
   int resolution_unit = 2;
+  /// As viewers show the page: the tag of 1 to 8, of which 1 is as stored, and whether the smallest value is white.
+  int orientation = 1;
+  bool smallest_is_white = false;
 
   std::int64_t blocksAcross() const { return (width + block_width - 1) / block_width; }
   std::int64_t blocksDown() const { return (height + block_height - 1) / block_height; }

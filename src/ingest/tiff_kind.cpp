@@ -1,5 +1,5 @@
 // One value a pixel of 8 to 64 bits, by a codec that libtiff has and that people use. The values are taken as they are
-// stored: where zero is white they are not turned around, as they are measurements here and not greys.
+// stored: where zero is white they are not turned around, as they are measurements here and not greys; a note says so.
 #include "ingest/tiff_kind.h"
 
 #include <fmt/format.h>

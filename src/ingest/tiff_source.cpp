@@ -3,6 +3,7 @@
 // strip; strips and tiles that are compressed are decoded one by one and kept while neighbouring boxes ask for them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
@@ -11,6 +12,7 @@
 #include "ingest/formats.h"
 #include "ingest/gather_rows.h"
 #include "ingest/handle_pool.h"
+#include "ingest/header_text.h"
 #include "ingest/linear_source.h"
 #include "ingest/tiff_file.h"
 #include "ingest/tiff_spacing.h"
@@ -32,6 +34,8 @@ struct Stack {
   std::vector<Slice> slices;
   TiffPage first;
   std::optional<StackNotes> notes;
+  /// Of each file.
+  std::vector<std::size_t> pages;
   std::uint64_t largest_packed_block_bytes = 0;
   /// Sentences for the user.
   std::vector<std::string> remarks;
@@ -40,16 +44,54 @@ struct Stack {
   bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
 };
 
+// All that pages of one volume have in common.
 std::string describe(const TiffPage& page) {
-  return fmt::format("{} x {} of {}", page.width, page.height, nameOf(page.type));
+  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type),
+                     page.smallest_is_white ? ", its smallest value white" : "",
+                     page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
 }
 
-void requireAlike(const TiffPage& first, const fs::path& first_file, const TiffFile& file, std::size_t slice) {
+// `index` is the file's among `files`. Of two that differ a third one decides which is named.
+void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std::size_t index, const TiffFile& file,
+                  std::size_t slice) {
   const TiffPage& page = file.page();
-  if (page.width == first.width && page.height == first.height && page.type == first.type) return;
-  throw Error(ErrorCode::kFormat, file.file().path(), fmt::format("page {}", page.number),
-              fmt::format("slice {} is {}, but the first, in {}, is {}; slices of one volume are alike", slice,
-                          describe(page), first_file.filename().string(), describe(first)));
+  if (describe(page) == describe(first)) return;
+  const auto fail = [](const fs::path& path, int number, const std::string& what) {
+    throw Error(ErrorCode::kFormat, path, fmt::format("page {}", number), what + "; slices of one volume are alike");
+  };
+  if (index == 1 && files.size() > 2 && describe(TiffFile(files[2]).page()) == describe(page))
+    fail(files[0], first.number,
+         fmt::format("slice 0 is {}, but the next, in {}, is {}", describe(first), files[1].filename().string(),
+                     describe(page)));
+  fail(files[index], page.number,
+       fmt::format("slice {} is {}, but the first, in {}, is {}", slice, describe(page), files[0].filename().string(),
+                   describe(first)));
+}
+
+// A file of several pages among files of one is another thing than a slice, and would move those above it.
+void requirePagesAlike(Stack& stack, const std::vector<fs::path>& files, const SourceOptions& options) {
+  const auto several = std::find_if(stack.pages.begin(), stack.pages.end(), [](std::size_t n) { return n > 1; });
+  const auto single = std::find(stack.pages.begin(), stack.pages.end(), 1u);
+  if (several == stack.pages.end() || single == stack.pages.end()) return;
+  const auto file = [&](auto at) { return files[static_cast<std::size_t>(at - stack.pages.begin())]; };
+  const std::string what =
+      fmt::format("has {} pages, but {} has 1; slices are files of one page each, or of several each", *several,
+                  inQuotes(file(single).filename().string()));
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, file(several), "", what + "; --allow-irregular takes every page as a slice");
+  stack.remarks.push_back(inQuotes(file(several).filename().string()) + " " + what + "; took every page as a slice");
+}
+
+void noteForViewers(const TiffPage& page, std::vector<std::string>& notes) {
+  if (page.smallest_is_white)
+    notes.push_back(
+        "the TIFF files show their smallest values white (WhiteIsZero); the values are taken as stored, and a transfer "
+        "function decides what is bright");
+  if (page.orientation != 1)
+    notes.push_back(fmt::format(
+        "the TIFF files have Orientation {}, by which viewers turn or mirror them; the rows and columns are "
+        "taken as stored",
+        page.orientation));
 }
 
 void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
@@ -96,10 +138,11 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
   const std::size_t before = stack.slices.size();
   do {
     const TiffPage& page = file.page();
-    requireAlike(stack.first, files.front(), file, stack.slices.size());
+    requireAlike(stack.first, files, index, file, stack.slices.size());
     if (page.packed) stack.largest_packed_block_bytes = std::max(stack.largest_packed_block_bytes, page.blockBytes());
     stack.slices.push_back({index, page.number, page.directory, 0});
   } while (file.next());
+  stack.pages.push_back(stack.slices.size() - before);
   if (!notes) return;
   const Slice last = stack.slices.back();
   const std::int64_t behind = stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
@@ -202,8 +245,11 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
   for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i, options);
   if (stack.notes && stack.notes->counts_all_files)
     requireImages(stack, *stack.notes, stack.slices.size(), input.input, options);
+  else
+    requirePagesAlike(stack, input.files, options);
   SourceInfo info;
   info.notes = input.notes;
+  noteForViewers(stack.first, info.notes);
   info.notes.insert(info.notes.end(), stack.remarks.begin(), stack.remarks.end());
   info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type;
   const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};

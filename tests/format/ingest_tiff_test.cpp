@@ -1,6 +1,7 @@
 // TIFF stacks as the reader takes them. Answers are known because libtiff wrote the files from random voxels, or, for
 // the real stack, because the same slices are in a NRRD file.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -76,6 +77,37 @@ TEST(IngestTiff, WhiteIsZeroTakesTheValuesAsTheyAre) {
   expectReadsBack(volume, files.directory() / "a.tif", 8);
 }
 
+TEST(IngestTiff, TagsForViewers_MoveNoValueAndAreNoted) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 8);
+  const fs::path path = files.directory() / "a.tif";
+  const auto noteThatHas = [&](const std::string& text) {
+    const std::vector<std::string> notes = openSource(path)->info().notes;
+    return std::count_if(notes.begin(), notes.end(), [&](const std::string& n) { return n.find(text) != n.npos; });
+  };
+  TiffLayout layout;
+  for (const int orientation : {1, 2, 3, 4, 5, 8}) {
+    layout.orientation = orientation;
+    writeTiff(path, volume, 0, kStackDims.z, layout);
+    expectReadsBack(volume, path, 8);
+    EXPECT_EQ(noteThatHas("have Orientation " + std::to_string(orientation)), orientation == 1 ? 0 : 1);
+    EXPECT_EQ(noteThatHas("white"), 0);
+  }
+  layout.orientation = 0, layout.photometric = 0;
+  writeTiff(path, volume, 0, kStackDims.z, layout);
+  EXPECT_EQ(noteThatHas("the TIFF files show their smallest values white (WhiteIsZero)"), 1);
+  // A stack whose slices are shown in different ways is no stack.
+  writeTiff(files.directory() / "s1.tif", volume, 0, 1);
+  writeTiff(files.directory() / "s2.tif", volume, 1, 2, layout);
+  fs::remove(path);
+  expectRefused(
+      files.directory(), ErrorCode::kFormat,
+      "s2.tif: page 1: slice 1 is 21 x 19 of u8, its smallest value white, but the first, in s1.tif, is 21 x");
+  layout.photometric = 1, layout.orientation = 3;
+  writeTiff(files.directory() / "s2.tif", volume, 1, 2, layout);
+  expectRefused(files.directory(), ErrorCode::kFormat, "slice 1 is 21 x 19 of u8, of orientation 3, but the first");
+}
+
 TEST(IngestTiff, NamesAreSortedAsPeopleCount) {
   EXPECT_TRUE(naturallyBefore("slice2.tif", "slice10.tif"));
   EXPECT_FALSE(naturallyBefore("slice10.tif", "slice2.tif"));
@@ -121,6 +153,40 @@ TEST(IngestTiff, FilesOfSeveralPagesFollowEachOther) {
   writeTiff(files.directory() / "part1.tif", volume, 0, 4);
   writeTiff(files.directory() / "part2.tif", volume, 4, 9);
   expectReadsBack(volume, files.directory(), 10);
+}
+
+// Known: of a stack of files with a page each, one has three.
+TEST(IngestTiff, FileOfSeveralPagesAmongSlices_IsAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({21, 19, 6}, VoxelType::u8, 10);
+  writeTiff(files.directory() / "s1.tif", volume, 0, 1);
+  writeTiff(files.directory() / "s2.tif", volume, 1, 4);
+  writeTiff(files.directory() / "s3.tif", volume, 4, 5);
+  expectRefused(files.directory(), ErrorCode::kFormat,
+                "s2.tif: has 3 pages, but 's1.tif' has 1; slices are files of one page each, or of several each; "
+                "--allow-irregular takes every page as a slice");
+  SourceOptions options;
+  options.allow_irregular = true;
+  EXPECT_EQ(openSource(files.directory(), options)->info().geometry.dims.z, 5);
+}
+
+// Known: an entry that cannot be a slice has the name of one, and would be missed at the end of the stack only.
+TEST(IngestTiff, FolderOrPipeNamedLikeASlice_IsAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 10);
+  for (std::int64_t z = 0; z < 3; ++z)
+    writeTiff(files.directory() / ("s_" + std::to_string(z) + ".tif"), volume, z, z + 1);
+  for (const char* name : {"s_3.tif", "s_1.tif"}) {
+    const fs::path path = files.directory() / name;
+    fs::remove(path);
+    fs::create_directory(path);
+    expectRefused(files.directory(), ErrorCode::kFormat,
+                  std::string(name) + ": is named like the slices beside it, but is a folder; rename or remove it");
+    fs::remove(path);
+    ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    expectRefused(files.directory(), ErrorCode::kFormat, "but is a pipe or a device; rename or remove it");
+    fs::remove(path);
+  }
 }
 
 TEST(IngestTiff, SmallerCopiesAreNotSlices) {
@@ -171,8 +237,8 @@ TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
   }
 }
 
-// The bytes of a file in which each directory follows the pixels of its page and ends with the link to the next page, as
-// most programs write stacks. A cut may leave nothing but a part of that link away.
+// The bytes of a file in which each directory follows the pixels of its page and ends with the link to the next page,
+// as most programs write stacks. A cut may leave nothing but a part of that link away.
 std::string stackWithLinksLast(const ForeignVolume& volume, std::vector<std::size_t>& links) {
   const auto put = [](std::string& out, std::uint64_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
@@ -189,8 +255,9 @@ std::string stackWithLinksLast(const ForeignVolume& volume, std::vector<std::siz
     put(link, out.size(), 4);
     out.replace(links.back(), 4, link);
     const auto width = static_cast<std::uint64_t>(volume.dims.x), height = static_cast<std::uint64_t>(volume.dims.y);
-    const std::pair<int, std::uint64_t> tags[] = {{256, width}, {257, height}, {258, 8 * sizeOf(volume.type)}, {259, 1},
-                                                  {262, 1},     {273, strip},  {277, 1},      {278, height}, {279, page}};
+    const std::pair<int, std::uint64_t> tags[] = {{256, width}, {257, height}, {258, 8 * sizeOf(volume.type)},
+                                                  {259, 1},     {262, 1},      {273, strip},
+                                                  {277, 1},     {278, height}, {279, page}};
     put(out, std::size(tags), 2);
     for (const auto& [tag, value] : tags) {
       put(out, static_cast<std::uint64_t>(tag), 2);
@@ -433,6 +500,11 @@ TEST(IngestTiff, SlicesThatDifferAreAnErrorThatNamesThem) {
   writeTiff(files.directory() / "s2.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
   expectRefused(files.directory(), ErrorCode::kFormat,
                 "s2.tif: page 1: slice 1 is 21 x 18 of u16, but the first, in s1.tif, is 21 x 19 of u16");
+  // A third slice shows which of the two is odd.
+  writeTiff(files.directory() / "s3.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
+  expectRefused(files.directory(), ErrorCode::kFormat,
+                "s1.tif: page 1: slice 0 is 21 x 19 of u16, but the next, in s2.tif, is 21 x 18 of u16");
+  fs::remove(files.directory() / "s3.tif");
   writeTiff(files.directory() / "s2.tif", randomVolume({21, 19, 1}, VoxelType::i16, 17), 0, 1);
   expectRefused(files.directory(), ErrorCode::kFormat, "is 21 x 19 of i16");
   files.write("s2.tif", bytesOf(files.directory() / "s1.tif").substr(0, 40));

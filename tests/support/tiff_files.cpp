@@ -39,6 +39,7 @@ void setFields(TIFF* tiff, const ForeignVolume& volume, const TiffLayout& layout
   if (!layout.description.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, layout.description.c_str());
   if (layout.x_resolution > 0) TIFFSetField(tiff, TIFFTAG_XRESOLUTION, layout.x_resolution);
   if (layout.y_resolution > 0) TIFFSetField(tiff, TIFFTAG_YRESOLUTION, layout.y_resolution);
+  if (layout.orientation > 0) TIFFSetField(tiff, TIFFTAG_ORIENTATION, layout.orientation);
   if (layout.resolution_unit > 0) TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, layout.resolution_unit);
 }
 

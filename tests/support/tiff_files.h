@@ -33,6 +33,8 @@ struct TiffLayout {
   /// Pixels a unit, and the unit: 1 none, 2 inch, 3 centimetre; not written where 0.
   double x_resolution = 0, y_resolution = 0;
   int resolution_unit = 0;
+  /// How viewers turn the page, 1 to 8; not written where 0.
+  int orientation = 0;
 };
 
 /// Writes the slices [z0, z1) of `volume` as the pages of one file.

@@ -121,9 +121,11 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
       ->type_name("X,Y,Z");
   command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
   command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");
-  command.add_flag("--allow-irregular", a.allow_irregular,
-                   "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance; "
-                   "TIFF: take all slices in the order of their names, whatever their numbers");
+  command.add_flag(
+      "--allow-irregular", a.allow_irregular,
+      "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance, or not "
+      "rescaled as others are; TIFF: take all slices in the order of their names, whatever their numbers "
+      "and pages");
 }
 
 }  // namespace kiln::tool
