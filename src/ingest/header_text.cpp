@@ -158,8 +158,12 @@ std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
     fail(field, "the data file " + inQuotes(name) + " cannot be looked at: " + error.message(), ErrorCode::kIo);
   }
   if (!std::filesystem::is_regular_file(status)) {
-    fail(field, inQuotes(name) + " is a directory, pipe or device, not a data file");
+    const bool folder = std::filesystem::is_directory(status);
+    fail(field, inQuotes(name) + (folder ? " is a folder" : " is a pipe or a device") +
+                    "; name the regular file that holds the voxels");
   }
+  if (std::filesystem::equivalent(file, path_, error))
+    fail(field, inQuotes(name) + " is this header itself; name the file that holds the voxels");
   return file;
 }
 

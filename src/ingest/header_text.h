@@ -69,7 +69,7 @@ class HeaderFields {
   /// Gives a field another value. requires: a field of this key.
   void replace(std::string_view key, std::string value);
   /// The one file, beside this header, that the field names. throws: Error kNotFound naming both, kFormat for an empty
-  /// name, kUnsupported for a list or a series.
+  /// name, for the header itself and for what is no regular file, kUnsupported for a list or a series.
   std::filesystem::path dataFile(const HeaderField& field) const;
 
  private:

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "ingest/formats.h"
+#include "ingest/header_text.h"
 #include "ingest/inflate_stream.h"
 #include "ingest/linear_source.h"
 #include "ingest/nifti_geometry.h"
@@ -70,6 +71,10 @@ void findVoxels(NiftiFiles& files, const NiftiHeader& header, const fs::path& in
     header.fail("byte 344", "holds its own voxels, but an .img stands beside it");
   }
   files.voxels = !header.pair() ? files.header : files.header == input ? partner(input, ".img") : input;
+  std::error_code unknown;
+  if (header.pair() && fs::equivalent(files.header, files.voxels, unknown))
+    header.fail("byte 344", inQuotes(files.voxels.filename().string()) +
+                                ", the file of its voxels, is this header itself; put the voxels there");
   // The voxels of a plain .img may begin with gzip's magic number; its name decides.
   files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : files.gzip_header;
 }
