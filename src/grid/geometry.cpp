@@ -1,5 +1,7 @@
 #include "grid/geometry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -40,18 +42,34 @@ void requireInvertible(const glm::dmat4& world_from_index, const std::string& pa
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {
       if (!std::isfinite(world_from_index[column][row])) {
-        throw Error(ErrorCode::kFormat, path, "geometry", "spacing, direction or origin is not a finite number");
+        throw Error(ErrorCode::kFormat, path, "geometry",
+                    fmt::format("spacing, direction or origin is not a finite number (found {}); correct the header",
+                                world_from_index[column][row]));
       }
     }
   }
   // Scale-free: the volume of the voxel against that of the box with its edge lengths.
   VolumeGeometry geometry;
   geometry.world_from_index = world_from_index;
-  const glm::dvec3 edge = geometry.spacing();
+  // Squares of spacings may be no doubles.
+  glm::dvec3 edge;
+  for (int axis = 0; axis < 3; ++axis)
+    edge[axis] = std::hypot(world_from_index[axis].x, world_from_index[axis].y, world_from_index[axis].z);
+  // The volume of a voxel is a double.
+  constexpr double kLeast = 1e-100, kMost = 1e100;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (edge[axis] == 0 || (edge[axis] >= kLeast && edge[axis] <= kMost)) continue;
+    throw Error(
+        ErrorCode::kFormat, path, "geometry",
+        fmt::format("a spacing must be from {:g} to {:g} world units (found {:g}); give the volume another unit",
+                    kLeast, kMost, edge[axis]));
+  }
   const double box = edge.x * edge.y * edge.z;
-  if (!(box > 0) || !(geometry.voxelVolume() > 1e-9 * box) || !std::isfinite(box)) {
+  if (!(box > 0) || !(geometry.voxelVolume() > 1e-9 * box)) {
     throw Error(ErrorCode::kFormat, path, "geometry",
-                "the three voxel axes do not span space (a spacing is zero, or directions coincide)");
+                fmt::format("the three voxel axes do not span space (a spacing is zero, or directions coincide; found "
+                            "spacings {:g} x {:g} x {:g}); correct the header",
+                            edge.x, edge.y, edge.z));
   }
 }
 

@@ -69,7 +69,13 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
     out.along_column = vectorAt(o, 3);
   }
   // The distance of rows comes first in the file.
-  if (const auto s = frameNumbers(top, index, kMeasures, kSpacing); s.size() == 2) out.spacing = glm::dvec2(s[1], s[0]);
+  if (const auto s = frameNumbers(top, index, kMeasures, kSpacing); s.size() == 2) {
+    out.spacing = glm::dvec2(s[1], s[0]);
+    if (!(s[0] > 0 && s[1] > 0))
+      throw Error(
+          ErrorCode::kFormat, path, nameOf(kSpacing),
+          fmt::format("expected distances of pixels above 0 (found {:g} and {:g} mm); correct the header", s[0], s[1]));
+  }
   for (const DicomTag tag : {kThickness, kBetween}) {
     if (const auto d = frameNumbers(top, index, kMeasures, tag); d.size() == 1 && d[0] != 0)
       out.distance = std::abs(d[0]);

@@ -2,6 +2,7 @@
 // the direction of axis i, and ElementDataFile is the last field. Source: MetaIO's documentation (itk.org/Wiki/MetaIO)
 // and itkMetaImageIO. Departs from ITK in one thing: the frame counts as known only where AnatomicalOrientation says
 // so; then it is LPS, which is what ITK takes for granted.
+#include <cmath>
 #include <map>
 
 #include "base/error.h"
@@ -150,6 +151,11 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
                 "--spacing does not apply: the file gives its axes in " + inQuotes(matrix->written));
   }
   if (options.spacing) spacing = *options.spacing;
+  // ITK reads none either; an axis is mirrored by TransformMatrix.
+  const auto legal = [](double edge) { return edge >= 0 && std::isfinite(edge); };
+  if (!legal(spacing.x) || !legal(spacing.y) || !legal(spacing.z))
+    fields.fail(*spacing_field, "expected three numbers above 0 (found " + inQuotes(spacing_field->value) +
+                                    "); mirror an axis by TransformMatrix");
   const HeaderField* offset = fields.find("Offset");
   const glm::dvec3 origin = offset ? fields.vector(*offset) : glm::dvec3(0);
   std::vector<double> m = {1, 0, 0, 0, 1, 0, 0, 0, 1};
