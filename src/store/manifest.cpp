@@ -76,14 +76,14 @@ class Reader {
     try {
       return json.get<T>();
     } catch (const nlohmann::json::exception&) {
-      fail(key, "has the wrong type");
+      fail(key, std::is_same_v<T, std::string> ? "expected a text" : "expected a list of texts");
     }
   }
   std::int64_t integer(const char* key, std::int64_t lo, std::int64_t hi) {
     const Json& json = get(key);
-    if (!json.is_number_integer()) fail(key, "expected a whole number");
-    const std::int64_t n = json.get<std::int64_t>();
-    if (n < lo || n > hi) fail(key, fmt::format("{} is not between {} and {}", n, lo, hi));
+    const std::int64_t n = json.is_number_integer() ? json.get<std::int64_t>() : 0;
+    if (!json.is_number_integer() || n < lo || n > hi)
+      fail(key, fmt::format("expected a whole number from {} to {}", lo, hi));
     return n;
   }
   std::uint64_t count(const char* key) {
@@ -104,7 +104,8 @@ class Reader {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!json[axis].is_number_integer()) fail(key, "expected three whole numbers");
       *into[axis] = json[axis].get<std::int64_t>();
-      if (*into[axis] < 1 || *into[axis] > kLargestDimension) fail(key, "a number is out of range");
+      if (*into[axis] < 1 || *into[axis] > kLargestDimension)
+        fail(key, fmt::format("expected three whole numbers from 1 to {}", kLargestDimension));
     }
     return out;
   }
@@ -125,7 +126,23 @@ class Reader {
     for (const auto& [known, known_name] : names) {
       if (name == known_name) return known;
     }
-    fail(key, "'" + name + "' is not known");
+    fail(key, "is none of the known names");
+  }
+  template <class T>
+  std::vector<T> wholeNumbers(const char* key, std::optional<std::size_t> count = {}) {
+    const Json& json = get(key);
+    const auto legal = [](const Json& n) {
+      return std::is_signed_v<T>
+                 ? n.is_number_integer() && (!n.is_number_unsigned() || n.get<std::uint64_t>() <= INT64_MAX)
+                 : n.is_number_unsigned();
+    };
+    if (!json.is_array() || !std::all_of(json.begin(), json.end(), legal) || json.size() != count.value_or(json.size()))
+      fail(key,
+           count ? fmt::format("expected {} whole numbers", *count) : "expected a list of whole numbers from 0 on");
+    return json.get<std::vector<T>>();
+  }
+  void same(const char* key, std::string_view expected) {
+    if (value<std::string>(key) != expected) fail(key, fmt::format("expected \"{}\"", expected));
   }
   Hash128 checksum(const char* key) {
     const std::string digits = value<std::string>(key);
@@ -142,7 +159,13 @@ class Reader {
     }
   }
   [[noreturn]] void fail(const char* key, const std::string& what) const {
-    throw Error(ErrorCode::kFormat, path_, place_ + key, what);
+    constexpr std::size_t kMost = 60;
+    const auto at = object_.is_object() ? object_.find(key) : object_.end();
+    std::string found = object_.is_object() ? (at == object_.end() ? "" : at->dump()) : object_.dump();
+    if (found.size() > kMost) found = found.substr(0, kMost) + "...";
+    if (!found.empty()) found = " (found " + found + ")";
+    throw Error(ErrorCode::kFormat, path_, place_ + key,
+                what + found + "; restore this file of the store, or convert the source again");
   }
 
  private:
@@ -179,8 +202,7 @@ Provenance readSource(Reader source, int format) {
   if (source.has("grid")) {
     VdbOrigin vdb;
     vdb.grid_name = source.value<std::string>("grid");
-    const auto origin = source.value<std::vector<std::int64_t>>("indexOrigin");
-    if (origin.size() != 3) source.fail("indexOrigin", "expected three whole numbers");
+    const auto origin = source.wholeNumbers<std::int64_t>("indexOrigin", 3);
     vdb.index_origin = {origin[0], origin[1], origin[2]};
     vdb.world_from_grid = source.matrix("gridAffine");
     out.vdb = vdb;
@@ -220,7 +242,8 @@ std::size_t digitsOf(const std::string& text) {
 void requireChecksum(const std::string& text, const std::filesystem::path& path) {
   const std::size_t digits = digitsOf(text);
   if (digits == std::string::npos)
-    throw Error(ErrorCode::kDamaged, path, "", "has no checksum; the file is cut off or damaged");
+    throw Error(ErrorCode::kDamaged, path, "",
+                "has no checksum; the file is cut off or damaged, convert the source again");
   std::string zeroed = text;
   zeroed.replace(digits, kDigits, kDigits, '0');
   const std::string found = toHex(hashOf(zeroed));
@@ -304,13 +327,16 @@ void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path) {
   requireChecksum(text, path);
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) throw Error(ErrorCode::kFormat, path, "", "is not JSON");
+  if (json.is_discarded())
+    throw Error(ErrorCode::kFormat, path, "",
+                "is not JSON; restore this file of the store, or convert the source again");
   Reader root(json, "", path);
   const std::int64_t version = root.integer("kiln", 0, 1'000'000);
   if (version < kFirstFormatVersion || version > kFormatVersion) {
     throw Error(ErrorCode::kUnsupported, path, "kiln",
-                fmt::format("store format {}, but this version reads formats {} to {} only", version,
-                            kFirstFormatVersion, kFormatVersion));
+                fmt::format("store format {}, but this version reads formats {} to {} only; convert the source again, "
+                            "or take the version that made the store",
+                            version, kFirstFormatVersion, kFormatVersion));
   }
   Manifest m;
   m.format = static_cast<int>(version);
@@ -326,7 +352,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   }
   m.nan_count = root.count("nanCount");
   Reader histogram(root.get("histogram"), "histogram.", path);
-  m.histogram = {histogram.number("lo"), histogram.number("hi"), histogram.value<std::vector<std::uint64_t>>("counts")};
+  m.histogram = {histogram.number("lo"), histogram.number("hi"), histogram.wholeNumbers<std::uint64_t>("counts")};
   histogram.finish();
   m.background = root.number("background");
   m.volume_class = root.named("class", kClassNames);
@@ -340,7 +366,11 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   geometry.frame = root.named("frame", kFrameNames);
   geometry.dims = root.extent("dimensions");
   geometry.world_from_index = root.matrix("affine");
-  requireInvertible(geometry.world_from_index, path.string());
+  try {
+    requireInvertible(geometry.world_from_index, "");
+  } catch (const Error& error) {
+    root.fail("affine", error.what());
+  }
   const Json& levels = root.get("levels");
   if (!levels.is_array() || levels.empty()) root.fail("levels", "expected at least one level");
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -353,10 +383,10 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   }
   Reader codec(root.get("codec"), "codec.", path);
   m.container_version = codec.value<std::string>("container");
-  codec.value<std::string>("compression");
+  codec.same("compression", "blosc");
   codec.finish();
   Reader index(root.get("index"), "index.", path);
-  index.value<std::string>("file");
+  index.same("file", "index.bin");
   m.index_bytes = index.count("bytes");
   m.index_checksum = index.checksum("checksum");
   index.finish();
