@@ -12,6 +12,7 @@
 #include "ingest/inflate_stream.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
+#include "ingest/volume_format.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -60,7 +61,7 @@ constexpr Magic kMagics[] = {
     {208, "MAP "sv, Format::kForeign, "MRC"},
 };
 
-constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "MRC"};
+constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "OpenVDB", "MRC"};
 
 std::string firstBytes(const File& file) {
   std::string bytes(512, '\0');
@@ -205,6 +206,17 @@ std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceO
 
 void requireNoOptions(const fs::path& store, const SourceOptions& options) {
   requireOptionsApply(store, kStore, options);
+}
+
+VolumeFormat volumeFormatOf(const fs::path& path) {
+  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NumPy", "NetCDF", "MRC", "gzip-compressed"};
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return {};
+  const Finding found = identify(path, false);
+  const bool foreign = std::any_of(std::begin(kVolumes), std::end(kVolumes),
+                                   [&](std::string_view name) { return found.name.starts_with(name); });
+  if (found.format == Format::kUnknown || (found.format == Format::kForeign && !foreign)) return {};
+  return {withArticle(found.name), found.format != Format::kForeign};
 }
 
 std::string namedNote(const SourceInfo& info, const std::string& note) {

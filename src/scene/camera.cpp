@@ -73,12 +73,13 @@ View resolve(const Camera& camera, const ImageSize& size) {
   const double distance = glm::length(camera.target - camera.eye);
   if (!(distance > 0)) throw refused("eye and target are the same point, so there is no direction to look in");
   const double up_length = glm::length(camera.up);
-  if (!(up_length > 0)) throw refused("up is the zero vector");
+  const auto found = [&] { return fmt::format(" (found {:g}, {:g}, {:g})", camera.up.x, camera.up.y, camera.up.z); };
+  if (!(up_length > 0)) throw refused("up is the zero vector" + found() + "; give a direction");
   if (!std::isfinite(distance + up_length)) throw refused("eye, target or up is too large to compute with");
   const glm::dvec3 forward = (camera.target - camera.eye) / distance;
   const glm::dvec3 across = glm::cross(forward, camera.up / up_length);
   // The sine of the angle between up and the view; below a millionth the roll of the picture would be rounding noise.
-  if (glm::length(across) < 1e-6) throw refused("up runs along the line of sight; give another up");
+  if (glm::length(across) < 1e-6) throw refused("up runs along the line of sight" + found() + "; give another up");
 
   View view;
   view.projection = camera.projection;

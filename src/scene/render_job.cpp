@@ -301,6 +301,7 @@ CameraSpec cameraFrom(const JobObject& object, JobKeys more) {
   spec.eye = worldVectorFrom(object, "eye");
   spec.target = worldVectorFrom(object, "target");
   spec.up = worldVectorFrom(object, "up");
+  if (spec.up && !(glm::length(*spec.up) > 0)) object.refuse("up", "a direction, which the zero vector is not");
   spec.fov_deg = object.number("fov", "a number of degrees in (0, 180)", [](double v) { return v > 0 && v < 180; });
   spec.height = object.number("height", "a number of world units above 0", legal::positiveLength);
   if (const auto place = object.choice("view", kSideNames)) spec.side = static_cast<Side>(*place);

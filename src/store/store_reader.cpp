@@ -83,7 +83,10 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
 
 Manifest readManifest(const fs::path& directory) {
   const fs::path path = directory / "manifest.json";
-  if (!isThere(directory)) throw Error(ErrorCode::kNotFound, directory, "", "there is no such store");
+  if (!isThere(directory))
+    throw Error(ErrorCode::kNotFound, directory, "", "there is no such file or store; check the name");
+  if (!isFolder(directory))
+    throw Error(ErrorCode::kFormat, directory, "", "is a file, not a store; name a store's folder");
   if (!isThere(path)) {
     throw Error(ErrorCode::kFormat, directory, "manifest.json",
                 "is missing: not a store, or a conversion that did not finish; run kiln convert again");
@@ -161,7 +164,7 @@ std::uint64_t StoreReader::largestFileBytes() const {
   return largestOf(index_, [this](const BrickKey& key) { return index_.at(key).file_bytes; });
 }
 
-bool isStore(const fs::path& directory) { return isThere(directory / "manifest.json"); }
+bool isStore(const fs::path& directory) { return isThere(directory) && isThere(directory / "manifest.json"); }
 
 void requireOutsideStores(const fs::path& path, const std::string& option) {
   if (isWrittenInPlace(path)) return;

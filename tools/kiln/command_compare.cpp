@@ -29,6 +29,7 @@ void run(const CompareArguments& arguments) {
     for (const std::string& read : {arguments.a, arguments.b}) outputs.requireNone(read);
   }
   const std::uint64_t memory_bytes = parseBytes(arguments.memory, "--memory");
+  for (const std::string& read : {arguments.a, arguments.b}) refuseVolumeFile(read, "a picture");
   const Image a = readImage(arguments.a, {}, memory_bytes);
   const std::uint64_t picture_bytes = a.rgba.size() * sizeof(float);
   const Image b = readImage(arguments.b, {}, memory_bytes - picture_bytes);

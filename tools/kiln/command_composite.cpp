@@ -23,6 +23,7 @@ void run(const CompositeArguments& a, Context& context) {
   OutputFiles outputs;
   outputs.add(a.output);
   for (const std::string& part : a.parts) outputs.requireNone(part);
+  for (const std::string& part : a.parts) refuseVolumeFile(part, "a partial image");
   const CompositedParts made =
       compositeParts({a.parts.begin(), a.parts.end()}, context.progress, parseBytes(a.memory, "--memory"));
   writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);

@@ -21,6 +21,7 @@ void run(const ExportArguments& a, Context& context) {
   OutputFiles outputs;
   outputs.add(a.output, "OUT");
   outputs.requireNone(a.store);
+  refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store);
   store.requireLevel(a.level);
   const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite,

@@ -178,6 +178,7 @@ void addInfo(CLI::App& app, Context& context) {
   command->callback([path, json, memory, &context] {
     context.action = [path, json, memory] {
       const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");
+      refuseVolumeFile(*path, "a store or a picture");
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {
         if (*json)

@@ -586,6 +586,15 @@ void run(const RenderArguments& a, Context& context) {
     runFrames(a, job, options, context);
 }
 
+// An error of a job's camera, with the job's file where no option changed the camera.
+Error inJob(const RenderArguments& a, const Error& error) {
+  const std::string text = error.what();
+  const bool of_camera = error.path().empty() && text.find("camera: ") != std::string::npos;
+  const bool changed = a.projection || a.view || a.eye || a.target || a.up || a.azimuth || a.elevation;
+  if (!of_camera || changed || extensionOf(a.input) != ".json") return error;
+  return Error(error.code(), a.input, "", text);
+}
+
 void addCameraOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--projection", a.projection,
                      "perspective, orthographic, or equirectangular: a panorama of all directions round the eye, the "
@@ -802,7 +811,13 @@ void addRender(CLI::App& app, Context& context) {
   addSourceArguments(*command, a->source);
   command->callback([a, &context] {
     context.by_all_ranks = true;
-    context.action = [a, &context] { run(*a, context); };
+    context.action = [a, &context] {
+      try {
+        run(*a, context);
+      } catch (const Error& error) {
+        throw inJob(*a, error);
+      }
+    };
   });
 }
 

@@ -39,6 +39,7 @@ void run(const SliceArguments& a, Context& context) {
   request.index = a.index;
   request.memory_bytes = parseBytes(a.memory, "--memory");
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
+  refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store);
   const Image image = renderSlice(store, request, context.progress);
   writeImage(image, {}, {}, a.output);

@@ -8,6 +8,7 @@
 #include "say.h"
 #include "scene/frame_list.h"
 #include "scene_arguments.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 namespace {
@@ -22,6 +23,7 @@ void run(const SplitArguments& a, Context& context) {
     throw Error(ErrorCode::kUsage, a.output, "", "has no place for the parts' numbers; write a run of #");
   if (a.parts < 1 || a.parts > kMostParts)
     throw Error(ErrorCode::kUsage, fmt::format("--parts: expected 1 to {}, found {}", kMostParts, a.parts));
+  refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store);
   PictureOptions picture;
   picture.transfer_function = transferFunctionNamed(a.tf, "--tf");

@@ -36,6 +36,7 @@ std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
 
 void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
+  refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store);
   std::function<bool(const BrickKey&)> holds;
   if (const std::optional<VoxelBox> part = partOf(store, context.progress)) holds = bricksOfStorePart(store, *part);

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
+#include "base/path_status.h"
 #include "scene/job_names.h"
 #include "scene/presets.h"
 #include "scene/scene_limits.h"
@@ -177,8 +178,10 @@ void addSceneArguments(CLI::App& command, SceneArguments& a) {
 
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
   if (isPreset(text)) return text;
-  std::error_code ignored;
-  if (std::filesystem::exists(fileOf(text), ignored)) return std::filesystem::path(text);
+  if (isThere(fileOf(text))) {
+    refuseVolumeFile(fileOf(text), "a transfer function");
+    return std::filesystem::path(text);
+  }
   throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is neither a file nor one of {}", option, text, presetList()));
 }
 

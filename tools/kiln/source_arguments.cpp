@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/pixel_rect.h"
+#include "ingest/volume_format.h"
 
 namespace kiln::tool {
 
@@ -73,6 +74,22 @@ CLI::Validator numberFrom(double least, double most) {
     return fmt::format("expected a number from {} to {}, found '{}'", least, most, text);
   };
   return {refused, ""};
+}
+
+void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
+  const VolumeFormat format = volumeFormatOf(path);
+  if (format.name.empty()) return;
+  if (!format.read)
+    throw Error(ErrorCode::kUsage, path, "",
+                fmt::format("is {} file, not {}, and is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw",
+                            format.name, wanted));
+  std::filesystem::path bare = path;
+  if (bare.extension() == ".gz") bare.replace_extension();
+  bare.replace_extension();
+  throw Error(ErrorCode::kUsage, path, "",
+              fmt::format("is {} volume, not {}; kiln convert {} {}.kiln makes a store of it, kiln render {} -o {}.png "
+                          "draws it",
+                          format.name, wanted, path.string(), bare.string(), path.string(), bare.string()));
 }
 
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }

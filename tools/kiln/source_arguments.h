@@ -43,6 +43,9 @@ std::vector<double> parseNumbers(const std::string& text, char separator, const 
 glm::dvec3 parseTriple(const std::string& text, const char* option);
 /// Two integers "AxB" or "A,B". throws: Error kUsage naming `option`.
 std::pair<int, int> parseSize(const std::string& text, const char* option);
+/// throws: Error kUsage where the file is a volume of another format than a store, and `wanted` ("a picture") was to be
+/// named: with the commands that convert and draw it.
+void refuseVolumeFile(const std::filesystem::path& path, const char* wanted);
 /// Now, as ISO 8601 in UTC.
 std::string timeNow();
 
