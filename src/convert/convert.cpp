@@ -16,6 +16,7 @@
 #include "convert/foreign_cache.h"
 #include "convert/source_state.h"
 #include "grid/pyramid.h"
+#include "store/float_steps.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
 
@@ -139,6 +140,8 @@ class Making {
       report.voxels = static_cast<std::uint64_t>(share * static_cast<double>(draft_.geometry().dims.count()));
       report.nan_count = conversion.counter().nanCount();
       report.half_error = conversion.halfError();
+      if (const std::string merged = mergedValuesText(writer.manifest()); !merged.empty())
+        progress_.note(namedNote(source_.info(), merged));
       report.ranks = conversion.rankReports();
     }
     conversion_.reset();

@@ -15,6 +15,7 @@
 #include "render/render_job_run.h"
 #include "scene/label_looks.h"
 #include "scene/series_look.h"
+#include "store/float_steps.h"
 
 namespace kiln {
 namespace {
@@ -149,6 +150,7 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
   for (std::size_t v = 0; v < stores_.size(); ++v) {
     const Manifest& manifest = stores_[v]->manifest();
     add(v, unknownLabelsText(scenes_.functionsOf(v), manifest));
+    add(v, mergedValuesText(manifest));
     add(v, manifest.assumption);
     if (v > 0 && isAuto(job_.volumes[v])) add(v, likelyLabelsText(manifest));
   }
