@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/srgb.h"
 #include "base/text.h"
+#include "scene/label_palette.h"
 
 namespace kiln {
 namespace {
@@ -42,31 +43,21 @@ std::optional<Described> describedBy(const std::string& line) {
   return legal ? std::optional(out) : std::nullopt;
 }
 
-// Hues a golden section of the circle apart, in three lightnesses: neighbours differ.
-glm::dvec3 paletteColor(double label) {
-  const double turn = std::fmod(0.05 + 0.61803398875 * label, 1.0) * 6;
-  const double most = std::fmod(label, 3) == 0 ? 0.95 : std::fmod(label, 3) == 1 ? 0.8 : 0.65, least = 0.25 * most;
-  glm::dvec3 out;
-  for (int channel = 0; channel < 3; ++channel) {
-    const double from = std::fmod(turn + 2.0 * channel, 6.0);
-    const double share = std::clamp(std::abs(from - 3) - 1, 0.0, 1.0);
-    out[channel] = linearFromSrgb(least + share * (most - least));
-  }
-  return out;
-}
-
 }  // namespace
 
 bool isLabelDescription(const std::string& text) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
-    if (const std::string said = content(line); !said.empty()) return describedBy(said).has_value();
+    // No JSON of a function begins with a number.
+    if (const std::string said = content(line); !said.empty())
+      return said.front() == '-' || said.front() == '.' || (said.front() >= '0' && said.front() <= '9');
     if (line.find("Label Description File") != std::string::npos) return true;
   }
-  return false;
+  return text.find('#') != std::string::npos;
 }
 
 TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path) {
+  constexpr std::size_t kMost = 80;
   TransferFunction out;
   std::istringstream in(text);
   std::set<double> known;
@@ -78,16 +69,17 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
     const auto found = describedBy(said);
     if (!found)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
-                  "expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or 1, and its "
-                  "name in quotes");
+                  fmt::format("expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or 1, "
+                              "and its name in quotes (found '{}{}'); mend the line, or put # before it",
+                              said.substr(0, kMost), said.size() > kMost ? "..." : ""));
     if (!known.insert(found->label).second)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
-                  fmt::format("label {:.0f} is given twice", found->label));
+                  fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
     LabelLook look{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
     for (int c = 0; c < 3; ++c) look.color[c] = linearFromSrgb(found->channels[c] / 255);
     out.labels.push_back(std::move(look));
   }
-  if (out.labels.empty()) throw Error(ErrorCode::kFormat, path, "", "describes no label");
+  if (out.labels.empty()) throw Error(ErrorCode::kFormat, path, "", "describes no label; write a line for each");
   sortLabels(out.labels);
   return out;
 }

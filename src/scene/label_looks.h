@@ -17,7 +17,7 @@ inline constexpr double kLargestLabel = 1 << 23;
 /// How fast a label's extinction rises from nothing to all of it where its surface is. unit: per voxel of a plane face.
 inline constexpr float kLabelRise = 4;
 
-/// Whether the text begins as ITK-SNAP's label descriptions do: with comments, or a line of eight fields.
+/// Whether the text begins as ITK-SNAP's label descriptions do: with comments, or a line that begins with a number.
 bool isLabelDescription(const std::string& text);
 /// A line a label: index, red, green, blue (0 to 255, sRGB), opacity (0 to 1), whether it is shown in slices and in the
 /// mesh, "name"; # begins a comment. A label that is not shown in the mesh, or has index 0, is transparent. throws:

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "scene/label_looks.h"
 #include "scene/paraview_map.h"
 #include "scene/presets.h"
@@ -84,6 +85,13 @@ TransferFunction readTransferFunction(const fs::path& file_and_name, const Manif
   const FileAndName from = parted(file_and_name);
   const std::string text = readTextFile(from.file, kLargestFile_bytes);
   if (from.name.empty() && isLabelDescription(text)) return labelDescription(text, from.file);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && std::string_view("{[/\xef").find(text[first]) == std::string_view::npos)
+    throw Error(ErrorCode::kFormat, from.file, "",
+                "expected a transfer function in JSON, which begins with { or [, or a label description of ITK-SNAP's, "
+                "whose lines begin with a number (found '" +
+                    shown(text.substr(first, std::min<std::size_t>(text.find('\n', first) - first, 40))) +
+                    "'); name another file");
   const std::vector<JobObject> maps = JobObject::parseSeveral(text, from.file);
   const JobObject& map = chosen(maps, from);
   return isParaViewMap(map) ? functionOf(paraViewMapFrom(map), manifest) : transferFunctionFrom(map);

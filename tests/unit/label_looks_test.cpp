@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <set>
 
 #include "base/error.h"
 #include "base/srgb.h"
+#include "scene/label_palette.h"
 #include "scene/presets.h"
 #include "scene/transfer_function_choice.h"
 #include "scene/transfer_function_fade.h"
@@ -53,6 +58,7 @@ TEST(LabelLooks, AreReadFromItkSnapsFiles) {
   EXPECT_TRUE(isLabelDescription("1 2 3 4 0.5 1 1 \"a\"\n"));
   EXPECT_FALSE(isLabelDescription("{\"points\": []}"));
   EXPECT_FALSE(isLabelDescription("# a comment\n[1]"));
+  EXPECT_TRUE(isLabelDescription("1 2 3\n")) << "its own error names the line";
   const TransferFunction f = labelDescription(kSnap, "s.txt");
   ASSERT_EQ(f.labels.size(), 4u);
   const double labels[] = {0, 3, 7, 12}, opacities[] = {0, 0, 1, 0.5};
@@ -122,6 +128,30 @@ TEST(LabelLooks, ThePaletteHasAColourForEach) {
   manifest.type = VoxelType::u32;
   manifest.range = {0, 1e6};
   EXPECT_NE(saidOf([&] { labelPalette(manifest); }).find("too many"), std::string::npos);
+}
+
+// CIE 15: 1976 L*a*b* under D65.
+glm::dvec3 labOf(const glm::dvec3& linear) {
+  const glm::dmat3 xyz_from_rgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375, 0.0721750,
+                                0.9503041);
+  glm::dvec3 f = xyz_from_rgb * linear / glm::dvec3(0.95047, 1, 1.08883);
+  for (int i = 0; i < 3; ++i) f[i] = f[i] > 216.0 / 24389 ? std::cbrt(f[i]) : (24389.0 / 27 * f[i] + 16) / 116;
+  return {116 * f.y - 16, 500 * (f.x - f.y), 200 * (f.y - f.z)};
+}
+
+// A difference of 2.3 is just noticed side by side. Measured: 65.1 of 8, 32.5 of 32, 13.2 of 256.
+TEST(LabelLooks, ColoursOfThePaletteAreFarApart) {
+  const auto least = [](int labels) {
+    double out = 1e9;
+    for (int a = 1; a <= labels; ++a) {
+      for (int b = 1; b < a; ++b) out = std::min(out, glm::distance(labOf(paletteColor(a)), labOf(paletteColor(b))));
+    }
+    return out;
+  };
+  EXPECT_GT(least(8), 60);
+  EXPECT_GT(least(32), 32);
+  EXPECT_GT(least(256), 13);
+  EXPECT_GT(glm::distance(labOf(paletteColor(1)), labOf(paletteColor(200))), 30);
 }
 
 TEST(LabelLooks, FitLabelVolumesOnly) {
