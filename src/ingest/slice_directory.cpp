@@ -44,6 +44,9 @@ Unread unreadBy(const Error& error, const fs::path& path) {
   return {path, error.code(), text.starts_with(prefix) ? text.substr(prefix.size()) : text};
 }
 
+// Of an error's sentence what was found: beside other slices the remedy is another.
+std::string withoutRemedy(const std::string& sentence) { return sentence.substr(0, sentence.find(';')); }
+
 // A file may have no ending, as those of a DICOM export often do.
 bool isNamedLike(const fs::path& path, const std::vector<fs::path>& slices) {
   return std::any_of(slices.begin(), slices.end(),
@@ -56,9 +59,10 @@ void passOver(const std::vector<Unread>& unread, const std::vector<fs::path>& sl
     if (slices.empty()) throw Error(file.code, file.path, "", file.reason);
     if (isNamedLike(file.path, slices))
       throw Error(file.code, file.path, "",
-                  "is named like the slices beside it, and cannot be read (" + file.reason + "); mend or remove it");
+                  "is named like the slices beside it, and cannot be read (" + withoutRemedy(file.reason) +
+                      "); mend or remove it");
     notes.push_back("passed over " + inQuotes(file.path.filename().string()) + ", which cannot be read (" +
-                    file.reason + ") and is not named like the slices");
+                    withoutRemedy(file.reason) + ") and is not named like the slices");
   }
 }
 

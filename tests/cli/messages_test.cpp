@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 
@@ -98,6 +99,182 @@ TEST_F(Messages, NameOfADataFileThatIsTooLong_IsTheReason) {
   writeText(in("a.nhdr"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: " +
                               std::string(300, 'n') + ".raw\n");
   refused({"convert", in("a.nhdr"), in("p.kiln")}, 1, "cannot be looked at: File name too long");
+}
+
+// Known: each header names itself, or what is no file of voxels.
+TEST_F(Messages, DataFileThatHoldsNoVoxels_IsRefused) {
+  fs::create_directory(in("folder"));
+  ASSERT_EQ(::mkfifo(in("pipe").c_str(), 0600), 0);
+  fs::create_symlink("a.nhdr", in("link.nhdr"));
+  fs::create_symlink("a.mhd", in("link.mhd"));
+  const std::pair<std::string, std::string> cases[] = {{"a", "' is this header itself; name the file that holds"},
+                                                       {"./a", "' is this header itself; name the file that holds"},
+                                                       {"link", "' is this header itself; name the file that holds"},
+                                                       {"folder", "'folder' is a folder; name the regular file"},
+                                                       {"pipe", "'pipe' is a pipe or a device; name the regular file"},
+                                                       {"/dev/zero", "is a pipe or a device; name the regular file"}};
+  for (const auto& [name, says] : cases) {
+    const bool header = says.starts_with("' is");
+    writeText(in("a.nhdr"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: " + name +
+                                (header ? ".nhdr\n" : "\n"));
+    refused({"convert", in("a.nhdr"), in("p.kiln")}, 1, says);
+    writeText(in("a.mhd"),
+              "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\n"
+              "ElementDataFile = " +
+                  name + (header ? ".mhd\n" : "\n"));
+    refused({"convert", in("a.mhd"), in("p.kiln")}, 1, says);
+  }
+  NiftiHeader header;
+  header.magic = "ni1";
+  writeBytes(in("n.hdr"), niftiFile(header, Bytes(60, 1)));
+  fs::create_symlink("n.hdr", in("n.img"));
+  for (const char* name : {"n.hdr", "n.img"})
+    refused({"convert", in(name), in("p.kiln")}, 1, "'n.img', the file of its voxels, is this header itself");
+}
+
+TEST_F(Messages, LinksThatLeadToOneAnother_AreNamedWithARemedy) {
+  fs::create_symlink("b", in("a"));
+  fs::create_symlink("a", in("b"));
+  const std::vector<std::vector<std::string>> commands = {{"convert", in("a"), in("p.kiln")},
+                                                          {"info", in("a")},
+                                                          {"render", in("a"), "-o", in("p.png")},
+                                                          {"slice", in("a"), "-o", in("p.png")},
+                                                          {"compare", in("a"), in("b")},
+                                                          {"tf", in("a")},
+                                                          {"verify", in("a")},
+                                                          {"export", in("a"), in("p.vdb")}};
+  for (const std::vector<std::string>& command : commands) {
+    SCOPED_TRACE(command[0]);
+    refused(command, 1, "kiln: " + in("a") + ": ");
+    refused(command, 1, "Too many levels of symbolic links; the links lead to one another, so mend them or name");
+  }
+  const std::string name(256, 'n');
+  refused({"convert", "phantom:head:16x16x16", in(name)}, 1,
+          "File name too long; most file systems allow names of 255");
+}
+
+TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
+  writeText(in("a.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678");
+  NiftiHeader header;
+  putNifti(header);
+  writeVdb(in("a.vdb"), {VdbSpec{}});
+  writeTiff(in("a.tif"), randomVolume({16, 16, 1}, VoxelType::u8, 1), 0, 1);
+  writeText(in("a.mha"), "ObjectType = Image\nNDims = 3\n");
+  writeText(in("a.h5"), std::string("\x89HDF\r\n\x1a\n") + std::string(600, 'x'));
+  const auto commandsFor = [&](const std::string& name) {
+    return "; kiln convert " + in(name) + " " + in("a.kiln") + " makes a store of it, kiln render " + in(name) +
+           " -o " + in("a.png") + " draws it";
+  };
+  const std::pair<std::string, std::string> volumes[] = {{"a.nrrd", "a NRRD"},
+                                                         {"a.nii", "a NIfTI"},
+                                                         {"a.vdb", "an OpenVDB"},
+                                                         {"a.tif", "a TIFF"},
+                                                         {"a.mha", "a MetaImage"}};
+  for (const auto& [name, format] : volumes) {
+    const std::string is = in(name) + ": is " + format + " volume, not ";
+    refused({"info", in(name)}, 2, is + "a store or a picture" + commandsFor(name));
+    refused({"compare", in(name), in("a.nii")}, 2, is + "a picture" + commandsFor(name));
+    refused({"tf", in(name)}, 2, is + "a transfer function" + commandsFor(name));
+  }
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"verify", in("a.nrrd")},
+                                             {"export", in("a.nrrd"), in("p.vdb")},
+                                             {"slice", in("a.nrrd"), "-o", in("p.png")},
+                                             {"split", in("a.nrrd"), "-o", in("p##.kiln"), "--parts", "2"}})
+    refused(command, 2, in("a.nrrd") + ": is a NRRD volume, not a store" + commandsFor("a.nrrd"));
+  refused({"composite", in("a.nrrd"), in("a.nii"), "-o", in("p.png")}, 2, "is a NRRD volume, not a partial image");
+  refused({"info", in("a.h5")}, 2, "is an HDF5 file, not a store or a picture, and is not read; convert it to NRRD");
+  refused({"render", in("none.nii"), "-o", in("p.png")}, 1, in("none.nii") + ": there is no such file or store");
+  writeText(in("a.json"), "{}");
+  refused({"verify", in("a.json")}, 1, in("a.json") + ": is a file, not a store");
+}
+
+TEST_F(Messages, CameraThatCannotBeUsed_NamesTheJobAndTheKey) {
+  done({"convert", "phantom:head:16x16x16", in("h.kiln")});
+  const auto expect = [&](const std::string& camera, const std::string& says,
+                          const std::vector<std::string>& more = {}) {
+    writeText(in("job.json"),
+              "{\"kiln\": 1, \"volume\": \"h.kiln\", \"output\": \"o.png\", \"image\": {\"width\": 8, "
+              "\"height\": 8}, \"camera\": {" +
+                  camera + "}}");
+    std::vector<std::string> command = {"render", in("job.json")};
+    command.insert(command.end(), more.begin(), more.end());
+    refused(command, 2, says);
+  };
+  const std::string eye = "\"eye\": [0, 0, -99], \"target\": [0, 0, 3], \"up\": ",
+                    job = "kiln: " + in("job.json") + ": ";
+  expect(eye + "[0, 0, 2]", job + "camera: up runs along the line of sight (found 0, 0, 2); give another up");
+  expect(eye + "[0, 0, 0]",
+         job + "line 1, camera.up: expected a direction, which the zero vector is not, found [0,0,0]");
+  expect(eye + "[0, 1]", job + "line 1, camera.up: expected [x, y, z]");
+  expect("\"view\": \"front\", \"up\": [0, 1, 0]", job + "camera: up runs along the line of sight");
+  expect(eye + "[0, 1, 0]", "kiln: camera: up runs along the line of sight (found 0, 0, 1)", {"--up", "0,0,1"});
+}
+
+TEST_F(Messages, FunctionsThatAreNone_AreNamedWithWhatWasFound) {
+  const auto expect = [&](const std::string& text, const std::string& says) {
+    writeText(in("itk.txt"), text);
+    refused({"tf", in("itk.txt")}, 1, in("itk.txt") + ": " + says);
+  };
+  expect("1 255 0 0 1 1 1 \"a\"\n2 255 0 0 1 1 \"b\"\n", "line 2: expected a label's index, red, green, blue");
+  expect("1 255 0 0 1 1\n",
+         "line 1: expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or "
+         "1, and its name in quotes (found '1 255 0 0 1 1'); mend the line");
+  expect("-1 255 0 0 1 1 1 \"a\"\n", "line 1: expected a label's index");
+  expect("1 1 1 1 1 1 1 \"a\"\n1 1 1 1 1 1 1 \"a\"\n", "line 2: label 1 is given twice; remove one of its lines");
+  expect("# nothing\n", "describes no label; write a line for each");
+  expect("label red\n", "expected a transfer function in JSON, which begins with { or [, or a label description");
+}
+
+// Known: doubles end at 1e308, so that squares of these spacings are none.
+TEST_F(Messages, SpacingsBeyondWhatIsComputedWith_AreNamed) {
+  const auto nrrd = [&](const std::string& field) {
+    writeText(in("a.nrrd"),
+              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\n" + field + "encoding: raw\n\n12345678");
+    return in("a.nrrd");
+  };
+  const auto metaImage = [&](const std::string& spacing) {
+    writeText(in("a.mha"),
+              "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementSpacing = 1 1 " +
+                  spacing + "\nElementDataFile = LOCAL\n12345678");
+    return in("a.mha");
+  };
+  for (const std::string spacing : {"1e300", "1e-300", "1e101"}) {
+    const std::string says = ": geometry: a spacing must be from 1e-100 to 1e+100 world units (found ";
+    refused({"convert", nrrd("spacings: 1 1 " + spacing + "\n"), in("p.kiln")}, 1, in("a.nrrd") + says);
+    refused({"convert", nrrd("space: RAS\nspace directions: (1,0,0) (0,1,0) (0,0," + spacing + ")\n"), in("p.kiln")}, 1,
+            in("a.nrrd") + says);
+    refused({"convert", metaImage(spacing), in("p.kiln")}, 1, in("a.mha") + says);
+    refused({"convert", nrrd(""), in("p.kiln"), "--spacing", "1,1," + spacing}, 1, in("a.nrrd") + says);
+  }
+  for (const std::string spacing : {"-1", "nan", "inf"}) {
+    refused({"convert", metaImage(spacing), in("p.kiln")}, 1,
+            in("a.mha") + ": line 5: ElementSpacing: expected three numbers above 0 (found '1 1 " + spacing + "')");
+    refused({"convert", nrrd(""), in("p.kiln"), "--spacing=1,1," + spacing}, 2, "--spacing: expected three");
+  }
+  refused({"convert", nrrd("spacings: 1 1 inf\n"), in("p.kiln")}, 1, "is not a finite number (found inf)");
+}
+
+// Known: a float steps by 64 at 1e9.
+TEST_F(Messages, ValuesThatFloatsMerge_AreNoted) {
+  const auto put = [&](double offset, double step) {
+    std::vector<double> values(8);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = offset + step * static_cast<double>(i);
+    std::string bytes(64, '\0');
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    writeText(in("a.nrrd"),
+              "NRRD0004\ntype: double\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n\n" + bytes);
+  };
+  const std::string note =
+      "its values from 1000000000 to 1000000000.07 are stored exactly, but pictures compute with 32-bit floats, which "
+      "step by 64 there and make 1 value of them; subtract 1e+09 from the source's values";
+  put(1e9, 0.01);
+  expectNotes("a.nrrd", {note});
+  EXPECT_NE(done({"render", in("o.kiln"), "-o", in("p.png"), "--size", "8x8"}).err.find(note), std::string::npos);
+  put(0, 0.01);
+  expectNotes("a.nrrd", {});
+  put(1e9, 1e6);
+  expectNotes("a.nrrd", {});
 }
 
 TEST_F(Messages, WhatIsInTheWayOfALock_IsNamedAndStays) {
