@@ -121,7 +121,7 @@ class Arrangement {
     requireLikeFirst(resized, "has pixels of another size than", "slices of one volume are alike");
   }
 
-  // The one that differs from most is named, be it the first.
+  // Names the slice that differs from most, be it the first.
   template <class Differs>
   void requireLikeFirst(const Differs& differs, const char* what, const char* rule) const {
     const auto unlike = [&](const DicomSlice& s) { return differs(frame(s)); };

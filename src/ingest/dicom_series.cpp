@@ -61,14 +61,14 @@ std::string reasonAgainst(const DicomHeader& header, const Majority& most) {
   return most.readable ? header.refusal : "";
 }
 
-// Of files that differ in what `kind` says of each: one of the rarest kind, and one of the most frequent.
+// Finds one file of the rarest kind and one of the most frequent, where `kind` differs among the files.
 template <class Kind>
 std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(const std::vector<DicomHeader>& files,
                                                                              const Kind& kind) {
   std::map<decltype(kind(files.front())), std::vector<const DicomHeader*>> kinds;
   for (const DicomHeader& file : files) kinds[kind(file)].push_back(&file);
   if (kinds.size() < 2) return std::nullopt;
-  // Of equally many, the later one is odd.
+  // The later one is odd where both are as many.
   const auto rarer = [](const auto& a, const auto& b) {
     const auto &x = a.second, &y = b.second;
     return x.size() != y.size() ? x.size() < y.size() : x.front() > y.front();
@@ -102,8 +102,8 @@ void requireAlike(const std::vector<DicomHeader>& files) {
     fail(*found->first, white(*found->first), *found->second, white(*found->second));
 }
 
-// A number that some frames are rescaled by and others leave out: values would be off by it. Left out is as good as
-// said where it changes nothing.
+// Refuses a number that some frames are rescaled by and others leave out, as values would be off by it. A number that
+// changes nothing is as good as none.
 void requireSaid(const std::vector<DicomHeader>& files, const char* name, std::optional<double> DicomFrame::*number,
                  double otherwise, const SourceOptions& options, std::vector<std::string>& notes) {
   const auto says = [&](const DicomHeader& file, bool said) {

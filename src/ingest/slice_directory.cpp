@@ -44,7 +44,7 @@ Unread unreadBy(const Error& error, const fs::path& path) {
   return {path, error.code(), text.starts_with(prefix) ? text.substr(prefix.size()) : text};
 }
 
-// Of an error's sentence what was found: beside other slices the remedy is another.
+// Drops an error's remedy, as beside other slices the remedy is another.
 std::string withoutRemedy(const std::string& sentence) { return sentence.substr(0, sentence.find(';')); }
 
 // A file may have no ending, as those of a DICOM export often do.
@@ -79,7 +79,7 @@ std::string named(const std::vector<fs::path>& files) {
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
 }
 
-// What is in a directory: files, and pipes, devices and folders, which cannot be slices.
+// The entries of a directory: files, and pipes, devices and folders, which cannot be slices.
 struct Entries {
   std::vector<fs::path> files, others;
 };
@@ -199,7 +199,8 @@ SliceFiles slicesIn(const fs::path& directory) {
                     out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
   }
   for (const fs::path& path : no_files) {
-    if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
+    // Files of an export may have no ending, as the folders beside them.
+    if (!isNamedLike(path, out.files) || (!path.has_extension() && isFolder(path))) continue;
     throw Error(ErrorCode::kFormat, path, "",
                 fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
                             isFolder(path) ? "folder" : "pipe or a device"));

@@ -34,7 +34,7 @@ struct Stack {
   std::vector<Slice> slices;
   TiffPage first;
   std::optional<StackNotes> notes;
-  /// Of each file.
+  /// The number of pages of each file.
   std::vector<std::size_t> pages;
   std::uint64_t largest_packed_block_bytes = 0;
   /// Sentences for the user.
@@ -51,7 +51,7 @@ std::string describe(const TiffPage& page) {
                      page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
 }
 
-// `index` is the file's among `files`. Of two that differ a third one decides which is named.
+// `index` is the file's among `files`. A third file decides which of two that differ is named.
 void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std::size_t index, const TiffFile& file,
                   std::size_t slice) {
   const TiffPage& page = file.page();

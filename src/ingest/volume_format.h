@@ -1,4 +1,4 @@
-// What a file is, for commands that take a store or a picture and were given a volume.
+// Names a volume's format, for commands that were given one in place of a store or a picture.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,13 @@
 namespace kiln {
 
 struct VolumeFormat {
-  /// With its article, "a NRRD"; empty where the file is of no known format of volumes.
+  /// The name with its article, "a NRRD"; empty where the file is of no known format of volumes.
   std::string name;
   /// Whether openSource reads it.
   bool read = false;
 };
 
-/// By the file's first bytes, then by its name; none for what is no regular file. throws: Error kIo.
+/// Returns the format by the file's first bytes, then by its name; none for what is no regular file. throws: Error kIo.
 VolumeFormat volumeFormatOf(const std::filesystem::path& path);
 
 }  // namespace kiln

@@ -1,6 +1,7 @@
 // Which files of a directory are a volume, in which order, and where it lies. Answers are known because the positions
 // were written here; the affine of a slice's corner is its position, to the last bit.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -211,6 +212,25 @@ TEST_F(DicomSeries, RescalingThatOneSliceLacks_IsAnError) {
     writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}}, spec);
     files_.write("b", slice(lacking, 1));
     expectError(ErrorCode::kFormat, "b: has no RescaleSlope (0028,1053), or one of 0, but 'a' has 2");
+  }
+}
+
+// Known: exports have no endings, and folders beside them are not slices; a pipe can only be one.
+TEST_F(DicomSeries, PipeAmongSlicesWithoutEnding_IsAnError) {
+  writeAt({{0, 0, 0}, {0, 0, 2}});
+  fs::create_directory(files_.directory() / "notes");
+  EXPECT_EQ(order(), (std::vector{0, 1}));
+  ASSERT_EQ(::mkfifo((files_.directory() / "c").c_str(), 0600), 0);
+  expectError(ErrorCode::kFormat, "c: is named like the slices beside it, but is a pipe or a device");
+}
+
+// Known: distances are above 0, and an affine of others would mirror the volume.
+TEST_F(DicomSeries, SpacingThatIsNotPositive_IsAnError) {
+  for (const char* spacing : {"-1\\1", "1\\0"}) {
+    DicomSpec spec;
+    spec.spacing = spacing;
+    writeAt({{0, 0, 0}, {0, 0, 2}}, spec);
+    expectError(ErrorCode::kFormat, "(0028,0030): expected distances of pixels above 0 (found ");
   }
 }
 
