@@ -42,7 +42,9 @@ Error::Error(ErrorCode code, const std::string& what) : Error(code, {}, {}, what
 Error systemError(int error_number, const std::filesystem::path& path, const std::string& doing) {
   const ErrorCode code = codeOf(error_number);
   std::string what = std::strerror(error_number);
-  if (error_number == ENAMETOOLONG) what += "; most file systems allow names of 255 bytes, so give a shorter one";
+  if (error_number == ENAMETOOLONG)
+    what +=
+        "; most file systems allow names of 255 bytes, and Kiln adds up to 13 while it writes, so give a shorter one";
   if (error_number == ELOOP) what += "; the links lead to one another, so mend them or name the file itself";
   if (code == ErrorCode::kNoSpace) what += "; free space or choose another place, then run the command again";
   return Error(code, path, doing, what);

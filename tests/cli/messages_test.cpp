@@ -1,4 +1,5 @@
 // Sentences that name the file and the true reason. Known because each test makes the one file that is at fault.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -148,6 +149,9 @@ TEST_F(Messages, LinksThatLeadToOneAnother_AreNamedWithARemedy) {
     refused(command, 1, "kiln: " + in("a") + ": ");
     refused(command, 1, "Too many levels of symbolic links; the links lead to one another, so mend them or name");
   }
+  for (const std::size_t bytes : {252, 255})
+    refused({"tf", "ct-bone", "-o", in(std::string(bytes - 4, 'n') + ".png")}, 1,
+            fmt::format(".png: its name is {} bytes too long: 13 are kept", bytes - 242));
   const std::string name(256, 'n');
   refused({"convert", "phantom:head:16x16x16", in(name)}, 1,
           "File name too long; most file systems allow names of 255");

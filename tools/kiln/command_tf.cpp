@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/file.h"
 #include "base/srgb.h"
 #include "commands.h"
 #include "output/image_file.h"
@@ -84,7 +85,10 @@ void printLabels(const TransferFunction& f) {
 }
 
 void run(const TfArguments& a) {
-  if (!a.output.empty()) requireImagePath(a.output);
+  if (!a.output.empty()) {
+    requireImagePath(a.output);
+    FileSystem::real().requirePlaceFor(a.output);
+  }
   OutputFiles outputs;
   outputs.add(a.output);
   for (const std::string& read : {a.input, a.tf}) {
