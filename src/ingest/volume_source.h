@@ -82,7 +82,7 @@ struct SourceOptions {
   std::optional<glm::dvec3> spacing;     // replaces the spacing of a file without directions
   std::optional<std::string> grid_name;  // OpenVDB
   std::optional<std::string> series;     // DICOM: the UID of the series where there are several
-  bool allow_irregular = false;          // DICOM: slices at unequal distances, missing or tilted
+  bool allow_irregular = false;          // DICOM, TIFF: slices unequally far apart, tilted, unlike others or missing
   /// The most that the source may hold (VolumeSource::heldBytes). unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
 };
