@@ -43,27 +43,30 @@ class Kiln:
     def draw(self, store, volume, points, projection, shaded=True, **more):
         """Seconds of a warm frame of each of the seven views, and the middle one's picture.
 
-        Each is a job of its own: of a sequence, a frame is written while the next one is drawn. The second picture in a
-        process is still drawn into memory that is new to it; from the third on, it is what a picture before had."""
-        job, stats = self._job(store, volume, points, projection, shaded, more)
-        seconds = []
-        for view in range(2, 2 + scene.FRAMES):
-            self._run("render", job, "--frames", str(view), "--repeat", "3", "--stats", stats)
+        Each is a still picture of its own. The second picture in a process is still drawn into memory that is new to
+        it; from the third on, it is what a picture before had."""
+        stats, picture = self._folder / "stats.json", self._folder / "kiln.png"
+        seconds, middle = [], None
+        for number, view in enumerate(scene.views(volume, projection)):
+            job = self._job(store, volume, points, [view], shaded, picture, more)
+            self._run("render", job, "--repeat", "3", "--stats", stats)
             seconds.append(json.loads(stats.read_text())["frames"][2]["wall_s"])
-        return seconds, pictures.read_png(self._folder / f"kiln_{2 + scene.FRAMES // 2}.png")
+            if number == scene.FRAMES // 2:
+                middle = pictures.read_png(picture)
+        return seconds, middle
 
     def draw_sequence(self, store, volume, points, projection, **more):
-        """Seconds of the seven frames after the first of one job."""
-        job, stats = self._job(store, volume, points, projection, True, more)
+        """Seconds of the seven views as frames of one job, whose camera moves; a frame before them makes them warm."""
+        stats, views = self._folder / "stats.json", scene.views(volume, projection)
+        job = self._job(store, volume, points, [views[0]] + views, True, self._folder / "kiln_#.png", more)
         self._run("render", job, "--stats", stats)
         return [frame["wall_s"] for frame in json.loads(stats.read_text())["frames"]][1:]
 
-    def _job(self, store, volume, points, projection, shaded, more):
+    def _job(self, store, volume, points, cameras, shaded, output, more):
         job = self._folder / "job.json"
         more.setdefault("threads", self._threads)
-        job.write_text(scene.kiln_job(store, volume, points, projection, volume.edge_px, shaded,
-                                      self._folder / "kiln_#.png", more))
-        return job, self._folder / "stats.json"
+        job.write_text(scene.kiln_job(store, volume, points, cameras, volume.edge_px, shaded, output, more))
+        return job
 
     def _run(self, *arguments):
         done = subprocess.run([self._program, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -134,10 +137,13 @@ def _bench_scan(volume, kiln, arguments, report, folder):
             ours = draw_as_vtk()
             as_far = draw_as_vtk(sampleDistance=1.0)  # in steps of a voxel, as VTK's
             two = draw_as_vtk(samples=2)
+            turning = kiln.draw_sequence(store, volume, points, projection,
+                                         visibility={"threshold": vtk_frames.OPAQUE_AT})
             seconds, first, picture = vtk.draw(views, points, True)
             report.compare(volume, projection, name, ours, (seconds, picture), ("pixel", "VTK"))
             report.compare(volume, projection, name, as_far, (seconds, picture), ("pixel, step 1", "VTK"))
             report.compare(volume, projection, name, two, (seconds, picture), ("pixel, 2", "VTK"))
+            report.compare(volume, projection, name, (turning, ours[1]), (seconds, picture), ("pixel, turning", "VTK"))
             truth = vtk.truth(views[len(views) // 2], points)
             held = {"Kiln, pixel": ours[1], "Kiln, pixel, step 1": as_far[1], "Kiln, pixel, 2": two[1],
                     "VTK": picture}

@@ -120,18 +120,20 @@ def views(volume, projection):
     return [View(volume, projection, frame) for frame in range(FRAMES)]
 
 
-def kiln_job(store, volume, points, projection, size, shaded, output, more):
-    """The job that draws the views, and the first of them once before, so that all seven are warm."""
-    cameras = views(volume, projection)
-    camera = {"projection": projection, "matrices": [v.camera_to_world() for v in [cameras[0]] + cameras]}
+def kiln_job(store, volume, points, cameras, size, shaded, output, more):
+    """The job that draws a frame for each of the cameras."""
+    projection = cameras[0].projection
+    camera = {"projection": projection, "matrices": [v.camera_to_world() for v in cameras]}
     camera.update({"fov": cameras[0].fov_deg} if projection == "perspective" else {"height": cameras[0].height})
     job = {
-        "kiln": 1, "volume": str(store), "output": str(output), "frames": f"1-{FRAMES + 1}",
+        "kiln": 1, "volume": str(store), "output": str(output),
         "image": {"width": size, "height": size, "background": [0, 0, 0, 1]}, "camera": camera,
         "transferFunction": {"unit": 1.0, "colorSpace": "linear",
                              "points": [{"value": v, "opacity": o, "color": list(c)} for v, o, c in points]},
         "shading": dict(SHADING, model="phong") if shaded else {"model": "none"},
         "png": {"bits": 16},
     }
+    if len(cameras) > 1:
+        job["frames"] = f"1-{len(cameras)}"
     job.update(more)
     return json.dumps(job, indent=1)
