@@ -3,19 +3,40 @@
 #include <xxhash.h>
 
 #include <cstring>
+#include <new>
 
 #include "base/error.h"
 
 namespace kiln {
+namespace {
 
-Hash128 hashOf(std::span<const std::byte> data) {
+Hash128 canonicalOf(const XXH128_hash_t& hash) {
   XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits(data.data(), data.size()));
+  XXH128_canonicalFromHash(&canonical, hash);
   Hash128 out;
   static_assert(sizeof canonical.digest == sizeof out.bytes);
   std::memcpy(out.bytes.data(), canonical.digest, sizeof canonical.digest);
   return out;
 }
+
+}  // namespace
+
+struct HashStream::State {
+  XXH3_state_t* const state = XXH3_createState();
+  ~State() { XXH3_freeState(state); }
+};
+
+HashStream::HashStream() : state_(std::make_unique<State>()) {
+  if (state_->state == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(state_->state);
+}
+HashStream::~HashStream() = default;
+void HashStream::add(std::span<const std::byte> piece) {
+  XXH3_128bits_update(state_->state, piece.data(), piece.size());
+}
+Hash128 HashStream::value() const { return canonicalOf(XXH3_128bits_digest(state_->state)); }
+
+Hash128 hashOf(std::span<const std::byte> data) { return canonicalOf(XXH3_128bits(data.data(), data.size())); }
 
 Hash128 hashOf(std::string_view text) { return hashOf(std::as_bytes(std::span(text.data(), text.size()))); }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,19 @@ struct Hash128 {
 /// The XXH3-128 hash of `data` in its canonical (big-endian) byte order. cost: about 10 GB/s.
 Hash128 hashOf(std::span<const std::byte> data);
 Hash128 hashOf(std::string_view text);
+
+/// The hash of bytes that come piece by piece: what hashOf returns for all of them.
+class HashStream {
+ public:
+  HashStream();
+  ~HashStream();
+  void add(std::span<const std::byte> piece);
+  Hash128 value() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// 32 lower-case hexadecimal digits, and back. throws: Error kFormat where `hex` is not 32 such digits.
 std::string toHex(const Hash128& hash);

@@ -37,7 +37,7 @@ Conversion::Conversion(const Parts& parts, JournalContent earlier)
       pyramid_(parts.writer, partsFolder(parts.directory, parts.ranks), parts.plan.parts_bytes, parts.disk, parts.half,
                {parts.ranks.rank(), parts.ranks.count(),
                 [this](int to, const BrickKey& key, const CoarsePart* piece) {
-                  exchange_->give(to, key, writer_.entry(key), piece);
+                  exchange_->give(to, key, writer_.wholeEntry(key), piece);
                 }}),
       boxes_(parts.plan.lanes),
       counters_(parts.plan.lanes,
@@ -85,6 +85,7 @@ void Conversion::goOnWith(const ConversionIdentity& identity) {
 // A stream's end is read, and its checksum compared, also where its last bricks are finished.
 std::vector<std::int64_t> Conversion::bricksToMake(bool in_order) const {
   std::vector<std::int64_t> out;
+  out.reserve(finished_[0].size());
   for (std::size_t i = 0; i < finished_[0].size(); ++i) {
     if (in_order || !finished_[0][i]) out.push_back(static_cast<std::int64_t>(i));
   }

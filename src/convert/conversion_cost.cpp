@@ -132,8 +132,6 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
   const auto stored = static_cast<std::uint64_t>(stored_share * static_cast<double>(out.bricks));
   out.store_bytes = static_cast<std::uint64_t>(static_cast<double>(samples.file_bytes) * all_to_samples) +
                     BrickIndex::fileBytes(stored, out.bricks - stored, options.brick_size);
-  // Twice: as entries, and as the bytes of the file.
-  out.index_bytes = kBrickBytes * out.bricks - out.plan.index_bytes + 2 * stored * kStoredBrickBytes;
   // What the coarser levels take is encoding, mostly, and in proportion.
   const double lanes_s = samples.seconds * all_to_samples;
   const double stream_s =

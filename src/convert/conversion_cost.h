@@ -16,9 +16,6 @@ struct ConversionCost {
   std::int64_t sampled_slices = 0;
   /// Of all files of the store, as the samples are. unit: bytes.
   std::uint64_t store_bytes = 0;
-  /// Of the index, which grows with the bricks that are stored, as the samples are; beyond the plan's buffers. unit:
-  /// bytes.
-  std::uint64_t index_bytes = 0;
   /// By the samples.
   double seconds = 0;
 };

@@ -17,7 +17,7 @@
 #include "convert/source_state.h"
 #include "grid/pyramid.h"
 #include "store/float_steps.h"
-#include "store/store_reader.h"
+#include "store/read_manifest.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -72,26 +72,26 @@ bool mayBeResumed(const std::exception& error) {
 void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, const ConvertOptions& options,
                    Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
-  if (!isStoreOf(store, info))
+  if (!isStoreOf(store, info, options.memory_bytes))
     throw Error(ErrorCode::kExists, store, "",
                 "is a store of another volume, or its source has changed since; give --overwrite");
-  const StoreReader reader(store);
-  if (reader.manifest().brick_size != options.brick_size)
+  const Manifest manifest = readManifest(store);
+  if (manifest.brick_size != options.brick_size)
     throw Error(ErrorCode::kExists, store, "",
                 fmt::format("is finished, with bricks of {} voxels; give --overwrite to make bricks of {}",
-                            reader.manifest().brick_size, options.brick_size));
-  if ((reader.manifest().volume_class == VolumeClass::kLabels) != options.labels)
+                            manifest.brick_size, options.brick_size));
+  if ((manifest.volume_class == VolumeClass::kLabels) != options.labels)
     throw Error(ErrorCode::kExists, store, "",
                 options.labels ? "is a store that was made without --labels; give --overwrite"
                                : "is a store of labels; give --labels, or --overwrite");
   destination.commit();
   progress.note(out.string() + " is finished already");
-  report.bricks = brickCount(reader.manifest());
-  for (const LevelInfo& level : reader.manifest().levels) {
+  report.bricks = brickCount(manifest);
+  for (const LevelInfo& level : manifest.levels) {
     report.stored_bricks += level.stored_bricks;
     report.stored_bytes += level.stored_bytes;
   }
-  report.nan_count = reader.manifest().nan_count;
+  report.nan_count = manifest.nan_count;
 }
 
 // The bricks that a failed conversion of one process leaves are kept where they are worth it. Where others still write
@@ -121,7 +121,7 @@ class Making {
 
   void run(ConvertReport& report) {
     noted_ = beginning_.earlier.bricks.size();
-    StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_);
+    StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_, plan_.sub_ranges_on_disk);
     Conversion& conversion = conversion_.emplace(
         Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
         std::move(beginning_.earlier));

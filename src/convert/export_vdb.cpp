@@ -116,9 +116,11 @@ class GridFiller {
     if (held_bytes_ <= memory_bytes_) return;
     held_bytes_ = grid_->memUsage();
     if (held_bytes_ <= memory_bytes_) return;
-    throw Error(ErrorCode::kBudget, out, "",
-                fmt::format("the grid takes more than the {} of --memory; give more, or export a coarser level",
-                            formatBytes(memory_bytes_)));
+    throw Error(
+        ErrorCode::kBudget, out, "",
+        fmt::format(
+            "the grid takes more than the {} of --memory beside the index; give more, or export a coarser level",
+            formatBytes(memory_bytes_)));
   }
 
   typename Grid::Ptr finish() {
@@ -211,6 +213,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   disk.requirePlaceToRename(out);
   initializeOpenVdb();
   const Placement place = placementOf(store, level, out);
+  memory_bytes -= std::min(memory_bytes, store.index().bytes());
   const openvdb::GridBase::Ptr grid =
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
         // Labels are names: whole numbers, of the one kind that is read again.

@@ -12,6 +12,7 @@
 #include "convert/plan.h"
 #include "convert/source_state.h"
 #include "ingest/formats.h"
+#include "store/read_manifest.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -98,19 +99,21 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const fs:
 }
 
 // Where labels are asked for, a store of amounts is made anew.
-bool serves(const fs::path& store, const SourceInfo& info, bool labels) {
-  return isStoreOf(store, info) && (!labels || StoreReader(store).manifest().volume_class == VolumeClass::kLabels);
+bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions& options) {
+  return isStoreOf(store, info, options.memory_bytes) &&
+         (!options.labels || readManifest(store).volume_class == VolumeClass::kLabels);
 }
 
 }  // namespace
 
-bool isStoreOf(const fs::path& store, const SourceInfo& info) {
+bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memory_bytes) {
   try {
-    const Manifest manifest = StoreReader(store).manifest();
+    const Manifest manifest = StoreReader(store, memory_bytes).manifest();
     return (manifest.source.state.empty() ? isYounger(store, info.files)
                                           : isStateOf(manifest.source.state, info.files)) &&
            sameVolume(manifest, info);
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kBudget) throw;
     return false;  // damaged, or of another format: made anew
   }
 }
@@ -121,7 +124,7 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
   fs::path store = besideOf(input);
   const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, input, source_options);
   if (opened) opened(source->info());
-  if (isStoreOf(store, source->info())) return store;
+  if (isStoreOf(store, source->info(), memory_bytes)) return store;
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
@@ -134,7 +137,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, input, source_options);
   if (opened) opened(source->info());
   const fs::path store = besideOf(input);
-  if (serves(store, source->info(), options.labels)) {
+  if (serves(store, source->info(), options)) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
@@ -143,7 +146,7 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
     if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());
     progress.throwIfCancelled("waiting for another process");
   });
-  if (serves(store, source->info(), options.labels)) return store;
+  if (serves(store, source->info(), options)) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
   // A budget that is too small gives its error alone, without a note before.
   planConversion(*source, options);

@@ -25,7 +25,7 @@ std::filesystem::path madeStoreFor(const std::filesystem::path& input, const Sou
 
 /// Whether each file of the source is as it was when `store` was made of them (of older stores, was last written before
 /// it was finished), and it holds the volume that the source describes now: other --dims or another --endian make
-/// another volume.
-bool isStoreOf(const std::filesystem::path& store, const SourceInfo& info);
+/// another volume. throws: Error kBudget where the index of `store` does not fit `memory_bytes`.
+bool isStoreOf(const std::filesystem::path& store, const SourceInfo& info, std::uint64_t memory_bytes = UINT64_MAX);
 
 }  // namespace kiln

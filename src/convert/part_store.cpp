@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <stdexcept>
 #include <system_error>
 
 namespace kiln {
@@ -32,10 +34,11 @@ bool PartStore::reserve(std::uint64_t bytes) {
 
 PartStore::Pieces PartStore::written(const BrickKey& key, const std::vector<PartPiece>& pieces) {
   Pieces out;
+  out.reserve(pieces.size());
   std::vector<std::byte> file;
   for (const auto& [parent, part] : pieces) {
     const std::vector<std::byte> bytes = bytesOf(part);
-    out.emplace(parent, Stretch{file.size(), bytes.size()});
+    out.push_back({parent, nullptr, {file.size(), bytes.size()}});
     file.insert(file.end(), bytes.begin(), bytes.end());
   }
   disk_.writeFile(pathOf(key), file, WriteMode::kUnsynced);
@@ -48,7 +51,8 @@ void PartStore::put(const BrickKey& key, std::vector<PartPiece> pieces) {
   for (const PartPiece& piece : pieces) bytes += piece.part.bytes();
   Pieces kept;
   if (reserve(bytes)) {
-    for (auto& [parent, part] : pieces) kept.emplace(parent, std::move(part));
+    kept.reserve(pieces.size());
+    for (auto& [parent, part] : pieces) kept.push_back({parent, std::make_unique<CoarsePart>(std::move(part)), {}});
   } else {
     kept = written(key, pieces);
   }
@@ -57,19 +61,25 @@ void PartStore::put(const BrickKey& key, std::vector<PartPiece> pieces) {
 }
 
 CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
+  const auto find = [&](Pieces& pieces) {
+    const auto found =
+        std::find_if(pieces.begin(), pieces.end(), [&](const Piece& piece) { return piece.parent == parent; });
+    if (found == pieces.end()) throw std::out_of_range("a piece that nobody put");
+    return found;
+  };
   Stretch stretch;
   {
     const std::scoped_lock lock(mutex_);
     Pieces& pieces = left_.at(key);
-    auto& piece = pieces.at(parent);
-    if (auto* const part = std::get_if<CoarsePart>(&piece)) {
-      CoarsePart out = std::move(*part);
+    const auto piece = find(pieces);
+    if (piece->part) {
+      CoarsePart out = std::move(*piece->part);
       free_bytes_ += out.bytes();
-      pieces.erase(parent);
+      pieces.erase(piece);
       if (pieces.empty()) left_.erase(key);
       return out;
     }
-    stretch = std::get<Stretch>(piece);
+    stretch = piece->stretch;
   }
   const fs::path path = pathOf(key);
   std::vector<std::byte> bytes(stretch.bytes);
@@ -78,7 +88,7 @@ CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
   {
     const std::scoped_lock lock(mutex_);
     Pieces& pieces = left_.at(key);
-    pieces.erase(parent);
+    pieces.erase(find(pieces));
     if (!pieces.empty()) return out;
     left_.erase(key);
   }

@@ -6,8 +6,8 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
-#include <variant>
 #include <vector>
 
 #include "base/file.h"
@@ -36,12 +36,22 @@ class PartStore {
   /// safe. throws: Error kIo, kFormat, kNotFound.
   CoarsePart take(const BrickKey& key, const BrickKey& parent);
 
+  /// What a brick's places of so many pieces take, in memory or on disk, beside the parts themselves. unit: bytes.
+  static std::uint64_t placesBytes(std::uint64_t pieces) { return kNodeBytes + pieces * sizeof(Piece); }
+
  private:
   // In a part's file. unit: bytes.
   struct Stretch {
     std::uint64_t offset = 0, bytes = 0;
   };
-  using Pieces = std::map<BrickKey, std::variant<CoarsePart, Stretch>>;  // by parent
+  struct Piece {
+    BrickKey parent;
+    std::unique_ptr<CoarsePart> part;  // null where it is on disk, at `stretch`
+    Stretch stretch;
+  };
+  using Pieces = std::vector<Piece>;
+  // A node of the map and the head of its list, as they are allocated.
+  static constexpr std::uint64_t kNodeBytes = 96;
 
   bool reserve(std::uint64_t bytes);
   Pieces written(const BrickKey& key, const std::vector<PartPiece>& pieces);

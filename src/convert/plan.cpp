@@ -9,11 +9,16 @@
 #include "cluster/ranks.h"
 #include "convert/coarse_part.h"
 #include "convert/forward_window.h"
+#include "convert/part_store.h"
 #include "grid/pyramid.h"
 #include "store/brick_index.h"
 
 namespace kiln {
+namespace fs = std::filesystem;
 namespace {
+
+// Rounded up.
+std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
 
 std::uint64_t usefulLanes(const VolumeSource& source) {
   // What one thread inflates keeps a few busy; more would take memory from the window, and wait.
@@ -30,9 +35,10 @@ std::uint64_t brickVoxels(const SourceInfo& info, const ConvertOptions& options)
   return out;
 }
 
-// Of a brick's file, at most, where nothing compresses.
+// Of a brick's file, at most, where nothing compresses. The masks of OpenVDB's upper nodes take 54 KiB of any file.
 std::uint64_t fileBytes(const SourceInfo& info, const ConvertOptions& options) {
-  return brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
+  constexpr std::uint64_t kNodes = 56 << 10;
+  return kNodes + brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
 }
 
 // What a brick gives to other processes lies in pieces of its part that overlap by an apron, and one is being received.
@@ -63,8 +69,8 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   const SourceInfo& info = source.info();
   const std::int64_t least = ForwardWindow::slicesOfLayer(info.geometry.dims, options.brick_size);
   const std::int64_t best = std::min(least + options.brick_size, info.geometry.dims.z);
-  const std::uint64_t other_bytes = plan.source_bytes + source.decodeBytes() + usefulLanes(source) * plan.lane_bytes +
-                                    kBrickBytes * brickCountOf(info, options);
+  const std::uint64_t other_bytes =
+      plan.source_bytes + source.decodeBytes() + usefulLanes(source) * plan.lane_bytes + plan.index_bytes;
   const std::uint64_t left_bytes = options.memory_bytes - std::min(other_bytes, options.memory_bytes);
   const auto fitting = static_cast<std::int64_t>(left_bytes / sliceBytes(info));
   plan.window_on_disk = fitting < least;
@@ -72,6 +78,16 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   const std::uint64_t slices_bytes = static_cast<std::uint64_t>(plan.window_slices) * sliceBytes(info);
   plan.scratch_bytes = plan.window_on_disk ? slices_bytes : 0;
   plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
+}
+
+// Parents that a brick's part or its apron reaches, at most: a half of a parent has one neighbour, a whole one two.
+std::uint64_t parentsReached(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
+  std::uint64_t out = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t coarse = (dims[axis] + by[axis] - 1) / by[axis];
+    if (coarse > brick_size) out *= by[axis] == 2 ? 2 : 3;
+  }
+  return out;
 }
 
 // Bytes that a brick leaves to its parents, which overlap by their aprons. A thin volume has no more than its voxels.
@@ -84,21 +100,63 @@ std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t bri
     voxels *= std::min(brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron, coarse(axis));
   const Extent3 part = {along(0), along(1), along(2)};
   const std::uint64_t overlap_bytes = static_cast<std::uint64_t>(voxels - part.count()) * voxel_bytes;
-  return CoarsePart::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4;
+  const std::uint64_t neighbours = parentsReached(dims, by, brick_size) - 1;
+  return CoarsePart::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4 +
+         neighbours * CoarsePart::bytesOf({1, 1, 1}, voxel_bytes);
 }
 
-// The most that waits at once. Bricks come layer by layer, and a parent needs those that its core is made of, one or
-// two, and for its apron one on either side, of which nothing but that is left when it comes, or that is just coming.
-std::uint64_t waitingPartBytes(const SourceInfo& info, const ConvertOptions& options) {
-  std::uint64_t out = 0;
+// Bricks of a level that wait at once, at most. They come layer by layer, and a parent needs those that its core is
+// made of, one or two, and for its apron one on either side, of which nothing but that is left when it comes, or that
+// is just coming. Of one layer rows come so, and of one row bricks; each thread may be ahead by two.
+std::uint64_t waitingBricks(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
+  const Extent3 lattice = brickLattice(dims, brick_size);
+  const auto ahead = static_cast<std::int64_t>(lattice.z > 1 ? 0 : 2 * ThreadLimit::active());
+  Extent3 waiting = lattice;
+  if (lattice.z > 1)
+    waiting.z = std::min(by.z + 1, lattice.z);
+  else if (lattice.y > 1)
+    waiting.y = std::min(by.y + 1, lattice.y);
+  else
+    waiting.x = std::min(by.x + 1, lattice.x);
+  return static_cast<std::uint64_t>(std::min(waiting.count() + ahead, lattice.count()));
+}
+
+struct Waiting {
+  std::uint64_t part_bytes = 0;   // of the parts
+  std::uint64_t place_bytes = 0;  // of where each part is
+};
+
+Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options) {
+  Waiting out;
   const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
-    const std::int64_t slices = std::min((by.z + 1) * options.brick_size, dims.z);
-    const auto bricks = brickLattice({dims.x, dims.y, slices}, options.brick_size).count();
-    out += static_cast<std::uint64_t>(bricks) * leftBytes(dims, by, options.brick_size, sizeOf(info.type));
+    const std::uint64_t bricks = waitingBricks(dims, by, options.brick_size);
+    out.part_bytes += bricks * leftBytes(dims, by, options.brick_size, sizeOf(info.type));
+    out.place_bytes += bricks * PartStore::placesBytes(parentsReached(dims, by, options.brick_size));
   }
   return out;
+}
+
+// throws: Error kBudget. Where most of it is tables, larger bricks are a remedy, too.
+void requireMemoryFor(const ConversionPlan& plan, const SourceInfo& info, const ConvertOptions& options) {
+  const std::uint64_t others = plan.source_bytes + plan.window_bytes + plan.lane_bytes;
+  const std::uint64_t smallest = others + plan.index_bytes;
+  if (smallest <= options.memory_bytes) return;
+  const fs::path file = info.files.empty() ? fs::path() : info.files.front();
+  if (plan.index_bytes > others) {
+    throw Error(ErrorCode::kBudget, file, "--memory",
+                fmt::format("the tables of {} bricks take {} MiB, beside {} MiB to read and convert with (allowed: {} "
+                            "MiB); give --memory {}, or a --brick-size larger than {}",
+                            brickCountOf(info, options), mebibytes(plan.index_bytes), mebibytes(others),
+                            options.memory_bytes >> 20, roundedUpBytes(smallest), options.brick_size));
+  }
+  throw Error(ErrorCode::kBudget, file, "--memory",
+              fmt::format("{} is too little: {} is the smallest that works here ({} to read, {} a thread, {} for the "
+                          "tables of bricks)",
+                          formatBytes(options.memory_bytes), roundedUpBytes(smallest),
+                          formatBytes(plan.source_bytes + plan.window_bytes), formatBytes(plan.lane_bytes),
+                          formatBytes(plan.index_bytes)));
 }
 
 }  // namespace
@@ -109,15 +167,9 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   ConversionPlan plan;
   plan.source_bytes = source.heldBytes();
   plan.lane_bytes = laneBytes(info, options) + (forward ? 0 : source.decodeBytes());
+  plan.index_bytes = tablesBytes(info, options);
   if (forward) planWindow(plan, source, options);
-  const std::uint64_t smallest = plan.source_bytes + plan.window_bytes + plan.lane_bytes;
-  if (smallest > options.memory_bytes) {
-    throw Error(ErrorCode::kBudget, info.files.empty() ? std::filesystem::path() : info.files.front(), "--memory",
-                fmt::format("{} is too little: {} is the smallest that works here ({} to read, {} a thread)",
-                            formatBytes(options.memory_bytes), formatBytes(smallest),
-                            formatBytes(plan.source_bytes + plan.window_bytes), formatBytes(plan.lane_bytes)));
-  }
-  plan.index_bytes = std::min(kBrickBytes * brickCountOf(info, options), options.memory_bytes - smallest);
+  requireMemoryFor(plan, info, options);
   const std::uint64_t fitting =
       (options.memory_bytes - plan.source_bytes - plan.window_bytes - plan.index_bytes) / plan.lane_bytes;
   plan.lanes = static_cast<std::size_t>(std::min(fitting, usefulLanes(source)));
@@ -127,13 +179,20 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
     plan.unwritten_bricks = plan.lanes;
     plan.unwritten_bytes = unwritten_bytes;
   }
+  const std::uint64_t sub_ranges_bytes =
+      brickCountOf(info, options) * BrickIndex::subRangesBytes(subBricksOf(options.brick_size));
+  plan.sub_ranges_on_disk = plan.total() + sub_ranges_bytes > options.memory_bytes;
+  if (plan.sub_ranges_on_disk)
+    plan.scratch_bytes += brickCountOf(info, options) * SubRanges::bytesOf(subBricksOf(options.brick_size));
+  else
+    plan.sub_ranges_bytes = sub_ranges_bytes;
   if (!forward && source.decodeBytes() > 0) {
     // Bricks come layer by layer, so what two layers are made of is enough to decode everything once.
     const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);
     plan.kept_bytes =
         std::min(options.memory_bytes - plan.total(), static_cast<std::uint64_t>(slices) * sliceBytes(info));
   }
-  const std::uint64_t waiting = waitingPartBytes(info, options);
+  const std::uint64_t waiting = waitingOf(info, options).part_bytes;
   plan.parts_bytes = std::min(options.memory_bytes - plan.total(), waiting);
   plan.scratch_bytes += waiting - plan.parts_bytes;
   return plan;
@@ -144,6 +203,10 @@ std::uint64_t brickCountOf(const SourceInfo& info, const ConvertOptions& options
   for (const VolumeGeometry& level : pyramidOf(info.geometry, options.brick_size, options.most_levels))
     out += static_cast<std::uint64_t>(brickLattice(level.dims, options.brick_size).count());
   return out;
+}
+
+std::uint64_t tablesBytes(const SourceInfo& info, const ConvertOptions& options) {
+  return kBrickBytes * brickCountOf(info, options) + waitingOf(info, options).place_bytes;
 }
 
 void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options) {

@@ -109,6 +109,7 @@ void BrickWalk::run(const PixelRect& image, const Visibility& visibility,
 
 std::vector<BrickInView> BrickWalk::inView(const PixelRect& image, BrickWalkCounts& counts) const {
   std::vector<BrickInView> out;
+  out.reserve(layers_.back().nodes.front().interesting);
   run(
       image, *makeNoVisibility(),
       [&](const BrickKey& key, const PixelRect& rect) {

@@ -19,6 +19,7 @@
 #include "render/split_store.h"
 #include "scene/frame_list.h"
 #include "scene/frame_scene.h"
+#include "store/read_manifest.h"
 
 namespace kiln {
 namespace {
@@ -44,7 +45,7 @@ void requireParts(const RenderJob& job) {
 std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores, Ranks& ranks) {
   std::vector<VoxelBox> boxes;
   if (ranks.first()) {
-    const StoreReader store(stores(job.volume));
+    const StoreReader store(stores(job.volume), job.speed.memory_bytes);
     const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
     boxes = boxesForRanks(store, scene.transfer_function, ranks.count());
   }
@@ -55,7 +56,7 @@ std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores,
 // Of a store; nothing where it is not there to be looked at.
 std::optional<Hash128> indexOf(const std::filesystem::path& store) {
   try {
-    return StoreReader(store).manifest().index_checksum;
+    return readManifest(store).index_checksum;
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -64,9 +65,9 @@ std::optional<Hash128> indexOf(const std::filesystem::path& store) {
 // What each rank holds on its own disk, of `whole`: the picture names that.
 std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std::filesystem::path& whole,
                                    Ranks& ranks) {
-  const StoreReader store(part);
+  const Manifest manifest = readManifest(part);
   std::vector<VoxelBox> boxes = gatherLists(ranks, std::vector<VoxelBox>{boxOfStorePart(part)});
-  const std::vector<Hash128> indexes = gatherLists(ranks, std::vector<Hash128>{store.manifest().index_checksum});
+  const std::vector<Hash128> indexes = gatherLists(ranks, std::vector<Hash128>{manifest.index_checksum});
   if (ranks.first()) {
     const auto other = std::find_if(indexes.begin(), indexes.end(), [&](const Hash128& i) { return i != indexes[0]; });
     if (other != indexes.end())
@@ -74,7 +75,7 @@ std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std:
                                                  other - indexes.begin()));
     if (indexOf(whole).value_or(indexes[0]) != indexes[0])
       throw Error(ErrorCode::kUsage, part, "", "--store-local: holds a part of another store than " + whole.string());
-    requireWhole(boxes, store.manifest().geometry().dims);
+    requireWhole(boxes, manifest.geometry().dims);
   }
   broadcastList(ranks, boxes);
   return boxes;

@@ -29,6 +29,7 @@ class VolumeCutter {
  public:
   VolumeCutter(const StoreReader& store, const Classifier& classifier)
       : lattice_(store.index().lattice(0)), brick_size_(store.manifest().brick_size) {
+    weights_.reserve(static_cast<std::size_t>(lattice_.count()));
     for (std::int32_t z = 0; z < lattice_.z; ++z) {
       for (std::int32_t y = 0; y < lattice_.y; ++y) {
         for (std::int32_t x = 0; x < lattice_.x; ++x) {

@@ -123,13 +123,15 @@ Image renderSlice(const StoreReader& store, const SliceRequest& request, Progres
     throw Error(ErrorCode::kUsage,
                 fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
   }
-  const std::uint64_t bytes =
-      4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) + store.largestReadBytes();
+  const std::uint64_t bytes = 4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) +
+                              store.largestReadBytes() + store.index().bytes();
   if (bytes > request.memory_bytes) {
-    throw Error(ErrorCode::kBudget, store.path(), "--memory",
-                fmt::format("{} is too little: a slice of {} x {} pixels and a brick take {}; a coarser one (--level) "
-                            "takes less",
-                            formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
+    throw Error(
+        ErrorCode::kBudget, store.path(), "--memory",
+        fmt::format(
+            "{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one (--level) "
+            "takes less",
+            formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
   }
   Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
   const std::vector<std::int64_t> columns =

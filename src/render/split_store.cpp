@@ -105,26 +105,28 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
   if (is_there && isPartOf(store, box, directory)) return {.was_there = true};
   if (is_there)
     throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
-  std::vector<BrickKey> bricks;
   const auto holds = bricksOfStorePart(store, box);
-  for (int level = 0; level < store.index().levels(); ++level) {
-    const Extent3& lattice = store.index().lattice(level);
-    for (std::int64_t i = 0; i < lattice.count(); ++i) {
-      if (const BrickKey key{level, brickAt(lattice, i)}; holds(key)) bricks.push_back(key);
+  const auto forEach = [&](auto&& body) {
+    for (int level = 0; level < store.index().levels(); ++level) {
+      const Extent3& lattice = store.index().lattice(level);
+      for (std::int64_t i = 0; i < lattice.count(); ++i) {
+        if (const BrickKey key{level, brickAt(lattice, i)}; holds(key)) body(key);
+      }
     }
-  }
+  };
   NewDirectory part(directory);
   const fs::path& building = part.building();
   disk.writeOwn(building / kPartFile, textOf(box));  // marks what is unfinished as a part
-  std::uint64_t bytes = 0, done = 0;
-  for (const BrickKey& key : bricks) {
+  std::uint64_t bytes = 0, done = 0, bricks = 0;
+  forEach([&](const BrickKey&) { ++bricks; });
+  forEach([&](const BrickKey& key) {
     progress.throwIfCancelled("splitting");
     const fs::path name = brickPath(key);
     disk.makeDirectories((building / name).parent_path());
     bring(store.path() / name, building / name);
     bytes += store.index().at(key).file_bytes;
-    progress.advance("splitting", "bricks", ++done, bricks.size());
-  }
+    progress.advance("splitting", "bricks", ++done, bricks);
+  });
   bring(store.path() / "index.bin", building / "index.bin");
   disk.syncAll(building);
   disk.writeOwn(building / "manifest.json", readFile(store.path() / "manifest.json"));

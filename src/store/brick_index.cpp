@@ -1,5 +1,6 @@
 #include "store/brick_index.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -99,28 +100,53 @@ std::size_t BrickIndex::place(const BrickKey& key) const {
 }
 
 std::uint64_t BrickIndex::bytes() const {
-  constexpr std::uint64_t kShared = 64;  // what it takes to be allocated and counted
   std::uint64_t sum = entries_.size() * sizeof(BrickEntry);
-  for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? entry.sub_ranges->bytes().size() + kShared : 0;
+  for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? subRangesBytes(entry.sub_ranges->along()) : 0;
   return sum;
+}
+
+std::uint64_t BrickIndex::bytesOf(std::uint64_t stored, std::uint64_t constant, std::int64_t brick_size) {
+  return (stored + constant) * sizeof(BrickEntry) + stored * subRangesBytes(subBricksOf(brick_size));
+}
+
+// An allocation takes 8 bytes more, 32 at the least, and a multiple of 16; one is the object, the other its bytes.
+std::uint64_t BrickIndex::subRangesBytes(int along) {
+  constexpr std::uint64_t kObject = 64, kLeast = 32;
+  return kObject + std::max<std::uint64_t>(kLeast, (SubRanges::bytesOf(along) + 8 + 15) / 16 * 16);
 }
 
 std::uint64_t BrickIndex::fileBytes(std::uint64_t stored, std::uint64_t constant, std::int64_t brick_size) {
   return (stored + constant) * sizeof(RawEntry) + stored * SubRanges::bytesOf(subBricksOf(brick_size));
 }
 
+void BrickIndex::encode(const std::function<void(std::span<const std::byte>)>& take, const SubRangesAt& missing) const {
+  constexpr std::size_t kPiece = 256 << 10;
+  std::vector<std::byte> piece;
+  piece.reserve(kPiece + (4 << 10));
+  for (const char c : kMagic) appendValue(piece, c);
+  appendValue(piece, static_cast<std::uint32_t>(lattices_.size()));
+  for (std::size_t level = 0; level < lattices_.size(); ++level) {
+    appendValue(piece, lattices_[level]);
+    const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
+    for (std::size_t i = first_[level]; i < first_[level] + count; ++i) {
+      if (missing && !entries_[i].constant && !entries_[i].sub_ranges) {
+        BrickEntry whole = entries_[i];
+        whole.sub_ranges = missing(i);
+        appendEntry(piece, whole);
+      } else {
+        appendEntry(piece, entries_[i]);
+      }
+      if (piece.size() < kPiece) continue;
+      take(piece);
+      piece.clear();
+    }
+  }
+  take(piece);
+}
+
 std::vector<std::byte> BrickIndex::encode() const {
   std::vector<std::byte> out;
-  std::size_t size = 12 + lattices_.size() * 24 + entries_.size() * sizeof(RawEntry);
-  for (const BrickEntry& entry : entries_) size += entry.sub_ranges ? entry.sub_ranges->bytes().size() : 0;
-  out.reserve(size);
-  for (const char c : kMagic) appendValue(out, c);
-  appendValue(out, static_cast<std::uint32_t>(lattices_.size()));
-  for (std::size_t level = 0; level < lattices_.size(); ++level) {
-    appendValue(out, lattices_[level]);
-    const std::size_t count = static_cast<std::size_t>(lattices_[level].count());
-    for (std::size_t i = first_[level]; i < first_[level] + count; ++i) appendEntry(out, entries_[i]);
-  }
+  encode([&](std::span<const std::byte> piece) { out.insert(out.end(), piece.begin(), piece.end()); });
   return out;
 }
 

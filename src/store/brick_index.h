@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,16 +48,27 @@ class BrickIndex {
   const BrickEntry& at(const BrickKey& key) const { return entries_[place(key)]; }
   BrickEntry& at(const BrickKey& key) { return entries_[place(key)]; }
   std::size_t size() const { return entries_.size(); }
+  /// The place of a brick among all bricks of all levels. requires: contains(key).
+  std::size_t place(const BrickKey& key) const;
   /// What it costs in memory. unit: bytes.
   std::uint64_t bytes() const;
+  /// The same of an index of so many bricks that have files and so many of one value. unit: bytes.
+  static std::uint64_t bytesOf(std::uint64_t stored, std::uint64_t constant, std::int64_t brick_size);
+  /// What sub-ranges of a brick cost in memory beside its entry, `along` of them along an axis. unit: bytes.
+  static std::uint64_t subRangesBytes(int along);
 
+  /// Gives the sub-ranges of the brick at a place whose entry has none in memory.
+  using SubRangesAt = std::function<std::shared_ptr<const SubRanges>(std::size_t place)>;
+  /// Calls take(bytes) for one piece of the index's file after the other. `missing` is called for bricks with a file
+  /// and without sub-ranges; where it is empty these are written without. memory: a piece.
+  void encode(const std::function<void(std::span<const std::byte>)>& take, const SubRangesAt& missing = {}) const;
+  /// All pieces in one.
   std::vector<std::byte> encode() const;
   /// throws: Error kFormat naming `path` where the bytes are not an index of these lattices.
   static BrickIndex decode(std::span<const std::byte> data, const std::vector<Extent3>& lattices,
                            const std::filesystem::path& path);
 
  private:
-  std::size_t place(const BrickKey& key) const;
   std::vector<Extent3> lattices_;
   std::vector<std::size_t> first_;  // of each level in entries_
   std::vector<BrickEntry> entries_;

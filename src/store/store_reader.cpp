@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/large_pages.h"
+#include "base/memory.h"
 #include "base/path_status.h"
 #include "base/span.h"
 #include "store/read_manifest.h"
@@ -68,6 +69,24 @@ Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expe
   return data;
 }
 
+// A manifest may say more bricks than the file of its index has entries.
+void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, const fs::path& store) {
+  const std::uint64_t entries = manifest.index_bytes / BrickIndex::fileBytes(0, 1, manifest.brick_size);
+  std::uint64_t bricks = 0, stored = 0;
+  for (const LevelInfo& level : manifest.levels) {
+    bricks += std::min(static_cast<std::uint64_t>(level.bricks.count()), entries);
+    stored += std::min(level.stored_bricks, entries);
+  }
+  bricks = std::min(bricks, entries), stored = std::min(stored, bricks);
+  const std::uint64_t needed = manifest.index_bytes + BrickIndex::bytesOf(stored, bricks - stored, manifest.brick_size);
+  if (needed <= memory_bytes) return;
+  throw Error(
+      ErrorCode::kBudget, store, "--memory",
+      fmt::format("reading the index of {} bricks takes {} (allowed: {}); give --memory {}, or convert the "
+                  "source again with a --brick-size larger than {}",
+                  bricks, formatBytes(needed), formatBytes(memory_bytes), roundedUpBytes(needed), manifest.brick_size));
+}
+
 template <class BytesOf>
 std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
   std::uint64_t largest = 0;
@@ -94,7 +113,9 @@ Manifest readManifest(const fs::path& directory) {
   return parseManifest(readTextFile(path, kLargestManifest), path);
 }
 
-StoreReader::StoreReader(const fs::path& directory) : directory_(directory), manifest_(readManifest(directory)) {
+StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes)
+    : directory_(directory), manifest_(readManifest(directory)) {
+  requireIndexWithin(manifest_, memory_bytes, directory_);
   const fs::path path = directory_ / "index.bin";
   const auto data = readChecked<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;

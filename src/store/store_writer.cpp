@@ -30,7 +30,7 @@ fs::path brickPath(const BrickKey& key) {
   return fmt::format("bricks/{}/{}_{}_{}.vdb", key.level, key.brick.x, key.brick.y, key.brick.z);
 }
 
-StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk)
+StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk, bool sub_ranges_on_disk)
     : directory_(directory), manifest_(std::move(draft)), disk_(disk), brick_mode_(brickModeOf(manifest_)) {
   if (isStore(directory)) {
     throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
@@ -44,6 +44,28 @@ StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& 
   }
   manifest_.container_version = containerVersion();
   index_ = BrickIndex(std::move(lattices));
+  if (sub_ranges_on_disk) sub_ranges_.emplace(disk_.makeScratch(directory_));
+}
+
+void StoreWriter::keep(const BrickKey& key, const BrickEntry& entry) {
+  BrickEntry& kept = index_.at(key);
+  kept = entry;
+  if (!sub_ranges_ || !entry.sub_ranges) return;
+  disk_.writeAt(*sub_ranges_, index_.place(key) * entry.sub_ranges->bytes().size(), entry.sub_ranges->bytes());
+  kept.sub_ranges.reset();
+}
+
+BrickEntry StoreWriter::wholeEntry(const BrickKey& key) const {
+  BrickEntry out = entry(key);
+  if (sub_ranges_ && !out.constant) out.sub_ranges = subRangesAt(index_.place(key));
+  return out;
+}
+
+std::shared_ptr<const SubRanges> StoreWriter::subRangesAt(std::size_t place) const {
+  const int along = subBricksOf(manifest_.brick_size);
+  std::vector<std::byte> bytes(SubRanges::bytesOf(along));
+  sub_ranges_->readAt(place * bytes.size(), bytes);
+  return std::make_shared<const SubRanges>(along, bytes);
 }
 
 BrickFrame StoreWriter::frame(const BrickKey& key) const {
@@ -106,14 +128,26 @@ std::uint64_t StoreWriter::bytesWritten() const {
 }
 
 void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_count) {
-  const std::vector<std::byte> index = index_.encode();
-  disk_.writeOwn(directory_ / "index.bin", index);
+  HashStream hash;
+  std::uint64_t index_bytes = 0;
+  BrickIndex::SubRangesAt missing;
+  if (sub_ranges_) missing = [this](std::size_t place) { return subRangesAt(place); };
+  disk_.writeOwn(directory_ / "index.bin", [&](const fs::path& next) {
+    disk_.writeFile(next, {}, WriteMode::kUnsynced);
+    index_.encode(
+        [&](std::span<const std::byte> piece) {
+          disk_.appendFile(next, piece);
+          hash.add(piece);
+          index_bytes += piece.size();
+        },
+        missing);
+  });
   // Nothing the manifest vouches for may reach the disk after it.
   disk_.syncAll(directory_);
   countStored();
   manifest_.range = range();
-  manifest_.index_bytes = index.size();
-  manifest_.index_checksum = hashOf(index);
+  manifest_.index_bytes = index_bytes;
+  manifest_.index_checksum = hash.value();
   manifest_.histogram = histogram;
   manifest_.nan_count = nan_count;
   disk_.writeOwn(directory_ / "manifest.json", manifestText(manifest_));

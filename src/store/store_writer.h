@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,7 +28,10 @@ class StoreWriter {
   /// `draft` has all but what the bricks decide (range, histogram, stored counts, index checksum).
   /// Bricks that are in `directory` already are replaced or kept, as the caller says. throws: Error kExists where
   /// `directory` is a store, kNoSpace, kIo.
-  StoreWriter(const std::filesystem::path& directory, Manifest draft, FileSystem& disk);
+  /// With `sub_ranges_on_disk` the sub-ranges of bricks, the most of a large index, are in a scratch file until the
+  /// store is finished.
+  StoreWriter(const std::filesystem::path& directory, Manifest draft, FileSystem& disk,
+              bool sub_ranges_on_disk = false);
 
   /// Makes the file of one brick, or notes that it is constant, and enters it in the index; it is still to be written.
   /// shape: `voxels` covers frame(key).stored(). thread: safe for different keys.
@@ -35,12 +40,15 @@ class StoreWriter {
   void write(const EncodedBrick& brick);
   /// Enters a brick that another writer has written, or is writing: an earlier one, or one of another process. thread:
   /// safe for different keys.
-  void keep(const BrickKey& key, const BrickEntry& entry) { index_.at(key) = entry; }
+  void keep(const BrickKey& key, const BrickEntry& entry);
   bool contains(const BrickKey& key) const { return index_.contains(key); }
   BrickFrame frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
-  /// requires: the brick was encoded or kept. thread: safe beside encoding other bricks.
+  /// Without sub-ranges where these are on disk. requires: the brick was encoded or kept. thread: safe beside encoding
+  /// other bricks.
   const BrickEntry& entry(const BrickKey& key) const { return index_.at(key); }
+  /// With its sub-ranges. requires, thread: as `entry`.
+  BrickEntry wholeEntry(const BrickKey& key) const;
 
   /// The range of all voxels, NaN aside. requires: every brick is entered.
   ValueRange range() const;
@@ -53,11 +61,13 @@ class StoreWriter {
 
  private:
   void countStored();
+  std::shared_ptr<const SubRanges> subRangesAt(std::size_t place) const;
   std::filesystem::path directory_;
   Manifest manifest_;
   FileSystem& disk_;
   const WriteMode brick_mode_;
   BrickIndex index_;
+  std::optional<File> sub_ranges_;  // on disk, one after the other in the order of the index
 };
 
 /// Where a directory holds some bricks only, which box of the volume they are for (kiln split).

@@ -207,12 +207,14 @@ class Verification {
 VerifyReport verify(const StoreReader& store, std::uint64_t memory_bytes,
                     const std::function<void(const Error&)>& damaged, Progress& progress,
                     const std::function<bool(const BrickKey&)>& holds) {
-  const std::uint64_t brick_bytes = store.largestReadBytes();
-  if (brick_bytes > memory_bytes)
+  const std::uint64_t brick_bytes = store.largestReadBytes(), index_bytes = store.index().bytes();
+  if (brick_bytes + index_bytes > memory_bytes)
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
-                fmt::format("{} is too little: checking one brick takes {}; give at least that",
-                            formatBytes(memory_bytes), formatBytes(brick_bytes)));
-  const std::uint64_t lanes = std::min<std::uint64_t>(memory_bytes / brick_bytes, ThreadLimit::active());
+                fmt::format("{} is too little: checking one brick takes {}, and the index {}; give --memory {}",
+                            formatBytes(memory_bytes), formatBytes(brick_bytes), formatBytes(index_bytes),
+                            roundedUpBytes(brick_bytes + index_bytes)));
+  const std::uint64_t lanes =
+      std::min<std::uint64_t>((memory_bytes - index_bytes) / brick_bytes, ThreadLimit::active());
   return Verification(store, damaged, progress, holds).run(static_cast<std::size_t>(lanes));
 }
 

@@ -134,7 +134,7 @@ TEST(ConvertParts, MayBeInMemoryOrInFiles) {
   ASSERT_EQ(ample.scratch_bytes, 0u);
   std::map<std::string, std::vector<std::byte>> first;
   std::vector<std::uint64_t> changes;
-  for (const double share : {1.0, 0.4, 0.0}) {
+  for (const double share : {1.0, 0.1, 0.0}) {
     const fs::path directory = freshDirectory("parts");
     asked.memory_bytes =
         ample.total() - ample.parts_bytes + static_cast<std::uint64_t>(share * static_cast<double>(ample.parts_bytes));
@@ -148,6 +148,26 @@ TEST(ConvertParts, MayBeInMemoryOrInFiles) {
   }
   EXPECT_LT(changes[0], changes[1]);
   EXPECT_LT(changes[1], changes[2]);
+}
+
+// Known because the index is the same, wherever its sub-ranges wait.
+TEST(ConvertSubRanges, MayBeInMemoryOrInAFile) {
+  const ThreadLimit one(1);
+  const DenseVolume volume = cheese({{70, 40, 40}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
+  DenseSource source(volume);
+  ConvertOptions asked = options();
+  const ConversionPlan ample = planConversion(source, asked);
+  ASSERT_GT(ample.sub_ranges_bytes, 0u);
+  Progress silent;
+  std::map<std::string, std::vector<std::byte>> stores[2];
+  for (const bool on_disk : {false, true}) {
+    if (on_disk) asked.memory_bytes = ample.index_bytes + ample.lane_bytes;
+    ASSERT_EQ(planConversion(source, asked).sub_ranges_on_disk, on_disk);
+    const fs::path directory = freshDirectory("sub_ranges");
+    convert(source, directory / "volume.kiln", asked, silent);
+    stores[on_disk ? 1 : 0] = filesOf(directory);
+  }
+  EXPECT_EQ(stores[1], stores[0]);
 }
 
 struct FaultCase {

@@ -29,10 +29,10 @@ ConvertOptions options(bool on_disk) {
   out.brick_size = 16;
   out.overwrite = true;
   if (!on_disk) return out;
-  // What the lanes need and one strip more: no layer of slices fits.
+  // What the lanes and the tables need and one strip more: no layer of slices fits.
   const ForwardSource source(volume());
   const ConversionPlan ample = planConversion(source, out);
-  out.memory_bytes = ample.lanes * ample.lane_bytes + stripBytes(source.info());
+  out.memory_bytes = ample.index_bytes + ample.lanes * ample.lane_bytes + stripBytes(source.info());
   EXPECT_TRUE(planConversion(source, out).window_on_disk);
   return out;
 }

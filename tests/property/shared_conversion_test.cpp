@@ -73,7 +73,8 @@ ConvertOptions optionsOf(const Case& c, Ranks* ranks) {
   out.labels = c.labels;
   if (c.parts_in_files) {
     const ConversionPlan ample = planConversion(*sourceOf(c), out);
-    out.memory_bytes = ample.total() - ample.parts_bytes;
+    out.memory_bytes = ample.total() - ample.parts_bytes - ample.sub_ranges_bytes;
+    EXPECT_TRUE(planConversion(*sourceOf(c), out).sub_ranges_on_disk);
   }
   return out;
 }

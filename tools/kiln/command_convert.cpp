@@ -27,9 +27,6 @@ struct ConvertArguments {
   SourceArguments source;
 };
 
-// A smaller index is within what a process takes anyhow.
-constexpr std::uint64_t kMentionedIndexBytes = 4 << 20;
-
 std::string firstLine(const SourceInfo& info) {
   const Extent3& dims = info.geometry.dims;
   return fmt::format("{} x {} x {} voxels of {} ({}) from {}", dims.x, dims.y, dims.z, nameOf(info.type),
@@ -49,8 +46,6 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
   say("reading      {}\n", readingOf(cost));
   say("memory       up to {} in buffers, of {} allowed; {} thread{}\n", formatBytes(cost.plan.total()),
       formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
-  if (cost.index_bytes > kMentionedIndexBytes)
-    say("             {} more at its end for the index of so many bricks\n", formatBytes(cost.index_bytes));
   const std::string bricks = fmt::format("{} brick{} of {} level{}", cost.bricks, cost.bricks == 1 ? "" : "s",
                                          cost.levels, cost.levels == 1 ? "" : "s");
   const std::string samples = cost.sampled_slices > 0 ? fmt::format("{} bricks of the first {} slices",

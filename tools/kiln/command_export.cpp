@@ -22,10 +22,11 @@ void run(const ExportArguments& a, Context& context) {
   outputs.add(a.output, "OUT");
   outputs.requireNone(a.store);
   refuseVolumeFile(a.store, "a store");
-  const StoreReader store(a.store);
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const StoreReader store(a.store, memory_bytes);
   store.requireLevel(a.level);
-  const ExportReport report = exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite,
-                                        parseBytes(a.memory, "--memory"));
+  const ExportReport report =
+      exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite, memory_bytes);
   context.progress.clear();
   say("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
 }
@@ -39,7 +40,7 @@ void addExport(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("OUT", a->output, "the .vdb to write")->required();
   command->add_option("--level", a->level, "0 is finest")->capture_default_str();
-  addMemory(*command, a->memory, "the grid and a brick")->capture_default_str();
+  addMemory(*command, a->memory, "the grid, a brick and the index")->capture_default_str();
   command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

@@ -174,7 +174,7 @@ void addInfo(CLI::App& app, Context& context) {
   command->add_flag("--json", *json,
                     "for programs: a store's manifest, and what it takes on disk; a picture's job, which kiln render "
                     "draws again");
-  addMemory(*command, *memory, "the texts of a picture")->capture_default_str();
+  addMemory(*command, *memory, "the index of a store, or the texts of a picture")->capture_default_str();
   command->callback([path, json, memory, &context] {
     context.action = [path, json, memory] {
       const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");
@@ -187,7 +187,7 @@ void addInfo(CLI::App& app, Context& context) {
           printPicture(*path, memory_bytes);
         return;
       }
-      const StoreReader store(*path);  // checks before anything is printed
+      const StoreReader store(*path, memory_bytes);  // checks before anything is printed
       if (*json) {
         sayJson(textForPrograms(store));
       } else {

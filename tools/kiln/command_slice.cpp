@@ -40,7 +40,7 @@ void run(const SliceArguments& a, Context& context) {
   request.memory_bytes = parseBytes(a.memory, "--memory");
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   refuseVolumeFile(a.store, "a store");
-  const StoreReader store(a.store);
+  const StoreReader store(a.store, request.memory_bytes);
   const Image image = renderSlice(store, request, context.progress);
   writeImage(image, {}, {}, a.output);
   if (request.window && !store.manifest().range.empty())
@@ -60,7 +60,7 @@ void addSlice(CLI::App& app, Context& context) {
   command->add_option("--level", a->level, "0 is finest")->capture_default_str();
   command->add_option("--index", a->index, "the slice, in voxels of the level; the middle one if not given");
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
-  addMemory(*command, a->memory, "the picture and a brick")->capture_default_str();
+  addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

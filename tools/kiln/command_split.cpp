@@ -14,7 +14,7 @@ namespace kiln::tool {
 namespace {
 
 struct SplitArguments {
-  std::string store, output, tf = "auto";
+  std::string store, output, tf = "auto", memory = kDefaultMemory;
   int parts = 0;
 };
 
@@ -24,7 +24,7 @@ void run(const SplitArguments& a, Context& context) {
   if (a.parts < 1 || a.parts > kMostParts)
     throw Error(ErrorCode::kUsage, fmt::format("--parts: expected 1 to {}, found {}", kMostParts, a.parts));
   refuseVolumeFile(a.store, "a store");
-  const StoreReader store(a.store);
+  const StoreReader store(a.store, parseBytes(a.memory, "--memory"));
   PictureOptions picture;
   picture.transfer_function = transferFunctionNamed(a.tf, "--tf");
   const std::vector<VoxelBox> boxes = boxesForRanks(store, transferFunctionFor(picture, store), a.parts);
@@ -54,6 +54,7 @@ void addSplit(CLI::App& app, Context& context) {
       ->add_option("--tf", a->tf,
                    "the transfer function that is to be drawn: each part has an even share of what it shows")
       ->capture_default_str();
+  addMemory(*command, a->memory, "the index")->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

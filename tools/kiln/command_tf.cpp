@@ -9,7 +9,7 @@
 #include "say.h"
 #include "scene/presets.h"
 #include "scene_arguments.h"
-#include "store/store_reader.h"
+#include "store/read_manifest.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
@@ -47,7 +47,7 @@ Subject subjectOf(const TfArguments& a) {
   std::error_code ignored;
   if (fs::is_directory(a.input, ignored)) {
     const std::string tf = a.tf.empty() ? "auto" : a.tf;
-    return {StoreReader(a.input).manifest(), transferFunctionNamed(tf, "--tf"), true};
+    return {readManifest(a.input), transferFunctionNamed(tf, "--tf"), true};
   }
   if (!a.tf.empty()) throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store, and '{}' is none", a.input));
   const TransferFunctionChoice choice = transferFunctionNamed(a.input, "kiln tf");

@@ -37,12 +37,12 @@ std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
 void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   refuseVolumeFile(a.store, "a store");
-  const StoreReader store(a.store);
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const StoreReader store(a.store, memory_bytes);
   std::function<bool(const BrickKey&)> holds;
   if (const std::optional<VoxelBox> part = partOf(store, context.progress)) holds = bricksOfStorePart(store, *part);
   const VerifyReport report = verify(
-      store, parseBytes(a.memory, "--memory"), [&](const Error& damage) { context.progress.note(damage.what()); },
-      context.progress, holds);
+      store, memory_bytes, [&](const Error& damage) { context.progress.note(damage.what()); }, context.progress, holds);
   context.progress.clear();
   if (report.damaged > 0)
     throw Error(ErrorCode::kDamaged, store.path(), "",
@@ -57,7 +57,7 @@ void addVerify(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "verify", "check every file of a store against its checksum, and every octree against its voxels");
   command->add_option("STORE", a->store, "the store")->required();
-  addMemory(*command, a->memory, "bricks")->capture_default_str();
+  addMemory(*command, a->memory, "bricks and the index")->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
