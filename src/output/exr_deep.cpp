@@ -84,27 +84,22 @@ Imf::Compression deepCompression(const std::string& name) {
 
 }  // namespace
 
-std::vector<std::byte> encodeDeepExr(const DeepSamples& samples, const ImageMetadata& metadata,
-                                     const ImageFileOptions& options, const std::filesystem::path& path) {
+void encodeDeepExr(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
+                   const std::filesystem::path& path, ScratchOutput& out) {
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
   Imf::Header header =
       exrHeader(samples.rect().width(), samples.rect().height(), metadata, deepCompression(options.exr_compression));
   header.setType(Imf::DEEPSCANLINE);
   for (const char* name : kExrChannelNames) header.channels().insert(name, Imf::Channel(type));
   for (const char* name : {"Z", "ZBack"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-  try {
-    ExrWriter stream;
-    {
-      Imf::DeepScanLineOutputFile file(stream, header, 0);
-      if (options.exr_float)
-        writeDeepRows<float>(file, samples, type);
-      else
-        writeDeepRows<half>(file, samples, type);
-    }  // the destructor writes the table of scanline offsets
-    return stream.take();
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
-  }
+  writeExr(out, path, [&](Imf::OStream& stream) {
+    // The destructor writes the table of scanline offsets.
+    Imf::DeepScanLineOutputFile file(stream, header, 0);
+    if (options.exr_float)
+      writeDeepRows<float>(file, samples, type);
+    else
+      writeDeepRows<half>(file, samples, type);
+  });
 }
 
 }  // namespace kiln

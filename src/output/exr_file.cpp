@@ -22,6 +22,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "output/exr_cost.h"
 #include "output/exr_deep_check.h"
 #include "output/exr_head.h"
 #include "output/exr_parts.h"
@@ -83,20 +84,17 @@ Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
 }
 
-// Rows that are converted, and compressed by several threads, at a time: a few of OpenEXR's blocks for each thread, but
-// at most 32 MiB of rows, and at least 32 rows, which is a block of most compressions.
-int rowsAtATime(std::size_t row_bytes) {
-  constexpr std::size_t kMostBytes = 32u << 20, kLeastRows = 32;
-  const std::size_t most = std::max(kLeastRows, kMostBytes / row_bytes / kLeastRows * kLeastRows);
-  return static_cast<int>(
-      std::min(most, std::size_t{64} * static_cast<std::size_t>(std::max(1, compressingThreads()))));
+// How a picture of these channels is written in the memory that the options leave for it.
+ExrWork workOf(const Image& image, int height, const ImageFileOptions& options) {
+  const ExrShape shape{image.width, height, options.exr_float, sizeof(float) * image.planes.size(),
+                       options.exr_compression};
+  return exrWorkWithin(shape, options.writer_bytes);
 }
 
 // `File` is a file of one part, or a part.
 template <class T, class File, class Convert>
-void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, Convert convert) {
+void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, Convert convert) {
   const std::size_t row = static_cast<std::size_t>(picture.width) * 4;
-  const int most = std::min(rowsAtATime(row * sizeof(T)), picture.height);
   std::vector<T> values(row * static_cast<std::size_t>(most));
   const Imath::V2i& first = file.header().dataWindow().min;
   for (int y = 0; y < picture.height;) {
@@ -119,30 +117,24 @@ void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, Convert co
   }
 }
 
+// `most`: rows at a time.
 template <class File>
-void writeRows(File& file, ImageRows& picture, Imf::PixelType type) {
+void writeRows(File& file, ImageRows& picture, Imf::PixelType type, int most) {
   if (type == Imf::FLOAT)
-    writeRowsAs<float>(file, picture, type, [](float v) { return v; });
+    writeRowsAs<float>(file, picture, type, most, [](float v) { return v; });
   else
-    writeRowsAs<half>(file, picture, type, clampedHalf);
+    writeRowsAs<half>(file, picture, type, most, clampedHalf);
 }
 
-template <class File>
-void writeRows(File& file, const Image& image, Imf::PixelType type) {
-  RowsOfImage rows(image);
-  writeRows(file, rows, type);
-}
-
-// Runs what writes into a stream; whatever OpenEXR throws becomes an error of the file.
-template <class Write>
-std::vector<std::byte> writing(const std::filesystem::path& path, Write write) {
-  try {
-    ExrWriter stream;
-    write(stream);
-    return stream.take();
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
-  }
+void writePicture(Imf::OStream& stream, ImageRows& rows, const ImageMetadata& metadata,
+                  const ImageFileOptions& options) {
+  const Image& first = *rows.bandAt(0).image;
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  const ExrWork work = workOf(first, rows.height, options);
+  // The file's destructor writes the table of scanline offsets.
+  Imf::OutputFile file(stream, headerOf(first, rows.height, metadata, type, exrCompression(options.exr_compression)),
+                       compressingThreads(work.threads));
+  writeRows(file, rows, type, work.rows);
 }
 
 // Runs what reads a hostile file; whatever OpenEXR throws becomes an error of the file.
@@ -268,39 +260,28 @@ bool looksLikeExr(std::span<const std::byte> data) {
 
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path) {
-  const Imf::Compression compression = exrCompression(options.exr_compression);
-  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-  const Imf::Header header = headerOf(image, image.height, metadata, type, compression);
-  return writing(path, [&](ExrWriter& stream) {
-    // The file's destructor writes the table of scanline offsets.
-    Imf::OutputFile file(stream, header, compressingThreads());
-    writeRows(file, image, type);
-  });
+  RowsOfImage rows(image);
+  ExrWriter stream;
+  try {
+    writePicture(stream, rows, metadata, options);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+  return stream.take();
 }
 
 void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                const std::filesystem::path& path, ScratchOutput& out) {
-  const Imf::Compression compression = exrCompression(options.exr_compression);
-  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-  ExrScratchWriter stream(out);
-  try {
-    Imf::OutputFile file(stream, headerOf(*rows.bandAt(0).image, rows.height, metadata, type, compression),
-                         compressingThreads());
-    writeRows(file, rows, type);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    stream.finish();
-    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
-  }
-  stream.finish();
+  writeExr(out, path, [&](Imf::OStream& stream) { writePicture(stream, rows, metadata, options); });
 }
 
-std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
-                                      const std::filesystem::path& path) {
+void encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                    const std::filesystem::path& path, ScratchOutput& out) {
   const Imf::Compression compression = exrCompression(options.exr_compression);
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
-  return writing(path, [&](ExrWriter& stream) {
+  writeExr(out, path, [&](Imf::OStream& stream) {
     std::vector<Imf::Header> headers;
     for (const ImageView& view : views) {
       Imf::Header& header =
@@ -309,11 +290,16 @@ std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const Im
       header.setName(view.name);
       header.setView(view.name);
     }
+    // The parts' buffers are there together.
+    ImageFileOptions of_part = options;
+    of_part.writer_bytes /= views.size();
+    const ExrWork work = workOf(*views.front().image, views.front().image->height, of_part);
     Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false,
-                                  compressingThreads());
+                                  compressingThreads(work.threads));
     for (std::size_t i = 0; i < views.size(); ++i) {
       Imf::OutputPart part(file, static_cast<int>(i));
-      writeRows(part, *views[i].image, type);
+      RowsOfImage rows(*views[i].image);
+      writeRows(part, rows, type, work.rows);
     }
   });
 }

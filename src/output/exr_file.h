@@ -28,8 +28,8 @@ void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOp
                const std::filesystem::path& path, ScratchOutput& out);
 
 /// The same of several views: scanline parts whose attributes `name` and `view` are the view's name.
-std::vector<std::byte> encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
-                                      const std::filesystem::path& path);
+void encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                    const std::filesystem::path& path, ScratchOutput& out);
 
 /// The data window of the first part, with the planes that are named, in at most `memory_bytes` beside `data`. throws:
 /// Error kFormat, kUnsupported, kBudget, naming `path`.

@@ -10,9 +10,6 @@
 #include <cstring>
 #include <map>
 
-#include "base/error.h"
-#include "base/parallel.h"
-
 namespace kiln {
 namespace {
 
@@ -57,9 +54,7 @@ Imf::Compression exrCompression(const std::string& name) {
   throw Error(ErrorCode::kUsage, "'" + name + "' is no compression of OpenEXR's that Kiln writes");
 }
 
-int compressingThreads() {
-  const auto wanted = static_cast<int>(std::min(ThreadLimit::active(), 16u));
-  if (wanted < 2) return 0;
+int compressingThreads(int wanted) {
   if (Imf::globalThreadCount() < wanted) Imf::setGlobalThreadCount(wanted);
   return wanted;
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "output/image_file.h"
 #include "output/scratch_output.h"
 
@@ -52,15 +53,31 @@ class ExrScratchWriter : public Imf::OStream {
   std::exception_ptr failure_;
 };
 
+/// Runs write(stream), which writes a file of OpenEXR to `out`. throws: what `out` and `write` throw; whatever OpenEXR
+/// throws as Error kIo of the file `path`.
+template <class Write>
+void writeExr(ScratchOutput& out, const std::filesystem::path& path, Write write) {
+  ExrScratchWriter stream(out);
+  try {
+    write(stream);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    stream.finish();
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+  stream.finish();
+}
+
 /// throws: Error kUsage where there is none of this name.
 Imf::Compression exrCompression(const std::string& name);
 
 /// Windows and attributes, without channels.
 Imf::Header exrHeader(int width, int height, const ImageMetadata& metadata, Imf::Compression compression);
 
-/// How many of OpenEXR's own threads may compress a file: as many as are in force, none where that is one. They are the
-/// process's, and stay.
-int compressingThreads();
+/// Makes as many of OpenEXR's own threads as are to compress a file, and returns their number. They are the process's,
+/// and stay.
+int compressingThreads(int wanted);
 
 inline half clampedHalf(float v) { return half(std::clamp(v, -65504.0f, 65504.0f)); }
 

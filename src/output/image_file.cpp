@@ -17,7 +17,7 @@ namespace {
 
 // A file of a larger picture is not held in memory while it is encoded: beside a budget it may be as large as the
 // picture. unit: bytes of pixels.
-constexpr std::size_t kEncodedInMemory = std::size_t{16} << 20;
+constexpr std::size_t kEncodedInMemory = std::size_t{1} << 20;
 
 std::size_t pixelBytes(const Image& image) {
   return sizeof(float) * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
@@ -65,12 +65,16 @@ void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileO
 
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
                      const std::filesystem::path& path, FileSystem& disk) {
-  disk.writeAtomic(path, encodeExrViews(views, options, path));
+  ScratchOutput out(path, disk);
+  encodeExrViews(views, options, path, out);
+  out.publish();
 }
 
 void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
                     const std::filesystem::path& path, FileSystem& disk) {
-  disk.writeAtomic(path, encodeDeepExr(samples, metadata, options, path));
+  ScratchOutput out(path, disk);
+  encodeDeepExr(samples, metadata, options, path, out);
+  out.publish();
 }
 
 namespace {

@@ -40,10 +40,12 @@ struct ImageFileOptions {
   int png_bits = 8;        // 8 or 16
   /// none, rle, zips, zip, piz, or, with loss, dwaa or dwab.
   std::string exr_compression = "zip";
+  /// What compressing an EXR may hold beside the picture (output/exr_cost.h); with more, more threads take part.
+  std::uint64_t writer_bytes = UINT64_MAX;
 };
 
 /// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory, of
-/// up to 16 MiB of pixels; of larger pictures disk space for that file twice.
+/// up to a MiB of pixels; of larger pictures disk space for that file twice.
 /// throws: Error kUsage (another extension; planes in a PNG; an unknown compression), kNoSpace, kIo.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());

@@ -67,6 +67,8 @@ std::string dryRunText(const DryRun& run) {
                                         {"slabs_bytes", run.memory.slabs},
                                         {"trace_bytes", run.memory.trace},
                                         {"index_bytes", run.memory.index},
+                                        {"files_bytes", run.memory.files},
+                                        {"threads_bytes", run.memory.threads},
                                         {"brick_bytes", run.memory.brick}}}};
   return out.dump(1) + "\n";
 }

@@ -125,10 +125,11 @@ std::vector<OutputFile> patternsOf(const RenderJob& job) {
   return ofEyes(out, job.picture.stereo);
 }
 
-void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const StoreReader& store) {
+void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const StoreReader& store,
+               std::uint64_t writer_bytes) {
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
-  const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression};
+  const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
   if (drawn.tiles) {
     TileRows rows(*drawn.tiles, file, aovsOf(job, file));
     return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
@@ -227,12 +228,13 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
                                           nameIn(kContentNames, file.content), kind, textOf(of_file, scene)))));
 }
 
-void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store) {
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
+                std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
     Span span(Activity::kWrite);
     if (span.traced()) span.note("file", file.path.filename().native());
-    writeFile(job, file, drawn, store);
+    writeFile(job, file, drawn, store, writer_bytes);
   }
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

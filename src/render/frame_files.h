@@ -35,9 +35,10 @@ std::string frameText(const RenderJob& job, const OutputFile& file, const FrameS
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
                         const Manifest& manifest);
 
-/// Writes all files of a frame, each of them whole or not at all, and notes how long it took. throws: Error kNoSpace,
-/// kIo.
-void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store);
+/// Writes all files of a frame, each of them whole or not at all, and notes how long it took. Compressing them takes up
+/// to `writer_bytes` (FrameMemory::files). throws: Error kNoSpace, kIo.
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
+                std::uint64_t writer_bytes);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
 /// Whether the file is there and this job's, read to its end. throws: Error kExists where it is another job's picture,

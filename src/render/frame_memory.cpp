@@ -14,6 +14,8 @@
 #include "frame/brick_walk.h"
 #include "frame/make_visibility.h"
 #include "frame/volume_mix.h"
+#include "output/exr_cost.h"
+#include "output/image_file.h"
 #include "render/aov_planes.h"
 #include "render/frame_drawing.h"
 #include "render/panorama.h"
@@ -47,6 +49,12 @@ bool castsRays(const RenderJob& job) {
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
+// Stacks of threads, and what the allocator and TBB keep for each. Measured: most in the first few, which decode bricks.
+std::uint64_t threadsBytes() {
+  constexpr std::uint64_t kFirst = 16, kFirstBytes = 384 << 10, kOtherBytes = 128 << 10;
+  const std::uint64_t threads = ThreadLimit::active();
+  return std::min(threads, kFirst) * kFirstBytes + (threads - std::min(threads, kFirst)) * kOtherBytes;
+}
 // Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
 constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
 
@@ -117,7 +125,8 @@ std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
 // Charges one thing after the other; what may take a share of the rest comes after what must be there.
 class FrameAccount {
  public:
-  FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes)
+  FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+               const std::optional<PixelRect>& written)
       : stores_(stores),
         job_(ofDrawnPixels(job)),
         size_(job_.picture.size),
@@ -126,6 +135,7 @@ class FrameAccount {
         pixels_(drawn_.count()),
         panorama_(job_.picture.camera.projection == Projection::kEquirectangular),
         banded_(!filter_.inPlace(drawn_, size_)),
+        written_(written.value_or(drawn_)),
         tested_(testedSize(job_, drawn_, filter_)) {
     out_.brick = brick_bytes;
     out_.several = !job.volumes.empty();
@@ -137,9 +147,13 @@ class FrameAccount {
     chargeFace();
     if (job_.picture.mode == Mode::kComposite) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
     chargeIndex();
+    out_.threads = threadsBytes();
+    chargeFiles(0);
+    out_.least_files = out_.files;
     if (castsRays(job_)) chargeSlabs();
     if (splatsVoxels(job_)) chargePlanes();
     if (banded_) shareWithBand();
+    chargeFiles(shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.files + out_.brick));
     chooseBricksTogether();
     return out_;
   }
@@ -167,9 +181,28 @@ class FrameAccount {
   }
 
   void chargeIndex() {
-    const std::uint64_t of_brick = job_.volumes.empty() ? kWalkBytes + sizeof(BrickInView) : kMixBytes;
+    const std::uint64_t lists = job_.picture.mode == Mode::kComposite ? 1 : 2;
+    const std::uint64_t of_brick = job_.volumes.empty() ? kWalkBytes + lists * sizeof(BrickInView) : kMixBytes;
     for (const StoreReader* const store : stores_)
       out_.index += store->index().bytes() + store->index().size() * of_brick;
+  }
+
+  // The largest of the files, which are written one after the other; both eyes may be in one.
+  void chargeFiles(std::uint64_t share) {
+    const std::vector<std::filesystem::path> names = namesOf(job_.output);
+    if (std::none_of(names.begin(), names.end(), isExrPath)) return;
+    const std::uint64_t eyes = eyesOf(job_.picture).size();
+    const auto bytesOf = [&](const ExrShape& shape) {
+      return eyes * exrBytes(shape, exrWorkWithin(shape, share / eyes));
+    };
+    const ExrShape flat{written_.width(), written_.height(), job_.output.exr_float || drawsPart(job_.picture),
+                        aovBytes(job_.picture.aovs), job_.output.exr_compression};
+    out_.files = bytesOf(flat);
+    if (!drawsDeep(job_)) return;
+    constexpr std::uint64_t kDepths = 2 * sizeof(float);
+    const ExrShape deep{written_.width() * std::int64_t{job_.output.deep_bound.samples}, written_.height(),
+                        job_.output.exr_float, kDepths, "zips"};
+    out_.files = std::max(out_.files, exrBytes(deep, exrWork(deep, 0)));
   }
 
   // The most bricks at a time that stay little of the budget.
@@ -220,6 +253,7 @@ class FrameAccount {
   const PixelFilter filter_;
   const std::uint64_t pixels_;
   const bool panorama_, banded_;
+  const PixelRect written_;
   ImageSize tested_;  // what visibility is known of
   FrameMemory out_;
 };
@@ -230,9 +264,9 @@ FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
   return frameMemory({&store}, job, store.largestReadBytes());
 }
 
-FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job,
-                        std::uint64_t brick_bytes) {
-  return FrameAccount(stores, job, brick_bytes).charged();
+FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+                        const std::optional<PixelRect>& written) {
+  return FrameAccount(stores, job, brick_bytes, written).charged();
 }
 
 std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job) {
@@ -256,7 +290,9 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             part(memory.least_band, "a band of samples (--samples, --crop of rays)") +
                                 part(memory.deep, "deep samples (--deep-samples)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
-                            part(memory.trace, "the trace"), formatBytes(memory.brick), memory.brickText()));
+                            part(memory.least_files, "a file's compression (--compression)") +
+                                part(memory.threads, "threads' stacks (--threads)") + part(memory.trace, "the trace"),
+                            formatBytes(memory.brick), memory.brickText()));
   }
   return budget_bytes - memory.besideBricks() - sparePagesBytes(memory, budget_bytes);
 }

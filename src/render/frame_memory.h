@@ -22,6 +22,8 @@ struct FrameMemory {
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
   std::uint64_t slabs = 0;       // what each thread draws with: cells, sums of several volumes; a tile of voxels
+  std::uint64_t files = 0;       // compressing the picture's files, with as many threads as a share of the rest allows
+  std::uint64_t threads = 0;     // their stacks and what the libraries keep for each
   std::uint64_t trace = 0;       // the trace, where one is kept
   std::uint64_t behind = 0;      // of a sequence, the frame before, of which files are written; of what the rest leaves
   std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves
@@ -31,17 +33,20 @@ struct FrameMemory {
 
   std::uint64_t least_slabs = 0;              // with one brick at a time
   std::uint64_t least_band = 0;               // with the lowest band
+  std::uint64_t least_files = 0;              // with one thread
   int bricks_together = kMostBricksTogether;  // that are drawn at a time, as many as leave room for the rest
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
-  std::uint64_t besideBricks() const { return framebuffer() + visibility + index + slabs + trace + shared; }
+  std::uint64_t besideBricks() const {
+    return framebuffer() + visibility + index + slabs + files + threads + trace + shared;
+  }
   /// All that grows with the pixels that are drawn.
   std::uint64_t framebuffer() const { return image + face + band + deep + behind; }
   /// What `brick` is for, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
-    return besideBricks() - shared - behind - slabs + least_slabs - band + least_band + brick;
+    return besideBricks() - shared - behind - slabs + least_slabs - band + least_band - files + least_files + brick;
   }
 };
 
@@ -53,8 +58,9 @@ struct MemoryBeside {
   std::optional<PixelRect> at_a_time;
 };
 
-/// `brick_bytes` is the least that bricks need.
-FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes);
+/// `brick_bytes` is the least that bricks need, `written` the pixels of the files where these are more than are drawn.
+FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+                        const std::optional<PixelRect>& written = {});
 /// Of one volume.
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 

@@ -95,8 +95,13 @@ Aovs drawnAovs(const RenderJob& job) {
 
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
   std::vector<std::unique_ptr<StoreReader>> out;
-  for (const VolumeOptions& volume : job.volumes) out.push_back(std::make_unique<StoreReader>(volume.volume));
-  if (out.empty()) out.push_back(std::make_unique<StoreReader>(job.volume));
+  std::uint64_t left = job.speed.memory_bytes;
+  const auto open = [&](const std::filesystem::path& path) {
+    out.push_back(std::make_unique<StoreReader>(path, left));
+    left -= std::min(left, out.back()->index().bytes());
+  };
+  for (const VolumeOptions& volume : job.volumes) open(volume.volume);
+  if (out.empty()) open(job.volume);
   placeTogether(job, out);
   return out;
 }
@@ -116,12 +121,13 @@ std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<Store
 FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
                      const MemoryBeside& beside) {
   job.picture.samples = scenes.mostSamples();
+  const PixelRect written = drawnPixels(job.picture.size, job.picture.crop);
   if (beside.at_a_time) job.picture.crop = beside.at_a_time;
   std::uint64_t least = 0;
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
-  FrameMemory out = frameMemory(stores, job, least);
+  FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
   out.image += beside.bytes;
   return out;
 }
@@ -231,6 +237,8 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.framebuffer_bytes = memory_.framebuffer();
   statistics.visibility_bytes = memory_.visibility;
   statistics.index_bytes = memory_.index;
+  statistics.files_bytes = memory_.files;
+  statistics.threads_bytes = memory_.threads;
   statistics.slabs_bytes = memory_.slabs;
   statistics.trace_bytes = memory_.trace;
   statistics.shared_reads_bytes = memory_.shared;

@@ -71,7 +71,9 @@ class OpenedJob {
   void judge(DrawnFrame& drawn) const;
   /// Notes that a deep picture is not the flat picture of the same options, unless a flat one is drawn beside it.
   void noteDeep(Progress& progress) const;
-  /// What the memory is for, and the most that was taken of it so far.
+  /// What the memory is for.
+  const FrameMemory& memory() const { return memory_; }
+  /// The same as statistics, and the most that was taken of it so far.
   void describeMemory(RenderStatistics& statistics) const;
 
  private:

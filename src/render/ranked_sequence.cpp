@@ -93,7 +93,7 @@ void RankedSequence::attempt(FrameReport& report, const std::function<void()>& b
 
 void RankedSequence::write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn) {
   opened.judge(drawn);
-  writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.store());
+  writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.store(), opened.memory().files);
   ++own_.frames_written;
 }
 

@@ -77,7 +77,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
     drawn = {};  // the picture before is not held while the next is drawn
     drawn = opened.draw(number, repeat == 1 ? progress : of_one);
     opened.judge(drawn);
-    if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store());
+    if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store(), opened.memory().files);
     result.statistics.add(drawn.statistics);
     progress.advance("rendering", "frames", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(repeat));
   }

@@ -91,12 +91,14 @@ class Sequence {
     opened.judge(drawn);
     finishWriting();
     if (!opened.writesBehind()) {
-      writeFrame(opened.job(), frame, drawn, opened.store());
+      writeFrame(opened.job(), frame, drawn, opened.store(), opened.memory().files);
       return written(opened, frame, drawn.statistics);
     }
     unwritten_.emplace(Unwritten{frame, opened, std::move(drawn)});
     if (!writer_) writer_.emplace("writes");
-    writer_->begin([&of = *unwritten_] { writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.store()); });
+    writer_->begin([&of = *unwritten_] {
+      writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.store(), of.opened.memory().files);
+    });
   }
 
   // Waits for the frame that is being written, if there is one.

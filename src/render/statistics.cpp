@@ -185,6 +185,8 @@ std::string statisticsText(const RenderStatistics& s) {
                    {"framebuffer_bytes", s.framebuffer_bytes},
                    {"visibility_bytes", s.visibility_bytes},
                    {"index_bytes", s.index_bytes},
+                   {"files_bytes", s.files_bytes},
+                   {"threads_bytes", s.threads_bytes},
                    {"slabs_bytes", s.slabs_bytes},
                    {"peak_slabs_bytes", s.peak_slabs_bytes},
                    {"shared_reads_bytes", s.shared_reads_bytes},

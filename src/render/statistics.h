@@ -107,7 +107,8 @@ struct RankStatistics {
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
   std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
-  std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0;
+  std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0,
+                files_bytes = 0, threads_bytes = 0;
   std::uint64_t shared_reads_bytes = 0;  // of brick files that ranks send one another
   std::uint64_t trace_bytes = 0;         // of the trace, where one is kept
   std::uint64_t slabs_bytes = 0,

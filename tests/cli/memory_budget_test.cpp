@@ -79,7 +79,7 @@ TEST(MemoryBudget, SumsOfSeveralVolumesAreInTheAccount) {
 // what the allocator keeps, as the system counts the process. From `least_mib` on, a row must draw or convert; below,
 // it refuses in one line.
 struct BudgetRow {
-  const char* name;
+  std::string name;
   int least_mib;                       // the smallest of kBudgetsMib that suffices
   std::vector<std::string> arguments;  // IN/ stands for the test's folder
 };
@@ -98,6 +98,16 @@ BudgetRow rendered(const char* name, int least_mib, std::vector<std::string> opt
 BudgetRow converted(const char* name, int least_mib, const char* input, std::vector<std::string> options = {}) {
   options.insert(options.begin(), {"convert", input, "IN/c.kiln", "--overwrite"});
   return {name, least_mib, options};
+}
+
+// With more threads than the budget has room for.
+BudgetRow compressed(const std::string& compression, const std::string& type, int least_mib,
+                     const std::string& size = "900x900", std::vector<std::string> options = {}) {
+  options.insert(options.end(), {"--size", size, "--samples", "1", "--threads", "8", "--exr-type", type,
+                                 "--compression", compression});
+  BudgetRow out = rendered("", least_mib, options);
+  out.name = "EXR " + compression + " " + type;
+  return out;
 }
 
 // Least budgets: what threads draw with takes 3 MiB, a brick of 64³ voxels 2 MiB, one of 128³ 10 MiB. The image and
@@ -121,7 +131,37 @@ std::vector<BudgetRow> pictureRows() {
       rendered("checkpoint", 34, {"--size", "900x900", "--samples", "1", "--checkpoint"}),
       {"projected values", 16, {"render", "IN/head.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500"}},
       {"slice", 16, {"slice", "IN/head.kiln", "-o", "IN/o.png"}},
+      compressed("dwab", "float", 48),
+      compressed("piz", "half", 32),
   };
+}
+
+// What reads a store of so many bricks that their index is the most that it holds: 5 MiB of 32,767 bricks.
+std::vector<BudgetRow> manyBricksRows() {
+  const std::string store = "IN/thin.kiln";
+  return {
+      {"render, many bricks", 16, {"render", store, "-o", "IN/o.png", "--size", "64x64", "--tf", "grayscale"}},
+      {"means, many thin bricks", 16, {"render", store, "-o", "IN/o.png", "--size", "64x64", "--mode", "average"}},
+      {"slice, many bricks", 16, {"slice", store, "-o", "IN/o.png", "--axis", "x"}},
+      {"export, many bricks", 16, {"export", store, "IN/o.vdb", "--overwrite"}},
+      {"info, many bricks", 16, {"info", store}},
+      {"verify, many bricks", 16, {"verify", store}},
+      {"split, many bricks", 16, {"split", store, "-o", "IN/thin_#.kiln", "--parts", "2", "--tf", "grayscale"}},
+      {"convert, many bricks",
+       16,
+       {"convert", "IN/thin.raw", "IN/c.kiln", "--overwrite", "--dims", "2097152,1,1", "--type", "u8"}},
+  };
+}
+
+// A picture of 36 bytes a pixel in compressions that hold much of it, with more threads than there is memory for.
+std::vector<BudgetRow> compressedRows() {
+  std::vector<BudgetRow> out;
+  for (const char* const type : {"half", "float"}) {
+    for (const char* const compression : {"none", "rle", "zips", "zip", "piz", "dwaa", "dwab"}) {
+      out.push_back(compressed(compression, type, 128, "2000x2000", {"--zoom", "0.5", "--aov", "depth,normal"}));
+    }
+  }
+  return out;
 }
 
 // Pictures and volumes that fill larger budgets.
@@ -159,6 +199,8 @@ std::vector<BudgetRow> conversionRows() {
       converted("convert raw", 48, "IN/noise.raw", raw),
       converted("convert raw, small bricks", 16, "IN/noise.raw",
                 {"--dims", "160,160,160", "--type", "u16", "--brick-size", "64"}),
+      converted("convert raw, tiny bricks", 16, "IN/small.raw",
+                {"--dims", "64,64,64", "--type", "u16", "--brick-size", "8", "--threads", "8"}),
       converted("convert gzip NRRD", 48, "IN/packed.nrrd"),
       converted("convert OpenVDB", 128, "IN/head.vdb"),
       converted("convert OpenVDB of a pipe", 128, "IN/piped.vdb"),
@@ -255,8 +297,9 @@ class BudgetTable : public ::testing::Test {
     makeSlices(volume, voxels);
   }
 
- private:
   fs::path in(const std::string& name) const { return directory_ / name; }
+
+ private:
   static void made(const std::vector<std::string>& arguments) {
     const ToolResult result = runTool(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -282,6 +325,11 @@ class BudgetTable : public ::testing::Test {
     const std::string voxels = noise().stored(false);
     writeText(in("noise.raw"), voxels);
     writeText(in("packed.nrrd"), nrrdHeader("gzip") + gzipped(voxels));
+    writeText(in("small.raw"), voxels.substr(0, std::size_t{2} * 64 * 64 * 64));
+    // Sparse files, all of one value.
+    writeText(in("thin.raw"), "");
+    fs::resize_file(in("thin.raw"), 2 << 20);
+    made({"convert", in("thin.raw"), in("thin.kiln"), "--dims", "2097152,1,1", "--type", "u8"});
   }
 
   void makeSlices(const ForeignVolume& volume, const std::string& voxels) const {
@@ -310,15 +358,36 @@ class BudgetTable : public ::testing::Test {
   fs::path directory_;
 };
 
+// Tables of 16 million bricks: refused before anything is read or written, with the memory that suffices.
+TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
+  fs::resize_file(in("thin.raw"), 1ull << 30);
+  const std::vector<std::string> input = {"convert",        in("thin.raw"), in("c.kiln"), "--dims",
+                                          "1073741824,1,1", "--type",       "u8"};
+  for (const bool dry : {false, true}) {
+    std::vector<std::string> arguments = input;
+    arguments.insert(arguments.end(), {"--memory", "64M"});
+    if (dry) arguments.push_back("--dry-run");
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_LE(static_cast<double>(result.peak_resident_bytes) / (1 << 20), 64 + kOwnMib);
+    ASSERT_EQ(result.errorLines().size(), 1u) << result.err;
+    for (const char* const text :
+         {"16777215 bricks take 1537 MiB", "(allowed: 64 MiB)", "give --memory 15", "--brick-size larger than 128"})
+      EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(in("c.kiln")));
+}
+
 // Each row at its least budget draws or converts, so that refusals are no excuse.
 TEST_F(BudgetTable, UsualPicturesAndConversions_succeedWithinTheLeastBudget) {
-  for (const std::vector<BudgetRow>& rows : {pictureRows(), conversionRows()}) {
+  for (const std::vector<BudgetRow>& rows : {pictureRows(), manyBricksRows(), conversionRows()}) {
     for (const BudgetRow& row : rows) check(row, row.least_mib);
   }
 }
 
 TEST_F(BudgetTable, UsualPicturesAndConversions_refuseAMegabyteInOneLine) {
   check(pictureRows(), {kTooLittleMib});
+  check(manyBricksRows(), {kTooLittleMib});
   check(conversionRows(), {kTooLittleMib});
 }
 
@@ -326,7 +395,8 @@ TEST_F(BudgetTable, NightlyEveryPictureAndConversionStaysWithinIt) {
   makeLargeStores();
   makeMoreForeignFiles();
   const std::vector<int> budgets_mib(std::begin(kBudgetsMib), std::end(kBudgetsMib));
-  for (const std::vector<BudgetRow>& rows : {pictureRows(), largePictureRows(), conversionRows(), moreConversionRows()})
+  for (const std::vector<BudgetRow>& rows :
+       {pictureRows(), largePictureRows(), compressedRows(), manyBricksRows(), conversionRows(), moreConversionRows()})
     check(rows, budgets_mib);
 }
 

@@ -29,6 +29,7 @@
 #include "scene_arguments.h"
 #include "sequence_report.h"
 #include "source_arguments.h"
+#include "store/read_manifest.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -463,8 +464,9 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   if (memory.band > 0) say("{} of a band of its samples, ", formatBytes(memory.band));
   if (memory.face > 0) say("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) say("{} of deep samples, ", formatBytes(memory.deep));
-  say("{} of visibility, {} of index, {} to draw with, {}{} {}\n", formatBytes(memory.visibility),
-      formatBytes(memory.index), formatBytes(memory.slabs),
+  if (memory.files > 0) say("{} to compress files, ", formatBytes(memory.files));
+  say("{} of visibility, {} of index, {} to draw with, {} of threads' stacks, {}{} {}\n",
+      formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.threads),
       memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
       memory.brickText());
   say("             --memory {} is the smallest that works, with {} to draw with\n", roundedUpBytes(memory.smallest()),
@@ -530,7 +532,7 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
 
 // throws: Error kUsage where the store is to hold labels and holds amounts.
 fs::path requiredClass(const fs::path& store, bool labels) {
-  if (labels && StoreReader(store).manifest().volume_class != VolumeClass::kLabels)
+  if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
     throw Error(ErrorCode::kUsage, store, "--labels",
                 "holds amounts; convert its source with kiln convert --labels, or give it to --add");
   return store;
