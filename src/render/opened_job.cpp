@@ -127,6 +127,8 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
+  // Shares of the budget are of what the caller leaves.
+  job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes);
   FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
   out.image += beside.bytes;
   return out;

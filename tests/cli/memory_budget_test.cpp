@@ -158,7 +158,7 @@ std::vector<BudgetRow> compressedRows() {
   std::vector<BudgetRow> out;
   for (const char* const type : {"half", "float"}) {
     for (const char* const compression : {"none", "rle", "zips", "zip", "piz", "dwaa", "dwab"}) {
-      out.push_back(compressed(compression, type, 128, "2000x2000", {"--zoom", "0.5", "--aov", "depth,normal"}));
+      out.push_back(compressed(compression, type, 512, "2000x2000", {"--zoom", "0.5", "--aov", "depth,normal"}));
     }
   }
   return out;
