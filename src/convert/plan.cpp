@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Rounded up.
-std::uint64_t mebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
+std::uint64_t wholeMebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
 
 std::uint64_t usefulLanes(const VolumeSource& source) {
   // What one thread inflates keeps a few busy; more would take memory from the window, and wait.
@@ -148,7 +148,7 @@ void requireMemoryFor(const ConversionPlan& plan, const SourceInfo& info, const 
     throw Error(ErrorCode::kBudget, file, "--memory",
                 fmt::format("the tables of {} bricks take {} MiB, beside {} MiB to read and convert with (allowed: {} "
                             "MiB); give --memory {}, or a --brick-size larger than {}",
-                            brickCountOf(info, options), mebibytes(plan.index_bytes), mebibytes(others),
+                            brickCountOf(info, options), wholeMebibytes(plan.index_bytes), wholeMebibytes(others),
                             options.memory_bytes >> 20, roundedUpBytes(smallest), options.brick_size));
   }
   throw Error(ErrorCode::kBudget, file, "--memory",

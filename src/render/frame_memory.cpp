@@ -49,7 +49,7 @@ bool castsRays(const RenderJob& job) {
 
 // The octree above bricks has some 12 bytes a brick and a seventh.
 constexpr std::uint64_t kWalkBytes = 16;
-// Stacks of threads, and what the allocator and TBB keep for each. Measured: most in the first few, which decode bricks.
+// Stacks of threads, and what the allocator and TBB keep for each. Measured: the first few, which decode, take most.
 std::uint64_t threadsBytes() {
   constexpr std::uint64_t kFirst = 16, kFirstBytes = 384 << 10, kOtherBytes = 128 << 10;
   const std::uint64_t threads = ThreadLimit::active();

@@ -191,7 +191,7 @@ TEST_F(Cli, Slice) {
   ASSERT_EQ(coarse.height, 10);
   for (int x = 0; x < 12; ++x)
     EXPECT_NEAR(coarse.pixel(x, 3)[1], (image.pixel(2 * x, 7)[1] + image.pixel(2 * x + 1, 7)[1]) / 2, 0.02);
-  expectRefused({"slice", in("v.kiln"), "-o", in("m.png"), "--memory", "1K"}, 1, {in("v.kiln"), "--level"});
+  expectRefused({"slice", in("v.kiln"), "-o", in("m.png"), "--memory", "2K"}, 1, {in("v.kiln"), "--level"});
 }
 
 // Known because the picture's size is asked for, and the volume is in front of the camera.
