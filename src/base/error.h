@@ -14,6 +14,7 @@ enum class ErrorCode {
   kFormat,       // a file is not what its format says (truncated header, wrong sizes, unknown type)
   kUnsupported,  // a legal file that Kiln does not read (vector data, an unknown encoding)
   kDamaged,      // a store file is not what its checksum says
+  kReplaced,     // a store is another one now than when the command opened it
   kBudget,       // the memory the user named is too small for the work
   kIo,           // the operating system failed a read or a write
   kNoSpace,      // the disk or the quota is full

@@ -341,6 +341,12 @@ void FileSystem::rename(const fs::path& from, const fs::path& to) {
   if (::rename(from.c_str(), to.c_str()) != 0) throw systemError(errno, to, "renaming into place");
 }
 
+bool FileSystem::exchange(const fs::path& a, const fs::path& b) {
+  if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return true;
+  if (errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP) return false;
+  throw systemError(errno, b, "renaming into place");
+}
+
 void FileSystem::syncFile(const fs::path& path) {
   const Descriptor file(openUninterrupted(path, O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) throw systemError(errno, path, "opening the file");

@@ -117,6 +117,9 @@ class FileSystem {
   /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.
   virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
+  /// Exchanges two names in one step, so that a reader finds something under each at any time. Returns false where the
+  /// file system cannot. throws: Error kIo.
+  virtual bool exchange(const std::filesystem::path& a, const std::filesystem::path& b);
   /// Brings one file, whoever wrote it, onto its disk.
   virtual void syncFile(const std::filesystem::path& path);
   /// Brings everything written to the file system that holds `path`, and every new name on it, onto its disk. cost: one

@@ -13,6 +13,8 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
+
 bool isTrusted(uid_t owner) { return owner == ::geteuid() || owner == 0; }
 
 struct stat directoryStatus(const fs::path& directory) {
@@ -56,11 +58,19 @@ bool isOwnFile(int open_file) {
          status.st_uid == ::geteuid();
 }
 
+std::optional<FileIdentity> identityOf(const fs::path& path) {
+  struct stat status;
+  if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) == 0)
+    return FileIdentity{status.st_dev, status.st_ino, nanoseconds(status.st_mtim)};
+  if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
+  throw systemError(errno, path, "looking at the file");
+}
+
 std::int64_t changeTimeNs(const fs::path& path) {
   struct stat status;
   if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) != 0)
     throw systemError(errno, path, "reading the time of its last change");
-  return std::int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec;
+  return nanoseconds(status.st_ctim);
 }
 
 void requireOwnDirectory(const fs::path& directory) {

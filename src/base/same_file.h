@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace kiln {
 
@@ -18,6 +19,17 @@ bool lockAtOnce(int open_file);
 
 /// True if an open file is a regular file of this user with one name: writing changes nobody else's bytes.
 bool isOwnFile(int open_file);
+
+/// A file by its place on a disk and the time when it was written last (mtime), which a file of the same place that is
+/// written later has not.
+struct FileIdentity {
+  std::uint64_t device = 0, inode = 0;
+  std::int64_t written_ns = 0;
+  bool operator==(const FileIdentity&) const = default;
+};
+
+/// Of a link, its target's; nothing where there is no such file. throws: Error kIo.
+std::optional<FileIdentity> identityOf(const std::filesystem::path& path);
 
 /// The time of the last change of a file's bytes or attributes (ctime), of a link its target's. unit: ns since 1970.
 /// throws: Error kIo or kNotFound.

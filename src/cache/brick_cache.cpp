@@ -168,7 +168,8 @@ std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool firs
   try {
     std::rethrow_exception(failure);
   } catch (const Error& error) {
-    if (!skip_) throw;
+    // Half of the picture would be of one store and half of another.
+    if (!skip_ || error.code() == ErrorCode::kReplaced) throw;
     if (first) skip_(error);
   }
   return nullptr;

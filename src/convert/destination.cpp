@@ -176,18 +176,27 @@ void Destination::make() {
   requireOwner(building_);
 }
 
-void Destination::commit() {
-  if (building_ == out_) return tidy();
-  requirePlaceForOld();
+// Takes the name of the old store without a moment in which a reader finds none. Returns false, with nothing changed,
+// where the file system cannot exchange names. A crash between both calls leaves the old store where it was.
+bool Destination::exchange() {
+  bool exchanged = false;
   std::error_code ignored;
-  const bool replaces = !isNothing(out_);
-  if (!replaces && isStore(old()))
-    left_old_ =
-        old().string() + " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
-  if (replaces) {
-    disk_.removeAll(old());
-    disk_.rename(out_, old());
+  try {
+    disk_.rename(building_, old());
+    exchanged = disk_.exchange(old(), out_);
+    if (exchanged) disk_.syncAll(out_);
+  } catch (...) {
+    if (exchanged) FileSystem::real().exchange(old(), out_);
+    fs::rename(old(), building_, ignored);
+    throw;
   }
+  if (!exchanged) disk_.rename(old(), building_);
+  return exchanged;
+}
+
+void Destination::replaceInSteps(bool replaces) {
+  std::error_code ignored;
+  if (replaces) disk_.rename(out_, old());
   try {
     disk_.rename(building_, out_);
     // Both names must be on the disk before the old store goes.
@@ -197,6 +206,17 @@ void Destination::commit() {
     if (replaces) fs::rename(old(), out_, ignored);
     throw;
   }
+}
+
+void Destination::commit() {
+  if (building_ == out_) return tidy();
+  requirePlaceForOld();
+  const bool replaces = !isNothing(out_);
+  if (!replaces && isStore(old()))
+    left_old_ =
+        old().string() + " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
+  if (replaces) disk_.removeAll(old());
+  if (!replaces || !exchange()) replaceInSteps(replaces);
   try {
     if (replaces) disk_.removeAll(old() / "manifest.json");
     if (replaces) disk_.removeAll(old());

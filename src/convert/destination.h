@@ -48,6 +48,8 @@ class Destination {
 
  private:
   void tidy() noexcept;
+  bool exchange();
+  void replaceInSteps(bool replaces);
   // Where the store that is replaced waits until the new one has its name.
   std::filesystem::path old() const;
   void requirePlaceForOld() const;

@@ -119,17 +119,25 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
   disk.writeOwn(building / kPartFile, textOf(box));  // marks what is unfinished as a part
   std::uint64_t bytes = 0, done = 0, bricks = 0;
   forEach([&](const BrickKey&) { ++bricks; });
-  forEach([&](const BrickKey& key) {
-    progress.throwIfCancelled("splitting");
-    const fs::path name = brickPath(key);
-    disk.makeDirectories((building / name).parent_path());
-    bring(store.path() / name, building / name);
-    bytes += store.index().at(key).file_bytes;
-    progress.advance("splitting", "bricks", ++done, bricks);
-  });
-  bring(store.path() / "index.bin", building / "index.bin");
-  disk.syncAll(building);
-  disk.writeOwn(building / "manifest.json", readFile(store.path() / "manifest.json"));
+  try {
+    forEach([&](const BrickKey& key) {
+      progress.throwIfCancelled("splitting");
+      const fs::path name = brickPath(key);
+      disk.makeDirectories((building / name).parent_path());
+      bring(store.path() / name, building / name);
+      bytes += store.index().at(key).file_bytes;
+      progress.advance("splitting", "bricks", ++done, bricks);
+    });
+    bring(store.path() / "index.bin", building / "index.bin");
+    disk.syncAll(building);
+    const std::vector<std::byte> manifest = readFile(store.path() / "manifest.json");
+    // Files are brought by their names, so that all of them are of one store if that is still there.
+    store.requireUnchanged();
+    disk.writeOwn(building / "manifest.json", manifest);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kNotFound) store.requireUnchanged();
+    throw;
+  }
   part.publish();
   return {.bytes = bytes};
 }

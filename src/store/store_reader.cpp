@@ -113,11 +113,25 @@ Manifest readManifest(const fs::path& directory) {
   return parseManifest(readTextFile(path, kLargestManifest), path);
 }
 
-StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes)
-    : directory_(directory), manifest_(readManifest(directory)) {
+StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes) : directory_(directory) {
+  // A store that was replaced between both files is opened anew; one that is replaced so often is read by nobody.
+  constexpr int kTries = 5;
+  for (int i = 1;; ++i) {
+    try {
+      open(memory_bytes);
+      return;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kReplaced || i == kTries) throw;
+    }
+  }
+}
+
+void StoreReader::open(std::uint64_t memory_bytes) {
+  opened_ = identityOf(directory_ / "manifest.json");
+  manifest_ = readManifest(directory_);
   requireIndexWithin(manifest_, memory_bytes, directory_);
   const fs::path path = directory_ / "index.bin";
-  const auto data = readChecked<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
+  const auto data = checkedFile<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;
   for (const LevelInfo& level : manifest_.levels) lattices.push_back(level.bricks);
   index_ = BrickIndex::decode(data, lattices, path);
@@ -131,6 +145,25 @@ std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
   return bytesOfFile<std::vector<std::byte>>(key);
 }
 
+void StoreReader::requireUnchanged() const {
+  const std::optional<FileIdentity> now = identityOf(directory_ / "manifest.json");
+  if (now == opened_) return;
+  throw Error(ErrorCode::kReplaced, directory_, "",
+              fmt::format("the store was {} while it was read by this command; run the command again",
+                          now ? "replaced" : "replaced or removed"));
+}
+
+template <class Bytes>
+Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const Hash128& checksum) const {
+  try {
+    return readChecked<Bytes>(path, bytes, checksum);
+  } catch (const Error& error) {
+    // Files of another store under the names of this one are no damage.
+    if (error.code() == ErrorCode::kDamaged || error.code() == ErrorCode::kNotFound) requireUnchanged();
+    throw;
+  }
+}
+
 template <class Bytes>
 Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
@@ -139,7 +172,7 @@ Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
     span.note("brick", brickPath(key).native());
     span.note("bytes", entry.file_bytes);
   }
-  return readChecked<Bytes>(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
+  return checkedFile<Bytes>(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 BrickBlock StoreReader::read(const BrickKey& key) const {

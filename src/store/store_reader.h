@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "base/hash.h"
+#include "base/same_file.h"
 #include "store/brick_codec.h"
 #include "store/brick_index.h"
 #include "store/manifest.h"
@@ -14,9 +17,10 @@ namespace kiln {
 
 class StoreReader {
  public:
-  /// Its index is read within `memory_bytes`, which is also to hold the index's file for a moment. throws: Error
-  /// kNotFound, kFormat (no manifest: an unfinished conversion or not a store), kDamaged; kBudget, before the index is
-  /// read, with the memory that suffices.
+  /// Opens the store that stands at the name, also while a conversion puts a new one there. Its index is read within
+  /// `memory_bytes`, which is also to hold the index's file for a moment. throws: Error kNotFound, kFormat (no manifest:
+  /// an unfinished conversion or not a store), kDamaged; kBudget, before the index is read, with the memory that
+  /// suffices.
   explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX);
 
   const std::filesystem::path& path() const { return directory_; }
@@ -31,7 +35,8 @@ class StoreReader {
   BrickFrame frame(const BrickKey& key) const;
 
   /// Reads, checks and decodes a brick; a constant one costs no I/O. thread: safe.
-  /// throws: Error kDamaged naming the file and both checksums, kNotFound, kIo.
+  /// throws: Error kDamaged naming the file and both checksums, kNotFound, kIo; kReplaced as requireUnchanged, where a
+  /// file is missing or does not fit the index.
   BrickBlock read(const BrickKey& key) const;
   /// The two halves of `read` of a brick that is not constant, for bytes that come another way: the file, checked, and
   /// the brick that it is. requires: `file` has passed `check`. thread: safe. throws: as `read`.
@@ -39,6 +44,9 @@ class StoreReader {
   BrickBlock decode(const BrickKey& key, std::span<const std::byte> file) const;
   /// Whether bytes that this process has not read itself are those of the brick's file.
   bool check(const BrickKey& key, std::span<const std::byte> file) const;
+  /// For files that are read by their names and without a check: that the store which was opened is still the one of
+  /// its name. throws: Error kReplaced, kIo.
+  void requireUnchanged() const;
   /// The memory that `read` holds at its peak, the result included. unit: bytes.
   std::size_t readBytes(const BrickKey& key) const;
 
@@ -48,10 +56,14 @@ class StoreReader {
   std::uint64_t largestFileBytes() const;
 
  private:
+  void open(std::uint64_t memory_bytes);
+  template <class Bytes>
+  Bytes checkedFile(const std::filesystem::path& path, std::uint64_t bytes, const Hash128& checksum) const;
   template <class Bytes>
   Bytes bytesOfFile(const BrickKey& key) const;
 
   std::filesystem::path directory_;
+  std::optional<FileIdentity> opened_;  // of the manifest
   Manifest manifest_;
   BrickIndex index_;
 };

@@ -125,6 +125,7 @@ class Verification {
       const BrickBlock block = store_.read(key);
       checkRanges(block, store_.index().at(key));
     } catch (const Error& error) {
+      if (error.code() == ErrorCode::kReplaced) throw;
       found = error;
     }
     const std::scoped_lock lock(mutex_);

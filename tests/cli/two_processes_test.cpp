@@ -1,6 +1,7 @@
 // Two processes with one output: each output is whole and one of the two that were asked for, and exit codes are true.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <random>
@@ -28,6 +29,9 @@ class TwoProcesses : public ToolTest {
   std::vector<std::string> conversion(const std::string& input, const std::string& out) const {
     return {"convert", in(input),   in(out), "--dims",       "64,64,48", "--type",
             "u8",      "--threads", "1",     "--brick-size", "16",       "--overwrite"};
+  }
+  std::vector<std::string> slice(const std::string& store, const std::string& out) const {
+    return {"slice", in(store), "-o", in(out), "--window", "128,256"};
   }
   Hash128 contentOf(const std::string& store) const { return StoreReader(in(store)).manifest().index_checksum; }
 
@@ -76,6 +80,47 @@ class TwoProcesses : public ToolTest {
 TEST_F(TwoProcesses, ConvertToOneOutput_TheStoreIsOneOfTheirs) { convertInPairs(6); }
 
 TEST_F(TwoProcesses, NightlyConvertToOneOutput_TheStoreIsOneOfTheirs) { convertInPairs(200); }
+
+// Known because readers open one of two stores, and each has pictures and files of its own.
+TEST_F(TwoProcesses, ReadersOfAStoreThatIsReplaced_HaveOneOfBothOrSayIt) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const std::string name = seed == 1 ? "a" : "b";
+    write(name + ".raw", seed);
+    done(conversion(name + ".raw", name + ".kiln"));
+    done(slice(name + ".kiln", name + ".png"));
+  }
+  done(conversion("a.raw", "out.kiln"));
+  std::atomic<bool> ended = false;
+  std::thread writer([&] {
+    for (int i = 0; !ended; ++i) done(conversion(i % 2 == 0 ? "b.raw" : "a.raw", "out.kiln"));
+  });
+  const auto isOneOf = [&](const std::string& found, const std::string& ending) {
+    const auto bytes = readFile(in(found));
+    return bytes == readFile(in("a" + ending)) || bytes == readFile(in("b" + ending));
+  };
+  for (int round = 0; round < 6; ++round) {
+    for (const std::vector<std::string>& reading : std::vector<std::vector<std::string>>{
+             slice("out.kiln", "out.png"),
+             {"render", in("out.kiln"), "-o", in("r.png"), "--size", "48x48", "--skip-damaged"},
+             {"verify", in("out.kiln")},
+             {"info", in("out.kiln"), "--json"},
+             {"export", in("out.kiln"), in("out.vdb"), "--overwrite"},
+             {"split", in("out.kiln"), "-o", in("part_#.kiln"), "--parts", "1"}}) {
+      const ToolResult result = runTool(reading);
+      if (result.exit_code == 0) {
+        EXPECT_EQ(result.err.find("drawn without"), std::string::npos) << result.err;
+        if (reading[0] == "slice") EXPECT_TRUE(isOneOf("out.png", ".png"));
+        if (reading[0] == "split") done({"verify", in("part_1.kiln")});
+      } else {
+        EXPECT_EQ(result.exit_code, 1) << reading[0];
+        EXPECT_NE(result.err.find("out.kiln: the store was replaced"), std::string::npos) << reading[0] << result.err;
+      }
+      fs::remove_all(in("part_1.kiln"));
+    }
+  }
+  ended = true;
+  writer.join();
+}
 
 TEST_F(TwoProcesses, AnOutputThatIsLocked_IsRefusedAndTheHolderNamed) {
   write("a.raw", 1);

@@ -231,10 +231,10 @@ ToolUnderFault runUnderFault(const std::vector<std::string>& arguments, const st
 
 using namespace kiln::test;
 
-#define KILN_TRANSFER(name, fd, bytes, kind)                                       \
-  if (bytes > 1 && failsOn(#name, fd, kind | kInterruptible)) {                    \
-    ssize_t result;                                                                \
-    if (endsTransfer(bytes, result, kind == kReads)) return result;                \
+#define KILN_TRANSFER(name, fd, bytes, kind)                        \
+  if (bytes > 1 && failsOn(#name, fd, kind | kInterruptible)) {     \
+    ssize_t result;                                                 \
+    if (endsTransfer(bytes, result, kind == kReads)) return result; \
   }
 
 extern "C" {
@@ -261,7 +261,8 @@ int openat(int folder, const char* path, int flags, ...) {
   va_start(list, flags);
   const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(list, mode_t) : 0;
   va_end(list);
-  if (folder == AT_FDCWD || *path == '/' ? failsOn("openat", path, kInterruptible) : failsOn("openat", folder, kInterruptible))
+  if (folder == AT_FDCWD || *path == '/' ? failsOn("openat", path, kInterruptible)
+                                         : failsOn("openat", folder, kInterruptible))
     return -1;
   return real(folder, path, flags, mode);
 }
@@ -299,7 +300,9 @@ ssize_t pread(int descriptor, void* data, size_t bytes, off_t offset) {
   KILN_TRANSFER(pread, descriptor, bytes, kReads)
   return real(descriptor, data, bytes, offset);
 }
-ssize_t pread64(int descriptor, void* data, size_t bytes, off64_t offset) { return pread(descriptor, data, bytes, offset); }
+ssize_t pread64(int descriptor, void* data, size_t bytes, off64_t offset) {
+  return pread(descriptor, data, bytes, offset);
+}
 ssize_t write(int descriptor, const void* data, size_t bytes) {
   KILN_NEXT(write);
   KILN_TRANSFER(write, descriptor, bytes, kWrites)
@@ -355,6 +358,10 @@ int rename(const char* from, const char* to) noexcept {
   KILN_NEXT(rename);
   return failsOn("rename", to, kMakes) ? -1 : real(from, to);
 }
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) noexcept {
+  KILN_NEXT(renameat2);
+  return failsOn("renameat2", to, kMakes) ? -1 : real(from_folder, from, to_folder, to, flags);
+}
 int unlink(const char* path) noexcept {
   KILN_NEXT(unlink);
   return failsOn("unlink", path, kIoOnly) ? -1 : real(path);
@@ -409,7 +416,9 @@ struct dirent* readdir(DIR* folder) {
   KILN_NEXT(readdir);
   return failsOn("readdir", ::dirfd(folder), kIoOnly) ? nullptr : real(folder);
 }
-struct dirent64* readdir64(DIR* folder) { return reinterpret_cast<struct dirent64*>(readdir(folder)); }
+struct dirent64* readdir64(DIR* folder) {
+  return reinterpret_cast<struct dirent64*>(readdir(folder));
+}
 
 // Stores keep the time of their conversion.
 time_t time(time_t* out) noexcept {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,8 +13,11 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "cache/brick_cache.h"
+#include "render/split_store.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
+#include "store/verify.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
@@ -199,6 +203,49 @@ TEST_F(StoreDamage, SwappedBricksOfEqualSizeAreFound) {
     }
   }
   EXPECT_GT(equal_sizes, 0) << "no two bricks of equal size: the test lost its point";
+}
+
+// Known because no brick of noise equals one of other noise, nor one that is gone: what is read is another store's, and
+// nothing is damaged. Nobody may draw or count such bricks.
+TEST_F(StoreDamage, AStoreThatIsReplacedWhileItIsRead_IsSaidToBe) {
+  const auto noisy = [](std::uint64_t seed) { return noise({{32, 8, 8}, VoxelType::u8}, seed, {0, 255}); };
+  const fs::path store = makeStore(noisy(1), "replaced", 8), next = makeStore(noisy(2), "replaced_next", 8);
+  const BrickKey key{0, {0, 0, 0}}, gone{0, {1, 0, 0}};
+  const StoreReader reader(store);
+  BrickCache cache(reader, 1u << 30, 0, [](const Error& error) { ADD_FAILURE() << "skipped: " << error.what(); });
+  fs::remove(next / brickPath(gone));
+  fs::rename(store, store.string() + ".before");
+  fs::rename(next, store);
+  Progress silent;
+  const std::function<void()> reads[] = {
+      [&] { reader.read(key); },
+      [&] { reader.read(gone); },
+      [&] { reader.readFile(key); },
+      [&] { reader.requireUnchanged(); },
+      [&] { cache.get(key); },
+      [&] {
+        verify(
+            reader, 1u << 30, [](const Error& damage) { ADD_FAILURE() << damage.what(); }, silent);
+      },
+      [&] {
+        writeStorePart(reader, {{0, 0, 0}, {32, 8, 8}}, store.string() + ".part", silent);
+      },
+      [&] {
+        fs::remove_all(store);
+        reader.read(key);
+      },
+  };
+  for (const auto& read : reads) {
+    try {
+      read();
+      ADD_FAILURE() << "bricks of another store were taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kReplaced) << error.what();
+      EXPECT_TRUE(std::string(error.what()).starts_with(store.string() + ": the store was replaced")) << error.what();
+      EXPECT_TRUE(std::string(error.what()).ends_with("run the command again")) << error.what();
+    }
+  }
+  EXPECT_FALSE(fs::exists(store.string() + ".part"));
 }
 
 // Known because the index says which bricks have files.

@@ -60,6 +60,11 @@ void FaultyFileSystem::rename(const fs::path& from, const fs::path& to) {
   fail(to, "renaming into place (injected)");
 }
 
+bool FaultyFileSystem::exchange(const fs::path& a, const fs::path& b) {
+  failIfTold(b, "exchanging names (injected)");
+  return FileSystem::exchange(a, b);
+}
+
 void FaultyFileSystem::syncFile(const fs::path& path) {
   failIfTold(path, "syncing the file (injected)");
   FileSystem::syncFile(path);

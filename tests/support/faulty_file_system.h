@@ -41,6 +41,7 @@ class FaultyFileSystem : public FileSystem {
   void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode) override;
   void appendFile(const std::filesystem::path& path, std::span<const std::byte> data) override;
   void rename(const std::filesystem::path& from, const std::filesystem::path& to) override;
+  bool exchange(const std::filesystem::path& a, const std::filesystem::path& b) override;
   void syncFile(const std::filesystem::path& path) override;
   void syncAll(const std::filesystem::path& path) override;
   void removeAll(const std::filesystem::path& path) override;

@@ -70,6 +70,7 @@ Storage storageOf(const StoreReader& store) {
   Storage out;
   out.raw_bytes = static_cast<std::uint64_t>(m.geometry().dims.count()) * sizeOf(m.type);
   out.disk_bytes = File(store.path() / "manifest.json").size() + m.index_bytes;
+  store.requireUnchanged();
   for (const LevelInfo& level : m.levels) {
     out.disk_bytes += level.stored_bytes;
     out.constant_bricks.push_back(static_cast<std::uint64_t>(level.bricks.count()) - level.stored_bricks);
