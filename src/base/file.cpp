@@ -83,7 +83,7 @@ int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {
   return uninterrupted([&] { return ::open(path.c_str(), flags, mode); });
 }
 
-// Opens a pipe or a device, which may wait for its reader. A signal ends the wait (EINTR), so that Ctrl-C does.
+// Opens a device, which may let its writer wait. A signal ends the wait (EINTR), so that Ctrl-C does.
 int openInPlace(const fs::path& path, int flags) { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags); }
 
 constexpr int kMostLinks = 40;  // as the system follows
@@ -116,8 +116,8 @@ std::optional<int> descriptorNamed(const fs::path& path) {
 }
 
 // A file of its own to write from its start: a new one, or an own one of that name, emptied. A link or another user's
-// file of that name is removed and never written through; a device, a pipe or an open file (isWrittenInPlace) is not
-// new. Negative, with errno, where that fails.
+// file of that name is removed and never written through, and so is a pipe, which would wait for a reader; a device or
+// an open file (isWrittenInPlace) is not new. Negative, with errno, where that fails.
 int openToWrite(const fs::path& path) {
   constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
   const int made = openUninterrupted(path, kNew, 0666);
@@ -125,7 +125,7 @@ int openToWrite(const fs::path& path) {
   // Opened anew, an open file would be written from its start, over what it has been written to.
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
   if (isWrittenInPlace(path)) return openInPlace(path, 0);
-  const int found = openUninterrupted(path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  const int found = openUninterrupted(path, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (found >= 0 && isOwnFile(found) && ::ftruncate(found, 0) == 0) return found;
   if (found >= 0) ::close(found);
   ::unlink(path.c_str());
@@ -238,7 +238,7 @@ bool FileNames::add(const fs::path& path) {
 bool isWrittenInPlace(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
-  return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status) || descriptorNamed(path);
+  return fs::is_character_file(status) || descriptorNamed(path);
 }
 
 FileSystem& FileSystem::real() {
@@ -288,7 +288,14 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   }
   if (isWrittenInPlace(path)) return;
   std::error_code unknown;
-  if (fs::is_directory(path, unknown)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
+  const fs::file_status there = fs::status(path, unknown);
+  if (fs::is_directory(there)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
+  // A pipe waits for a reader without end, and a name of a disk is not to be a file's.
+  if (fs::exists(there) && !fs::is_regular_file(there))
+    throw Error(ErrorCode::kUsage, path, "",
+                fmt::format("is {}; name a file", fs::is_fifo(there)     ? "a named pipe"
+                                                  : fs::is_socket(there) ? "a socket"
+                                                                         : "a disk"));
   const fs::path place = behindLinks(path);
   const fs::path directory = place.has_parent_path() ? place.parent_path() : ".";
   if (!fs::is_directory(directory, unknown))
@@ -309,7 +316,7 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
 }
 
 void FileSystem::requirePlaceToRename(const fs::path& path) {
-  if (isWrittenInPlace(path)) throw Error(ErrorCode::kIo, path, "", "is a device or a pipe; name a file");
+  if (isWrittenInPlace(path)) throw Error(ErrorCode::kUsage, path, "", "is a device or an open file; name a file");
   requirePlaceFor(path);
 }
 

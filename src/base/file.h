@@ -57,7 +57,7 @@ std::string extensionOf(const std::filesystem::path& path);
 /// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
 /// So that a picture is put where a link says, and the link stays. throws: Error kIo where another user made a link.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
-/// Whether what has this name is written to as it is, never replaced: a device, a pipe, a socket, or a file that is
+/// Whether what has this name is written to as it is, never replaced: a device such as /dev/null, or a file that is
 /// named by who has it open, as /dev/stdout is.
 bool isWrittenInPlace(const std::filesystem::path& path);
 
@@ -87,7 +87,7 @@ class FileSystem {
   /// The machine's own.
   static FileSystem& real();
 
-  /// As `replace`; a device, pipe or open file (isWrittenInPlace) is written to directly. throws: Error kNoSpace, kIo.
+  /// As `replace`; a device or an open file (isWrittenInPlace) is written to directly. throws: Error kNoSpace, kIo.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
   /// The same in a directory of Kiln's own, such as a store's, where one process writes at a time: the name beside is
@@ -104,10 +104,11 @@ class FileSystem {
 
   /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
   /// there is no such directory, kIo where a directory has the name, where nothing can be made beside it, where it is
-  /// too long for that, or another user's who alone may replace it; kNoSpace. What isWrittenInPlace is not asked.
+  /// too long for that, or another user's who alone may replace it; kNoSpace; kUsage where a pipe, a socket or a disk
+  /// has the name. What isWrittenInPlace is not asked.
   void requirePlaceFor(const std::filesystem::path& path);
 
-  /// The same for what is made piece by piece and then gets its name. throws: as that; Error kIo also where the name is
+  /// The same for what is made piece by piece and then gets its name. throws: as that; kUsage also where the name is
   /// of what isWrittenInPlace.
   void requirePlaceToRename(const std::filesystem::path& path);
 

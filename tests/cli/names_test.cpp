@@ -1,6 +1,7 @@
 // Names that lead elsewhere, that are taken already, or that mean something to others. Known because each file is where
 // it was asked for, and nothing that was there is gone.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -90,10 +91,38 @@ TEST_F(Names, ThatCannotBeMadeAreRefusedBeforeTheWork) {
   refused(drawn("p.png", {"--stats", in("none/s.json"), "--repeat", "2"}), 1, "there is no directory");
   refused(drawn("p.png", {"--stats", in("none/s.json"), "--dry-run"}), 1, "there is no directory");
   refused(drawn("p.png", {"--stats", "/dev/fd/99"}), 1, "/dev/fd/99");
-  ASSERT_EQ(std::system(("mkfifo '" + in("v.vdb") + "'").c_str()), 0);
-  refused({"export", in("h.kiln"), in("v.vdb"), "--overwrite"}, 1, "is a device or a pipe");
-  EXPECT_TRUE(fs::is_fifo(in("v.vdb")));
   EXPECT_FALSE(fs::exists(in("p.png")));
+}
+
+// A pipe that nobody reads from would keep the command waiting without end.
+TEST_F(Names, OfPipesAreNoOutputs) {
+  const std::string mention = ": is a named pipe; name a file";
+  done(drawn("part.exr", {"--part", "1/1"}));
+  for (const char* name : {"f.png", "f.exr", "f.json", "f.vdb", "f.mp4"})
+    ASSERT_EQ(::mkfifo(in(name).c_str(), 0600), 0);
+  refused(drawn("f.png", {}), 2, in("f.png") + mention);
+  refused(drawn("f.exr", {}), 2, in("f.exr") + mention);
+  refused(drawn("p.png", {"--stats", in("f.json")}), 2, in("f.json") + mention);
+  refused(drawn("p.png", {"--stats", in("f.json"), "--dry-run"}), 2, in("f.json") + mention);
+  refused(drawn("p.png", {"--trace", in("f.json")}), 2, in("f.json") + mention);
+  if (std::system("ffmpeg -version > /dev/null 2>&1") == 0)
+    refused(drawn("f.mp4", {"--turntable", "2"}), 2, in("f.mp4") + mention);
+  refused({"slice", in("h.kiln"), "-o", in("f.png")}, 2, in("f.png") + mention);
+  refused({"tf", "ct-bone", "-o", in("f.png")}, 2, in("f.png") + mention);
+  refused({"compare", in("part.exr"), in("part.exr"), "-o", in("f.png")}, 2, in("f.png") + mention);
+  refused({"composite", in("part.exr"), "-o", in("f.png")}, 2, in("f.png") + mention);
+  refused({"export", in("h.kiln"), in("f.vdb"), "--overwrite"}, 2, in("f.vdb") + mention);
+  EXPECT_TRUE(fs::is_fifo(in("f.vdb")));
+  EXPECT_FALSE(fs::exists(in("p.png")));
+  // Devices are written to: one takes everything, one nothing.
+  for (const char* name : {"null", "full"})
+    for (const char* ending : {".png", ".json"})
+      fs::create_symlink(std::string("/dev/") + name, in(std::string(name) + ending));
+  done({"slice", in("h.kiln"), "-o", in("null.png")});
+  done(drawn("p.png", {"--stats", in("null.json")}));
+  done(drawn("p.png", {"--trace", in("null.json")}));
+  refused({"slice", in("h.kiln"), "-o", in("full.png")}, 1, "No space left on device");
+  refused(drawn("p.png", {"--trace", in("full.json")}), 1, "No space left on device");
 }
 
 TEST_F(Names, InATraceAreText) {

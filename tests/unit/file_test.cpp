@@ -4,13 +4,12 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <pthread.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
-#include <csignal>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -95,47 +94,34 @@ TEST(FileSystem, KnowsWhereNothingCanBeMade) {
   EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
 }
 
-// A pipe without a reader keeps its writer waiting; the signal of Ctrl-C has to end the wait.
-TEST(FileSystem, WaitForTheReaderOfAPipe_signal_endsWithAnError) {
-  const fs::path path = freshDirectory("pipe_without_reader") / "pipe";
-  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  struct sigaction note {}, before {};
-  note.sa_handler = [](int) {};
-  ASSERT_EQ(sigaction(SIGUSR1, &note, &before), 0);
-  std::atomic<bool> ended = false;
-  bool refused = false;
-  std::thread writer([&] {
+// A pipe without a reader keeps its writer waiting without end, and one whose reader ends loses the rest.
+TEST(FileSystem, APipeAndASocketAreNoOutputs) {
+  const fs::path directory = freshDirectory("special"), pipe = directory / "pipe", socket = directory / "socket";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un name{AF_UNIX, {}};
+  // The name of a socket is short: it is made by its last part.
+  const fs::path before = fs::current_path();
+  fs::current_path(directory);
+  std::strcpy(name.sun_path, "socket");
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  fs::current_path(before);
+  for (const fs::path& path : {pipe, socket}) {
     try {
-      FileSystem::real().writeAtomic(path, std::string("text"));
-    } catch (const Error&) {
-      refused = true;
+      FileSystem::real().requirePlaceFor(path);
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exitCode(), 2);
+      EXPECT_TRUE(std::string(error.what()).ends_with("name a file")) << error.what();
     }
-    ended = true;
-  });
-  for (int i = 0; i < 200 && !ended; ++i) {  // 2 s; a signal before the wait has no effect
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (!ended) pthread_kill(writer.native_handle(), SIGUSR1);
   }
-  const bool in_time = ended;
-  // A reader ends the wait in any case, so that a failure is reported.
-  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
-  writer.join();
-  ::close(reader);
-  sigaction(SIGUSR1, &before, nullptr);
-  EXPECT_TRUE(in_time);
-  EXPECT_TRUE(refused);
-}
-
-// Known because a pipe gives what was put into it, in order; it holds less than this at a time.
-TEST(FileSystem, WritesToAPipe) {
-  const fs::path path = freshDirectory("pipe") / "pipe";
-  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  std::string read;
-  std::thread reader([&] { read.assign(std::istreambuf_iterator(std::ifstream(path).rdbuf()), {}); });
-  const std::string text(300000, 'k');
-  EXPECT_NO_THROW(FileSystem::real().writeAtomic(path, text));
-  reader.join();
-  EXPECT_EQ(read, text);
+  ::close(listening);
+  // Where one is made while the command runs, its name becomes the file's.
+  EXPECT_NO_THROW(FileSystem::real().writeAtomic(pipe, std::string("text")));
+  EXPECT_EQ(readTextFile(pipe), "text");
+  ASSERT_EQ(mkfifo((directory / "own.tmp").c_str(), 0600), 0);
+  EXPECT_NO_THROW(FileSystem::real().writeOwn(directory / "own", std::string("text")));
+  EXPECT_EQ(readTextFile(directory / "own"), "text");
 }
 
 }  // namespace
