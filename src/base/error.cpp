@@ -46,6 +46,8 @@ Error systemError(int error_number, const std::filesystem::path& path, const std
     what +=
         "; most file systems allow names of 255 bytes, and Kiln adds up to 13 while it writes, so give a shorter one";
   if (error_number == ELOOP) what += "; the links lead to one another, so mend them or name the file itself";
+  if (error_number == EMFILE || error_number == ENFILE)
+    what += "; allow more of them (ulimit -n 1024 is enough), then run the command again";
   if (code == ErrorCode::kNoSpace) what += "; free space or choose another place, then run the command again";
   return Error(code, path, doing, what);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,6 +14,9 @@ namespace kiln {
 
 /// The name of this machine; "an unknown host" if the system has none.
 std::string hostName();
+
+/// How many files this process may have open at once (ulimit -n).
+std::uint64_t mostOpenFiles();
 
 /// The program's standard input is what `write` is given, its standard output goes nowhere, and what it complains of is
 /// kept. Destroyed before `finish`, it is ended at once.

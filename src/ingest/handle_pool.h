@@ -2,19 +2,24 @@
 // pool keeps some of those that nobody uses, the least recently used first to close; a thread has its file for itself.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <list>
 #include <memory>
 #include <mutex>
+
+#include "base/process.h"
 
 namespace kiln {
 
 template <class T>
 class HandlePool {
  public:
-  /// requires: `idle_limit` handles and one a thread may be open at once. The default is a brick's slices with its
-  /// aprons.
-  explicit HandlePool(std::size_t idle_limit = 160) : idle_limit_(idle_limit) {}
+  /// Keeps `idle_limit` handles, or a quarter of what the process may have open where that is less. The default is a
+  /// brick's slices with its aprons.
+  explicit HandlePool(std::size_t idle_limit = 160)
+      : idle_limit_(static_cast<std::size_t>(std::min<std::uint64_t>(idle_limit, mostOpenFiles() / 4))) {}
 
   class Lease {
    public:

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/process.h"
 #include "cluster/agreement.h"
 #include "commands.h"
 #include "say.h"
@@ -216,6 +217,16 @@ void occupyStandardFiles() {
   }
 }
 
+// Before anything is written: with fewer files a command could end anywhere, even where it removes what it has begun.
+void requireOpenFiles() {
+  constexpr std::uint64_t kLeast = 16;
+  if (const std::uint64_t most = kiln::mostOpenFiles(); most < kLeast)
+    throw kiln::Error(kiln::ErrorCode::kIo,
+                      fmt::format("this process may have {} files open, and at least {} are needed; allow more "
+                                  "(ulimit -n 1024 is enough)",
+                                  most, kLeast));
+}
+
 }  // namespace
 
 void kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
@@ -233,6 +244,7 @@ int main(int argc, char** argv) {
   // Beyond a limit of file sizes a write fails, and is told of, as on a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
+    requireOpenFiles();
     const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
     const int exit_code = run(argc, argv, *ranks);
     if (exit_code != 0 || saidAll()) return exit_code;
