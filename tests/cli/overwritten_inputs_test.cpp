@@ -151,6 +151,7 @@ TEST_F(OverwrittenInputs, NewFilesInAStore_AreRefusedByEveryCommand) {
     refused({"convert", in("v.nhdr"), to + ".kiln"}, 2, mention);
     refused({"convert", in("v.nhdr"), to + "/deeper/new.kiln/"}, 2, mention);
     refused({"bench", in("suite.json"), "-o", to}, 2, mention);
+    refused({"manual", in(place)}, 2, mention);
   }
   refused({"slice", in("v.kiln"), "-o", in("new.png")}, 2, mention);
   EXPECT_EQ(names(), before);

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "commands.h"
 #include "manual.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace {
@@ -11,6 +12,7 @@ namespace fs = std::filesystem;
 void writeManual(const CLI::App& app, const fs::path& share) {
   FileSystem& disk = FileSystem::real();
   const fs::path pages = share / "man" / "man1", completions = share / "bash-completion" / "completions";
+  requireOutsideStores(pages, "DIR");
   disk.makeDirectories(pages);
   disk.makeDirectories(completions);
   disk.writeAtomic(pages / "kiln.1", manualPage(app));
