@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -77,6 +78,24 @@ SliceFormat formatOf(const fs::path& path) {
 std::string named(const std::vector<fs::path>& files) {
   const std::string first = inQuotes(files.front().filename().string());
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
+}
+
+// A link to nothing, or to itself.
+bool isBadLink(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_symlink(fs::symlink_status(path, unknown)) && !fs::exists(fs::status(path, unknown));
+}
+
+// DICOM slices lie where they say, so that none moves down where one is missing, and a gap is noticed.
+void passOverBadLinks(std::vector<Unread>& unread, std::vector<fs::path>& other, std::vector<std::string>& notes) {
+  std::vector<fs::path> links;
+  for (const Unread& file : unread) {
+    if (isBadLink(file.path)) links.push_back(file.path);
+  }
+  std::copy_if(other.begin(), other.end(), std::back_inserter(links), isBadLink);
+  std::erase_if(unread, [](const Unread& file) { return isBadLink(file.path); });
+  std::erase_if(other, isBadLink);
+  if (!links.empty()) notes.push_back("passed over " + named(links) + ": links to nothing");
 }
 
 // The entries of a directory: files, and pipes, devices and folders, which cannot be slices.
@@ -179,6 +198,7 @@ SliceFiles slicesIn(const fs::path& directory) {
            "); a directory is read as one volume, so put them apart");
   }
   SliceFiles out;
+  if (!dicom.empty()) passOverBadLinks(unread, other, out.notes);
   passOver(unread, dicom.empty() ? tiff : dicom, out.notes);
   if (tiff.empty() && dicom.empty()) {
     refuse("a directory without slices: it holds no TIFF and no DICOM file (found " +

@@ -246,6 +246,20 @@ TEST_F(DicomSeries, SlopeOfZeroAndWhiteZero_AreNoted) {
   EXPECT_TRUE(open()->info().notes[0].starts_with("the DICOM files show their smallest values white (MONOCHROME1)"));
 }
 
+// Known because each slice says where it lies: a link to nothing moves none, and a slice that is missing is a gap.
+TEST_F(DicomSeries, LinksToNothingArePassedOver) {
+  writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6}});
+  fs::create_symlink("nowhere", files_.directory() / "gone");
+  fs::create_symlink("loop", files_.directory() / "loop");
+  const auto source = open();
+  EXPECT_EQ(source->info().geometry.dims.z, 4);
+  EXPECT_EQ(std::count(source->info().notes.begin(), source->info().notes.end(),
+                       "passed over 'loop' and 1 more: links to nothing"),
+            1);
+  fs::remove(files_.directory() / "c");
+  expectError(ErrorCode::kFormat, "");
+}
+
 // A screenshot, a localizer and a report in the series itself, a presentation state beside it: the volume is what most
 // slices are, and each other object is named with its reason.
 TEST_F(DicomSeries, OtherObjectsOfASeries_arePassedOverWithTheirReason) {
