@@ -343,9 +343,9 @@ void checkExr(std::span<const std::byte> data, const std::filesystem::path& path
   });
 }
 
-std::map<std::string, std::string> readExrText(const File& file) {
+ExrPart readExrPart(const File& file) {
   const ExrBytes bytes = {file.size(), [&file](std::uint64_t at, std::span<std::byte> out) { file.readAt(at, out); }};
-  return readExrHead(bytes, file.path()).front().text;
+  return readExrHead(bytes, file.path()).front();
 }
 
 }  // namespace kiln

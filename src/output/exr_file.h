@@ -3,11 +3,11 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "output/exr_head.h"
 #include "output/image.h"
 #include "output/image_file.h"
 #include "output/image_rows.h"
@@ -39,7 +39,7 @@ Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& pa
 /// missing; kBudget.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path,
               std::uint64_t memory_bytes = kUnlimitedBytes);
-/// The string attributes of the first part. cost: reads the headers alone. throws: Error kFormat, kUnsupported.
-std::map<std::string, std::string> readExrText(const File& file);
+/// The header of the first part. cost: reads the headers alone. throws: Error kFormat, kUnsupported.
+ExrPart readExrPart(const File& file);
 
 }  // namespace kiln

@@ -56,6 +56,13 @@ std::uint64_t rowsOfChunk(int compression) {
              : 0;
 }
 
+std::string nameOfCompression(int compression) {
+  constexpr std::array kNames = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
+  return compression >= 0 && static_cast<std::size_t>(compression) < kNames.size()
+             ? kNames[static_cast<std::size_t>(compression)]
+             : fmt::format("{}", compression);
+}
+
 class HeadWalk {
  public:
   HeadWalk(const ExrBytes& bytes, const std::filesystem::path& path) : bytes_(bytes), path_(path) {}
@@ -98,11 +105,15 @@ class HeadWalk {
     if (!layout.window || !layout.has_channels || !layout.compression)
       fail(begin, "a part has no data window, channels or compression");
     const auto& w = *layout.window;
+    out.x = w[0];
+    out.y = w[1];
     out.width = std::int64_t{w[2]} - w[0] + 1;
     out.height = std::int64_t{w[3]} - w[1] + 1;
     if (std::min(out.width, out.height) < 1 || std::max(out.width, out.height) > kLargestSide_px)
       throw Error(ErrorCode::kUnsupported, path_, "dataWindow",
                   fmt::format("{}x{} pixels; each side must be from 1 to {}", out.width, out.height, kLargestSide_px));
+    out.deep = layout.type.starts_with("deep");
+    out.compression = nameOfCompression(*layout.compression);
     count(tiled || layout.type == "tiledimage" || layout.type == "deeptile", layout, out);
     return out;
   }
@@ -121,7 +132,7 @@ class HeadWalk {
     if (type == "stringvector") {
       while (at_ < end) skip(takeLength(end));
     }
-    if (type == "chlist") channels(end, layout);
+    if (type == "chlist") channels(end, part, layout);
     if (type == "preview" && (length < 8 || length - 8 != previewBytes(begin)))
       fail(begin, fmt::format("{}: a preview of another size than its value has", name));
     if (name == "dataWindow" && type == "box2i") layout.window = number<std::array<std::int32_t, 4>>(begin);
@@ -141,14 +152,17 @@ class HeadWalk {
   }
 
   // Entries of name, type (0 uint, 1 half, 2 float), four bytes, and how often there is a sample in x and y.
-  void channels(std::uint64_t end, Layout& layout) {
+  void channels(std::uint64_t end, ExrPart& part, Layout& layout) {
+    constexpr std::array kTypes = {"uint", "half", "float"};
     layout.has_channels = true;
+    part.channels.clear();
     while (true) {
       const std::string name = text();
       if (name.empty()) break;
       const auto type = take<std::int32_t>();
       skip(12);
       layout.pixel_bytes += type == 1 ? 2 : 4;
+      part.channels.emplace_back(name, type >= 0 && type < 3 ? kTypes[static_cast<std::size_t>(type)] : "unknown");
     }
     if (at_ != end) fail(at_, "the list of channels does not end where its length says");
   }

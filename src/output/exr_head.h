@@ -12,6 +12,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace kiln {
@@ -25,7 +26,10 @@ struct ExrBytes {
 
 /// One part of a file. unit of windows: pixels.
 struct ExrPart {
-  std::int64_t width = 0, height = 0;  // of the data window
+  std::int64_t x = 0, y = 0, width = 0, height = 0;  // the data window
+  bool deep = false;
+  std::string compression;  // none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab
+  std::vector<std::pair<std::string, std::string>> channels{};  // name and type: uint, half or float
   /// The buffers in which OpenEXR unpacks rows or tiles. unit: bytes.
   std::uint64_t buffer_bytes = 0;
   /// Attributes of type string, by name.

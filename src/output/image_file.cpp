@@ -119,9 +119,34 @@ std::map<std::string, std::string> readImageText(const std::filesystem::path& pa
   const File file(path);
   std::vector<std::byte> first(8);
   first.resize(file.readSomeAt(0, first));
-  if (looksLikeExr(first)) return readExrText(file);
+  if (looksLikeExr(first)) return readExrPart(file).text;
   if (looksLikePng(first)) return decodePngText(readWithin(path, memory_bytes), path, memory_bytes - file.size());
   throw notAPicture(path);
+}
+
+PixelLayout readPixelLayout(const std::filesystem::path& path) {
+  const File file(path);
+  // A PNG begins with its width, height and bits: 25 bytes.
+  std::vector<std::byte> first(25);
+  first.resize(file.readSomeAt(0, first));
+  PixelLayout out;
+  if (looksLikeExr(first)) {
+    ExrPart part = readExrPart(file);
+    out.x = part.x, out.y = part.y, out.width = part.width, out.height = part.height;
+    out.deep = part.deep;
+    out.compression = std::move(part.compression);
+    out.channels = std::move(part.channels);
+    return out;
+  }
+  if (!looksLikePng(first) || first.size() < 25) throw notAPicture(path);
+  const auto number = [&](std::size_t at) {
+    std::int64_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | std::to_integer<std::int64_t>(first[i]);
+    return value;
+  };
+  out.width = number(16), out.height = number(20);
+  out.png_bits = std::to_integer<int>(first[24]);
+  return out;
 }
 
 }  // namespace kiln

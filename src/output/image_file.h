@@ -9,6 +9,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "output/image.h"
@@ -96,5 +98,16 @@ void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes = 
 /// readImage.
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path,
                                                  std::uint64_t memory_bytes = kUnlimitedBytes);
+
+/// How a picture's file holds its pixels, of an EXR of several parts the first. unit of the window: pixels.
+struct PixelLayout {
+  std::int64_t x = 0, y = 0, width = 0, height = 0;           // of an EXR, its data window
+  int png_bits = 0;                                           // of a PNG, for each channel
+  std::string compression;                                    // of an EXR, as OpenEXR names it
+  std::vector<std::pair<std::string, std::string>> channels;  // of an EXR, name and type: uint, half or float
+  bool deep = false;
+};
+/// cost: reads the headers alone. throws: as readImageText.
+PixelLayout readPixelLayout(const std::filesystem::path& path);
 
 }  // namespace kiln

@@ -143,9 +143,30 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
     expectDone({"render", in("job.json"), "-o", again, "--comments", "two\nlines"});
     EXPECT_EQ(readFile(again), readFile(picture)) << ending;
   }
+  // As the first was stored, though the job in it says nothing of files.
+  for (const std::vector<std::string>& stored :
+       {std::vector<std::string>{"p.exr", "--exr-type", "float", "--compression", "piz", "--aov", "depth"},
+        std::vector<std::string>{"p.png", "--png-bits", "16"}}) {
+    const std::string picture = in(stored[0]), again = in("again_" + stored[0]);
+    std::vector<std::string> first = {"render", in("v.kiln"), "-o", picture, "--size", "40x30", "--crop", "3,2,20,10"};
+    first.insert(first.end(), stored.begin() + 1, stored.end());
+    expectDone(first);
+    FileSystem::real().writeAtomic(in("job.json"), expectDone({"info", picture, "--json"}).out);
+    expectDone({"render", in("job.json"), "-o", again});
+    EXPECT_EQ(readFile(again), readFile(picture)) << stored[0];
+    // Nor does it forbid another kind of file.
+    expectDone({"render", in("job.json"), "-o", in("other.exr")});
+  }
+  const std::string exr = expectDone({"info", in("p.exr")}).out;
+  for (const char* says :
+       {"pixels       20 x 10 from 3, 2, compression piz\n", "A float, B float, G float, R float", "Z float"})
+    EXPECT_NE(exr.find(says), std::string::npos) << exr;
+  EXPECT_NE(expectDone({"info", in("p.png")}).out.find("pixels       20 x 10 of 16 bits a channel\n"),
+            std::string::npos);
   Image foreign(2, 2);
   writeImage(foreign, {}, {}, in("f.png"));
-  EXPECT_EQ(expectDone({"info", in("f.png")}).out, "picture      " + in("f.png") + "\n");
+  EXPECT_EQ(expectDone({"info", in("f.png")}).out,
+            "picture      " + in("f.png") + "\npixels       2 x 2 of 8 bits a channel\n");
   expectRefused({"info", in("f.png"), "--json"}, 1, {in("f.png"), "kiln:job"});
   expectRefused({"info", in("v.raw")}, 1, {in("v.raw"), "neither OpenEXR nor PNG"});
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "histogram_text.h"
 #include "output/image_file.h"
 #include "say.h"
+#include "scene/job_names.h"
 #include "scene/label_looks.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
@@ -92,8 +94,8 @@ void printLevels(const Manifest& m, const Storage& storage) {
 
 // The manifest, and what follows from it and the index.
 std::string textForPrograms(const StoreReader& store) {
-  const Storage storage = storageOf(store);
   auto out = nlohmann::ordered_json::parse(readTextFile(store.path() / "manifest.json"));
+  const Storage storage = storageOf(store);
   out["storage"] = {{"rawBytes", storage.raw_bytes},
                     {"diskBytes", storage.disk_bytes},
                     {"ratio", storage.ratio()},
@@ -140,11 +142,32 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
 }
 
+// How the colours are stored; of what is beside them, the first channel.
+std::string exrTypeOf(const PixelLayout& layout) {
+  for (const auto& [name, type] : layout.channels) {
+    if (name == "R") return type;
+  }
+  return layout.channels.empty() ? "" : layout.channels.front().second;
+}
+
+void printLayout(const PixelLayout& layout) {
+  say("pixels       {} x {}", layout.width, layout.height);
+  if (layout.png_bits > 0) return say(" of {} bits a channel\n", layout.png_bits);
+  if (layout.x != 0 || layout.y != 0) say(" from {}, {}", layout.x, layout.y);
+  say("{}, compression {}\n", layout.deep ? ", deep" : "", layout.compression);
+  std::string channels;
+  for (const auto& [name, type] : layout.channels)
+    channels += fmt::format("{}{} {}", channels.empty() ? "" : ", ", name, type);
+  say("channels     {}\n", channels);
+}
+
 // What Kiln writes into its pictures, the job last: it is long.
 void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
+  const PixelLayout layout = readPixelLayout(path);
   const std::string job = std::exchange(texts[ImageMetadata::kJob], {});
   say("picture      {}\n", path.string());
+  printLayout(layout);
   for (const auto& [name, text] : texts) {
     if (text.empty()) continue;
     const bool several_lines = text.find('\n') != std::string::npos;
@@ -154,6 +177,19 @@ void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   if (!job.empty()) sayLines(fmt::format("{:<12}\n{}\n", ImageMetadata::kJob, job));
 }
 
+// What a file says of its own pixels, in a job's words, so that a picture is drawn again with the same type.
+void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
+  if (layout.png_bits > 0) {
+    if (layout.png_bits == 16) job["png"] = {{"bits", 16}};
+    return;
+  }
+  nlohmann::ordered_json& exr = job["exr"];
+  if (const std::string type = exrTypeOf(layout); type == "half" || type == "float") exr["type"] = type;
+  if (std::find(kExrCompressionNames.begin(), kExrCompressionNames.end(), layout.compression) !=
+      kExrCompressionNames.end())
+    exr["compression"] = layout.compression;
+}
+
 // As `kiln render` takes it, once it is in a file.
 std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
   const std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
@@ -161,7 +197,10 @@ std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
   if (job == texts.end())
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "is not there: a picture that Kiln drew has its job in it");
-  return job->second + "\n";
+  auto out = nlohmann::ordered_json::parse(job->second, nullptr, false);
+  if (!out.is_object()) return job->second + "\n";
+  addLayout(readPixelLayout(path), out);
+  return out.dump(2) + "\n";
 }
 
 }  // namespace
