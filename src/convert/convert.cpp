@@ -127,7 +127,8 @@ class Making {
         std::move(beginning_.earlier));
     const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
     if (earlier > 0 && ranks_.first())
-      progress_.note(fmt::format("{} of {} bricks are finished already", earlier, bricks));
+      progress_.note(
+          fmt::format("{}: {} of {} bricks are finished already", beginning_.directory.string(), earlier, bricks));
     conversion.run();
     if (ranks_.first()) {
       requireUnchanged();
@@ -229,7 +230,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     for (const std::string& note : info.notes) progress.note(namedNote(info, note));
     notes = info.notes.size();
     if (!ranks.alone() && source.order() == ReadOrder::kForward)
-      progress.note("the input is a stream, so that each rank reads and unpacks all of it, and they share the rest");
+      progress.note(
+          namedNote(info, "is a stream, so that each rank reads and unpacks all of it, and they share the rest"));
   }
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;

@@ -250,7 +250,9 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
                 fmt::format("{} of {} tiles of this picture are finished; go on from them by --resume, or remove the "
                             "file to begin anew",
                             kept.size(), tiles.size()));
-  if (!kept.empty()) progress.note(fmt::format("{} of {} tiles are finished already", kept.size(), tiles.size()));
+  if (!kept.empty())
+    progress.note(
+        fmt::format("{}: {} of {} tiles are finished already", out.tiles->path.string(), kept.size(), tiles.size()));
   UncountedProgress of_tiles(progress);
   const std::unique_ptr<FramePainter> painter = opened.painterFor(out.scene, of_tiles);
   const std::string step = stepOfFrame(frame);

@@ -175,10 +175,10 @@ void OpenedJob::noteDeep(Progress& progress) const {
   const auto is_flat = [](const OutputFile& file) { return file.content != Content::kDeep; };
   const std::vector<OutputFile>& files = job_.output.files;
   if (!drawsDeep(job_) || std::any_of(files.begin(), files.end(), is_flat)) return;
-  progress.note(
-      "a deep picture has one ray a pixel and no pixel filter, unlike a flat picture of the same options; a flat "
-      "picture "
-      "beside it (outputs) is the deep one, flattened");
+  progress.note(fmt::format(
+      "{}: a deep picture has one ray a pixel and no pixel filter, unlike a flat picture of the same options; a flat "
+      "picture beside it (outputs) is the deep one, flattened",
+      (files.empty() ? job_.output.path : files.front().path).string()));
 }
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {

@@ -71,6 +71,7 @@ TEST_F(Checkpoint, GoesOnFromTheTilesThatAreWhole) {
   FileSystem::real().appendFile(tiles(), std::vector<std::byte>(70000, std::byte{1}));
   const ToolResult second = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
   EXPECT_NE(second.err.find("of 6 tiles are finished already"), std::string::npos) << second.err;
+  EXPECT_NE(second.err.find(tiles().string() + ": "), std::string::npos) << second.err;
   expectWhole(second);
 }
 

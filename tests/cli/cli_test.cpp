@@ -780,6 +780,7 @@ TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   expectRefused(convert, 1, {"--resume"});
   convert.push_back("--resume");
   const ToolResult resumed = expectDone(convert);
+  EXPECT_EQ(resumed.err.find(in("big.kiln") + ": "), resumed.err.find("kiln: ") + 6) << resumed.err;
   EXPECT_NE(resumed.err.find("are finished already"), std::string::npos) << resumed.err;
   expectDone({"verify", in("big.kiln")});
   EXPECT_NE(expectDone(convert).err.find("finished already"), std::string::npos);

@@ -77,7 +77,7 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
 
 TEST_F(ViewsCli, ADeepPictureSaysHowItDiffersFromAFlatOne) {
   const std::string note = "a deep picture has one ray a pixel and no pixel filter";
-  EXPECT_NE(drawn("deep.exr", {"--deep"}).err.find(note), std::string::npos);
+  EXPECT_NE(drawn("deep.exr", {"--deep"}).err.find(in("deep.exr") + ": " + note), std::string::npos);
   EXPECT_NE(drawn("deep.exr", {"--deep", "--samples", "1"}).err.find(note), std::string::npos);
   EXPECT_EQ(drawn("flat.exr", {"--samples", "1"}).err.find(note), std::string::npos);
   // Beside a flat picture of the same rays there is nothing to note.

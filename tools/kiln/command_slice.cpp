@@ -18,10 +18,11 @@ struct SliceArguments {
   std::optional<std::int64_t> index;
 };
 
-void warnBeside(const Window& window, const ValueRange& range, Progress& progress) {
+void warnBeside(const std::string& picture, const Window& window, const ValueRange& range, Progress& progress) {
   if (range.hi >= window.centre - 0.5 * window.width && range.lo <= window.centre + 0.5 * window.width) return;
-  progress.warn(fmt::format("the picture is of one colour: all values of the volume, {:g} to {:g}, lie beside --window",
-                            range.lo, range.hi));
+  progress.warn(
+      fmt::format("{}: the picture is of one colour: all values of the volume, {:g} to {:g}, lie beside --window",
+                  picture, range.lo, range.hi));
 }
 
 void run(const SliceArguments& a, Context& context) {
@@ -44,7 +45,7 @@ void run(const SliceArguments& a, Context& context) {
   const Image image = renderSlice(store, request, context.progress);
   writeImage(image, {}, {}, a.output);
   if (request.window && !store.manifest().range.empty())
-    warnBeside(*request.window, store.manifest().range, context.progress);
+    warnBeside(a.output, *request.window, store.manifest().range, context.progress);
   context.progress.clear();
   say("{}: {} x {} pixels\n", a.output, image.width, image.height);
 }
