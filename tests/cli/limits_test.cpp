@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <regex>
 #include <set>
 
 #include "base/file.h"
@@ -112,6 +113,29 @@ TEST_F(Limits, AddressSpaceThatIsTooSmall_endsInOneLine) {
     failed += result.exit_code == 1 ? 1 : 0;
   }
   EXPECT_GT(failed, 0);
+}
+
+// Known because an option that is refused for letters, before the command looks at anything, takes no text.
+TEST_F(Limits, EveryOptionThatIsANumber_takesDecimalDigitsOnly) {
+  const std::regex option("\n +(?:-\\w,)?(--[\\w-]+) ");
+  int numbers = 0;
+  for (const std::string command : {"convert", "info", "verify", "export", "slice", "tf", "render", "split",
+                                    "composite", "compare", "bench", "manual", "schema"}) {
+    const std::string help = done({command, "--help"}).out;
+    for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at) {
+      const std::string name = (*at)[1];
+      const auto refusal = [&](const std::string& text) {
+        const ToolResult result = runTool({command, name + "=" + text});
+        return result.exit_code == 2 && result.errorLines().size() == 1 &&
+               result.err.find(name + ": ") != std::string::npos;
+      };
+      if (name == "--help" || !refusal("letters")) continue;
+      ++numbers;
+      for (const char* none : {"nan", "0x10", " 5", "5x"})
+        EXPECT_TRUE(refusal(none)) << command << " " << name << "='" << none << "'";
+    }
+  }
+  EXPECT_GT(numbers, 30) << "the walk over the options has lost its point";
 }
 
 // Known because a stack of slices has more files than a process may have open, and each command leaves what it found.

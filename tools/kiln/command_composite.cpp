@@ -49,7 +49,7 @@ void addComposite(CLI::App& app, Context& context) {
                    fmt::format("of an EXR: {}; zip if not given", fmt::join(kExrCompressionNames, ", ")))
       ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
-  command->add_option("--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
+  addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

@@ -39,7 +39,7 @@ void addExport(CLI::App& app, Context& context) {
       app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("OUT", a->output, "the .vdb to write")->required();
-  command->add_option("--level", a->level, "0 is finest")->capture_default_str();
+  addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
   addMemory(*command, a->memory, "the grid, a brick and the index")->capture_default_str();
   command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

@@ -602,22 +602,22 @@ void addCameraOptions(CLI::App& command, RenderArguments& a) {
                      "perspective, orthographic, or equirectangular: a panorama of all directions round the eye, the "
                      "middle ahead, the top "
                      "up; its depths are distances from the eye");
-  command.add_option("--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
-  command.add_option("--height", a.height, "world units the image spans vertically, orthographic");
+  addNumber(command, "--fov", a.fov, "vertical field of view, perspective")->type_name("DEG");
+  addNumber(command, "--height", a.height, "world units the image spans vertically, orthographic");
   command.add_option("--eye", a.eye, "where the eye is, in the world")->type_name("X,Y,Z");
   command.add_option("--target", a.target, "what it looks at; the volume's centre if not given")->type_name("X,Y,Z");
   command.add_option("--up", a.up, "what is up")->type_name("X,Y,Z");
   command.add_option("--view", a.view, "front, back, left, right, top or bottom, fitted to the volume");
-  command.add_option("--azimuth", a.azimuth, "turn the eye about the up axis")->type_name("DEG");
-  command.add_option("--elevation", a.elevation, "raise the eye")->type_name("DEG");
-  command.add_option("--zoom", a.zoom, "2 draws twice as large");
+  addNumber(command, "--azimuth", a.azimuth, "turn the eye about the up axis")->type_name("DEG");
+  addNumber(command, "--elevation", a.elevation, "raise the eye")->type_name("DEG");
+  addNumber(command, "--zoom", a.zoom, "2 draws twice as large");
   command.add_option("--stereo", a.stereo,
                      "draw what the left or the right eye of a pair sees, left or right, or both: an EXR of two parts, "
                      "views left and right, a PNG of one "
                      "beside the other; or two files where the name has %V, which becomes left and right");
-  command.add_option("--interocular", a.interocular, "how far the eyes of a pair are apart, in world units");
-  command.add_option("--convergence", a.convergence,
-                     "the depth at which both eyes see the same place; the target's if not given");
+  addNumber(command, "--interocular", a.interocular, "how far the eyes of a pair are apart, in world units");
+  addNumber(command, "--convergence", a.convergence,
+            "the depth at which both eyes see the same place; the target's if not given");
 }
 
 void addJobOptions(CLI::App& command, RenderArguments& a) {
@@ -645,7 +645,7 @@ void addJobOptions(CLI::App& command, RenderArguments& a) {
       ->type_name("TF");
   command.add_option("--frames", a.frames, "draw these frames of the job: 7, 1-100, 1-100x2 or 1-10,20")
       ->type_name("FRAMES");
-  command.add_option("--turntable", a.turntable, "turn the camera once about its target in this many frames")
+  addNumber(command, "--turntable", a.turntable, "turn the camera once about its target in this many frames")
       ->type_name("FRAMES");
   command.add_flag("--resume", a.resume, "keep the frames that are there and whole, and draw the others");
   command.add_flag("--checkpoint", a.checkpoint,
@@ -721,14 +721,14 @@ void addVisibilityOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--projected-area", a.area,
                      "what stands for a node of the octree when it is tested: box, the tightest, or sphere, as Lee "
                      "and Ihm have it");
-  command.add_option("--quadtree-epsilon", a.epsilon, "enlarge projected areas by this, for --visibility quadtree")
+  addNumber(command, "--quadtree-epsilon", a.epsilon, "enlarge projected areas by this, for --visibility quadtree")
       ->type_name("PIXELS");
   command.add_flag("--test-nodes-only", a.nodes_only,
                    "ask for nodes of the octree but not for each voxel, as Lee and Ihm have it");
-  command.add_option("--tile", a.tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
+  addNumber(command, "--tile", a.tile, "edge of the tiles that threads draw, a power of two from 64 on; 0: no tiles")
       ->type_name("PIXELS");
-  command.add_option("--opacity-threshold", a.threshold,
-                     "alpha at which a pixel takes no more light; 0.998 if not given");
+  addNumber(command, "--opacity-threshold", a.threshold,
+            "alpha at which a pixel takes no more light; 0.998 if not given");
 }
 
 void addSamplingOptions(CLI::App& command, RenderArguments& a) {
@@ -743,10 +743,9 @@ void addSamplingOptions(CLI::App& command, RenderArguments& a) {
   command.add_option("--interpolation", a.interpolation,
                      "between voxels: linear (default), cubic (B-spline: smooth, blurs a little) or catmull-rom "
                      "(smooth, keeps the voxels' values)");
-  command
-      .add_option("--sample-distance", a.sample_distance,
-                  "between samples along a ray, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, "
-                  "and in any case half a pixel at the least")
+  addNumber(command, "--sample-distance", a.sample_distance,
+            "between samples along a ray, from 0.25 to 1: more is faster, less more faithful; 0.5 if not given, "
+            "and in any case half a pixel at the least")
       ->type_name("VOXELS");
   command.add_option("--level", a.level,
                      "auto, the levels whose voxels are about a pixel (default), or the number of one; 0 is finest");
@@ -772,7 +771,7 @@ void addCostOptions(CLI::App& command, RenderArguments& a) {
       .add_option("--trace", a.trace,
                   "write what each thread did when, in Chrome's trace format, for Perfetto or chrome://tracing")
       ->type_name("FILE");
-  command.add_option("--repeat", a.repeat, "draw the frame this many times, from the second on with bricks in memory")
+  addNumber(command, "--repeat", a.repeat, "draw the frame this many times, from the second on with bricks in memory")
       ->capture_default_str();
 }
 
@@ -783,16 +782,16 @@ void addFileOptions(CLI::App& command, RenderArguments& a) {
                                  fmt::join(kExrCompressionNames, ", ")));
   command.add_flag("--deep", a.deep,
                    "a deep EXR: RGBA, Z and ZBack of each slab, for compositing with others; it has no background");
-  command.add_option("--deep-samples", a.deep_samples,
-                     "deep samples of a pixel, at most: with more slabs, neighbours become one where that shows least; "
-                     "24 if not given");
-  command.add_option("--deep-error", a.deep_error,
-                     "make one sample of neighbouring slabs as long as a cut at any depth shows at most so much else, "
-                     "of 1; 0 if not given");
+  addNumber(command, "--deep-samples", a.deep_samples,
+            "deep samples of a pixel, at most: with more slabs, neighbours become one where that shows least; "
+            "24 if not given");
+  addNumber(command, "--deep-error", a.deep_error,
+            "make one sample of neighbouring slabs as long as a cut at any depth shows at most so much else, "
+            "of 1; 0 if not given");
   command.add_option("--owner", a.owner, "an EXR's attribute owner");
   command.add_option("--comments", a.comments, "an EXR's attribute comments");
   command.add_flag("--exr-statistics", a.exr_statistics, "what --stats writes, as an EXR's attribute kiln:statistics");
-  command.add_option("--png-bits", a.png_bits, "8 or 16");
+  addNumber(command, "--png-bits", a.png_bits, "8 or 16");
 }
 
 }  // namespace

@@ -58,8 +58,8 @@ void addSlice(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "the store")->required();
   command->add_option("-o,--output", a->output, "the picture, .png or .exr")->required();
   command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
-  command->add_option("--level", a->level, "0 is finest")->capture_default_str();
-  command->add_option("--index", a->index, "the slice, in voxels of the level; the middle one if not given");
+  addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
+  addNumber(*command, "--index", a->index, "the slice, in voxels of the level; the middle one if not given");
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

@@ -49,7 +49,7 @@ void addSplit(CLI::App& app, Context& context) {
       ->add_option("-o,--output", a->output,
                    "the parts, in whose name a run of # is the part's number: 1 is the first rank's")
       ->required();
-  command->add_option("--parts", a->parts, "how many, one a rank")->required()->type_name("N");
+  addNumber(*command, "--parts", a->parts, "how many, one a rank")->required()->type_name("N");
   command
       ->add_option("--tf", a->tf,
                    "the transfer function that is to be drawn: each part has an even share of what it shows")

@@ -152,10 +152,10 @@ void SceneArguments::apply(PictureOptions& picture) const {
 
 void addSceneArguments(CLI::App& command, SceneArguments& a) {
   command.add_option("--shading", a.shading, "phong (default), or none: colours as the transfer function has them");
-  command.add_option("--ambient", a.ambient, "light from everywhere; 0.2 if not given");
-  command.add_option("--diffuse", a.diffuse, "of the lights, in the colour of the material; 0.8 if not given");
-  command.add_option("--specular", a.specular, "of the lights, in their own colour; 0.2 if not given");
-  command.add_option("--power", a.power, "how narrow highlights are; 16 if not given");
+  addNumber(command, "--ambient", a.ambient, "light from everywhere; 0.2 if not given");
+  addNumber(command, "--diffuse", a.diffuse, "of the lights, in the colour of the material; 0.8 if not given");
+  addNumber(command, "--specular", a.specular, "of the lights, in their own colour; 0.2 if not given");
+  addNumber(command, "--power", a.power, "how narrow highlights are; 16 if not given");
   command
       .add_option(
           "--light", a.lights,

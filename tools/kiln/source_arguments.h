@@ -1,10 +1,17 @@
 // Options that say what a foreign file does not: shared by the commands that read one.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <type_traits>
 
 #include "ingest/volume_source.h"
 
@@ -15,6 +22,31 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 
 /// Of an option: a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
+
+/// Of an option: a number in decimal digits that T has. CLI11 itself also takes nan, infinities, blanks, hexadecimal
+/// and octal numbers.
+template <class T>
+CLI::Validator decimalNumber() {
+  const auto refused = [](std::string& text) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    bool legal = error == std::errc() && end == text.data() + text.size();
+    if constexpr (std::is_floating_point_v<T>) legal = legal && std::isfinite(value);
+    if (legal) return std::string();
+    return fmt::format("expected a {}number, found '{}'", std::is_integral_v<T> ? "whole " : "", text);
+  };
+  return {refused, ""};
+}
+
+/// An option that takes such a number; `value` is a number or a std::optional of one.
+template <class T>
+CLI::Option* addNumber(CLI::App& command, const std::string& name, T& value, const std::string& help) {
+  return command.add_option(name, value, help)->check(decimalNumber<T>());
+}
+template <class T>
+CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<T>& value, const std::string& help) {
+  return command.add_option(name, value, help)->check(decimalNumber<T>());
+}
 
 /// The most that --threads and a job's "threads" may be.
 inline constexpr std::int64_t kMostThreads = 4096;
