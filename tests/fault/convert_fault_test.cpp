@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <iterator>
 #include <map>
 #include <new>
 #include <optional>
@@ -304,6 +305,36 @@ TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::Range<std::size_t>(0, std::size(kFaults)),
                          [](const auto& fault) { return std::string(kFaults[fault.param].name); });
+
+// As NFS: names cannot be exchanged.
+class WithoutExchange : public FaultyFileSystem {
+ public:
+  using FaultyFileSystem::FaultyFileSystem;
+  bool exchange(const fs::path&, const fs::path&) override { return false; }
+};
+
+// Known as above: the old store is moved aside and comes back, and each of the last changes fails once.
+TEST(ConvertStopped, WhereNamesCannotBeExchanged_TheOldStoreIsKept) {
+  const DenseVolume old_volume = oldVolume(), new_volume = newVolume();
+  const ThreadLimit one(1);
+  const fs::path old_store = makeStore(old_volume, "fault_no_exchange", kBrickSize);
+  const fs::path out = freshDirectory("fault_no_exchange_out") / "volume.kiln";
+  const auto replace = [&](WithoutExchange& disk) {
+    fs::remove_all(out.parent_path());
+    fs::create_directories(out.parent_path());
+    fs::copy(old_store, out, fs::copy_options::recursive);
+    return convertWith(new_volume, out, How::kOverwrite, disk);
+  };
+  WithoutExchange works;
+  EXPECT_FALSE(replace(works));
+  EXPECT_TRUE(holds(out, new_volume));
+  EXPECT_EQ(std::distance(fs::directory_iterator(out.parent_path()), {}), 1);
+  for (std::uint64_t n = works.calls() - 9; n < works.calls(); ++n) {
+    WithoutExchange disk(DiskFault{n, EIO});
+    const bool failed = replace(disk).has_value();
+    EXPECT_TRUE(holds(out, failed ? old_volume : new_volume)) << n;
+  }
+}
 
 // Known because convert asks before every brick, and there are nine in three levels: an interrupt is resumed wherever
 // it came, with the bytes of a conversion that met none.
