@@ -6,7 +6,6 @@
 
 #include "base/byte_record.h"
 #include "cluster/agreement.h"
-#include "convert/earlier_bricks.h"
 #include "convert/source_state.h"
 #include "store/brick_codec.h"
 
@@ -23,10 +22,10 @@ std::string identityOf(Manifest draft) {
 }
 
 // What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
-std::optional<JournalContent> resumable(Destination& destination, const Manifest& draft,
-                                        const ConvertOptions& options) {
-  std::optional<JournalContent> found = Journal::read(destination.building());
-  if (found && found->identity.volume != identityOf(draft)) {
+std::optional<ConversionIdentity> resumable(Destination& destination, const Manifest& draft,
+                                            const ConvertOptions& options) {
+  std::optional<ConversionIdentity> found = Journal::identityIn(destination.building());
+  if (found && found->volume != identityOf(draft)) {
     if (!options.overwrite) {
       throw Error(ErrorCode::kExists, destination.building(), "",
                   "was begun from another source, an older state of it, or with other options; give --overwrite to "
@@ -52,26 +51,28 @@ void share(Beginning& beginning, Ranks& ranks) {
   if (ranks.alone()) return;
   std::vector<std::byte> bytes;
   appendValue(bytes, beginning.finished);
-  for (const std::string& text : {beginning.directory.string(), beginning.earlier.identity.volume,
-                                  beginning.earlier.identity.command, beginning.earlier.identity.time})
+  appendValue(bytes, beginning.noted);
+  ConversionIdentity& identity = beginning.identity;
+  for (const std::string& text : {beginning.directory.string(), identity.volume, identity.command, identity.time})
     appendText(bytes, text);
   ranks.broadcast(bytes);
   ByteTaker taker{bytes};
   beginning.finished = taker.take<bool>();
+  beginning.noted = taker.take<std::uint64_t>();
   beginning.directory = taker.takeText();
-  ConversionIdentity& identity = beginning.earlier.identity;
   for (std::string* text : {&identity.volume, &identity.command, &identity.time}) *text = taker.takeText();
-  shareBricks(beginning.earlier.bricks, ranks);
 }
 
 Beginning beginAt(Destination& destination, const Manifest& draft, const ConvertOptions& options, const Ranks& ranks,
                   FileSystem& disk) {
-  Beginning out{destination.finished(), destination.building(), {}};
+  Beginning out{destination.finished(), destination.building(), {identityOf(draft), options.command, options.time}};
   if (out.finished) return out;
   if (options.resume) {
-    if (std::optional<JournalContent> found = resumable(destination, draft, options)) out.earlier = *std::move(found);
+    if (std::optional<ConversionIdentity> found = resumable(destination, draft, options)) {
+      out.identity = *std::move(found);
+      Journal::forEachBrick(out.directory, [&](const FinishedBrick&) { ++out.noted; });
+    }
   }
-  if (out.earlier.identity.volume.empty()) out.earlier.identity = {identityOf(draft), options.command, options.time};
   destination.make();
   // Each rank clears a folder of its own in it; there may have been more of them.
   if (!ranks.alone()) disk.removeAll(out.directory / "parts");

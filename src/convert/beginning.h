@@ -2,6 +2,7 @@
 // know.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -16,7 +17,8 @@ namespace kiln {
 struct Beginning {
   bool finished = false;  // by an earlier conversion
   std::filesystem::path directory;
-  JournalContent earlier;  // of this conversion where there is none
+  ConversionIdentity identity;  // of an earlier conversion that goes on, else of this one
+  std::uint64_t noted = 0;      // bricks in the journal of an earlier conversion
 };
 
 /// Collective. Whether all ranks are about to read the same volume: a file that each finds on a disk of its own may

@@ -29,7 +29,7 @@ std::unique_ptr<SliceRing> ringFor(const Conversion::Parts& parts) {
 
 }  // namespace
 
-Conversion::Conversion(const Parts& parts, JournalContent earlier)
+Conversion::Conversion(const Parts& parts, const ConversionIdentity& identity, bool resumes)
     : parts_(parts),
       writer_(parts.writer),
       ranks_(parts.ranks),
@@ -45,9 +45,10 @@ Conversion::Conversion(const Parts& parts, JournalContent earlier)
       of_brick_(counters_) {
   for (const LevelInfo& level : writer_.manifest().levels)
     finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
-  std::erase_if(earlier.bricks, [&](const FinishedBrick& brick) { return !writer_.contains(brick.key); });
-  keep(wholeBricksOf(earlier.bricks, parts.directory, ranks_, progress_));
-  if (ranks_.first()) goOnWith(earlier.identity);
+  left_to_build_ = pyramid_.ownBricks();
+  if (resumes) forEachWholeBrick(parts.directory, ranks_, progress_, [&](const FinishedBrick& brick) { keep(brick); });
+  known_ = finished_;
+  if (ranks_.first()) goOnWith(identity);
   const bool in_order = parts.plan.window_slices > 0;
   shares_.emplace(ranks_, bricksToMake(in_order), writer_.manifest().brick_size, in_order);
   if (in_order)
@@ -55,16 +56,14 @@ Conversion::Conversion(const Parts& parts, JournalContent earlier)
         parts.source, ringFor(parts), writer_.manifest().brick_size, [this] { return shares_->next(); }, progress_);
 }
 
-void Conversion::keep(const std::vector<FinishedBrick>& whole) {
-  left_to_build_ = pyramid_.ownBricks();
-  for (const FinishedBrick& brick : whole) {
-    finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)] = 1;
-    writer_.keep(brick.key, brick.entry);
-    if (brick.key.level > 0 && pyramid_.owns(brick.key)) --left_to_build_;
-    if (brick.key.level == 0) done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
-    ++finished_bricks_;
-  }
-  known_ = finished_;
+// A whole brick of an earlier conversion; a journal may note bricks twice, or such as the volume has not.
+void Conversion::keep(const FinishedBrick& brick) {
+  if (!writer_.contains(brick.key)) return;
+  if (std::exchange(finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 1) != 0) return;
+  writer_.keep(brick.key, brick.entry);
+  if (brick.key.level > 0 && pyramid_.owns(brick.key)) --left_to_build_;
+  if (brick.key.level == 0) done_ += static_cast<std::uint64_t>(writer_.frame(brick.key).core().count());
+  ++finished_bricks_;
 }
 
 // The journal, from now on of the bricks that are kept, and the counts of their values.

@@ -37,9 +37,8 @@ class Conversion {
     Progress& progress;
   };
 
-  /// Collective. `earlier` is what an earlier conversion's journal says; of its bricks, those are kept whose files are
-  /// whole; the first rank reads the journal for the counts of their values.
-  Conversion(const Parts& parts, JournalContent earlier);
+  /// Collective. With `resumes`, bricks of the journal of an earlier conversion are kept where their files are whole.
+  Conversion(const Parts& parts, const ConversionIdentity& identity, bool resumes);
 
   /// Collective. All bricks are made and on the disk, or on their way to it, when it returns on the first rank; there
   /// the writer then knows all of them. throws: what source and disk throw, Error kCancelled. Other ranks are then not
@@ -54,7 +53,7 @@ class Conversion {
   std::uint64_t finishedBricks() const { return finished_bricks_; }
 
  private:
-  void keep(const std::vector<FinishedBrick>& whole);
+  void keep(const FinishedBrick& brick);
   void goOnWith(const ConversionIdentity& identity);
   std::vector<std::int64_t> bricksToMake(bool in_order) const;
   void takeUp();

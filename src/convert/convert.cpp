@@ -120,11 +120,10 @@ class Making {
         progress_(progress) {}
 
   void run(ConvertReport& report) {
-    noted_ = beginning_.earlier.bricks.size();
     StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_, plan_.sub_ranges_on_disk);
     Conversion& conversion = conversion_.emplace(
         Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
-        std::move(beginning_.earlier));
+        beginning_.identity, beginning_.noted > 0);
     const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
     if (earlier > 0 && ranks_.first())
       progress_.note(
@@ -151,7 +150,7 @@ class Making {
   /// What the disk has after a failure. cost: the lanes' memory is freed.
   std::uint64_t bricksLeft() {
     // Before it has looked at them, those that the journal notes.
-    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : noted_;
+    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : beginning_.noted;
     conversion_.reset();
     return out;
   }
@@ -175,7 +174,6 @@ class Making {
   Ranks& ranks_;
   FileSystem& disk_;
   Progress& progress_;
-  std::uint64_t noted_ = 0;  // bricks of an earlier conversion
   std::optional<StoreWriter> writer_;
   std::optional<Conversion> conversion_;
 };
@@ -246,8 +244,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     beginning = beginAt(*destination, draft, options, ranks, disk);
   }
   share(beginning, ranks);
-  draft.source.command = beginning.earlier.identity.command;
-  draft.source.time = beginning.earlier.identity.time;
+  draft.source.command = beginning.identity.command;
+  draft.source.time = beginning.identity.time;
   Making making(beginning, draft, plan, options, source, ranks, disk, progress);
   if (beginning.finished) {
     if (destination) finishEarlier(*destination, out, info, options, progress, report);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <functional>
 
 #include "base/progress.h"
 #include "cluster/ranks.h"
@@ -10,12 +10,10 @@
 
 namespace kiln {
 
-/// Collective, with the same bricks on all ranks. Of bricks that a journal notes, those whose files in
-/// `directory` are whole, each once; the ranks share the reading. throws: Error kCancelled.
-std::vector<FinishedBrick> wholeBricksOf(const std::vector<FinishedBrick>& noted,
-                                         const std::filesystem::path& directory, Ranks& ranks, Progress& progress);
-
-/// Collective. What the first rank's journal says, on all.
-void shareBricks(std::vector<FinishedBrick>& noted, Ranks& ranks);
+/// Collective. Calls keep(brick), on all ranks in the same order, for the bricks of the first rank's journal whose
+/// files in `directory` are whole; a brick may come twice, and its counts are left out. The ranks share the reading.
+/// memory: some thousand bricks, however many the journal has. throws: Error kCancelled, kIo.
+void forEachWholeBrick(const std::filesystem::path& directory, Ranks& ranks, Progress& progress,
+                       const std::function<void(const FinishedBrick&)>& keep);
 
 }  // namespace kiln

@@ -39,7 +39,7 @@ bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
 std::optional<std::string> makerOf(const fs::path& store) {
   try {
     if (isStore(store)) return parseManifest(readTextFile(store / "manifest.json"), store).source.command;
-    if (const std::optional<JournalContent> journal = Journal::read(store)) return journal->identity.command;
+    if (const std::optional<ConversionIdentity> begun = Journal::identityIn(store)) return begun->command;
   } catch (const Error&) {
   }
   return std::nullopt;

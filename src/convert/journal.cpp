@@ -28,23 +28,16 @@ std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payloa
   return taker.ok ? std::optional(out) : std::nullopt;
 }
 
-// Calls take(brick, payload) for each brick of a journal up to the first record that is not whole; its identity is
-// empty where there is none, or its beginning is damaged.
+// Calls take(brick, payload) for each brick of a journal up to the first record that is not whole.
 template <class Take>
-ConversionIdentity readBricks(const fs::path& path, Take&& take) {
-  ConversionIdentity out;
+void readBricks(const fs::path& path, Take&& take) {
   bool is_first = true;
   readRecords(path, kMagic, [&](std::span<const std::byte> payload) {
-    if (std::exchange(is_first, false)) {
-      const std::optional<ConversionIdentity> identity = identityFrom(payload);
-      if (identity) out = *identity;
-      return identity.has_value();
-    }
+    if (std::exchange(is_first, false)) return identityFrom(payload).has_value();
     const std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
     if (brick) take(*brick, payload);
     return brick.has_value();
   });
-  return out;
 }
 
 }  // namespace
@@ -108,13 +101,18 @@ void Journal::append(const FinishedBrick& brick) {
   disk_.appendFile(path_, record);
 }
 
-std::optional<JournalContent> Journal::read(const fs::path& directory) {
-  JournalContent out;
-  out.identity = readBricks(pathIn(directory), [&](const FinishedBrick& brick, std::span<const std::byte> /*payload*/) {
-    out.bricks.push_back({brick.key, brick.entry, {}});
+std::optional<ConversionIdentity> Journal::identityIn(const fs::path& directory) {
+  std::optional<ConversionIdentity> out;
+  readRecords(pathIn(directory), kMagic, [&](std::span<const std::byte> payload) {
+    out = identityFrom(payload);
+    return false;
   });
-  if (out.identity.volume.empty()) return std::nullopt;
   return out;
+}
+
+void Journal::forEachBrick(const fs::path& directory, const std::function<void(const FinishedBrick&)>& take) {
+  readBricks(pathIn(directory),
+             [&](const FinishedBrick& brick, std::span<const std::byte> /*payload*/) { take(brick); });
 }
 
 }  // namespace kiln

@@ -32,12 +32,6 @@ struct FinishedBrick {
 std::vector<std::byte> bytesOf(const FinishedBrick& brick);
 std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes);
 
-struct JournalContent {
-  ConversionIdentity identity;
-  /// Without their counts, which of a large volume are as much as its journal.
-  std::vector<FinishedBrick> bricks;
-};
-
 class Journal {
  public:
   /// Begins a journal in `directory` with the bricks of the one that is there, if there is one, of which keep(brick)
@@ -47,9 +41,13 @@ class Journal {
   /// thread: safe. throws: Error kNoSpace, kIo.
   void append(const FinishedBrick& brick);
 
-  /// The records of an earlier run up to the first that is not whole; nothing where there is no journal or its
-  /// beginning is damaged. Whether the bricks themselves are whole is for the caller to see. throws: Error kIo.
-  static std::optional<JournalContent> read(const std::filesystem::path& directory);
+  /// The conversion that the journal in `directory` is of; nothing where there is none or its beginning is damaged.
+  /// throws: Error kIo.
+  static std::optional<ConversionIdentity> identityIn(const std::filesystem::path& directory);
+  /// Calls take(brick) for the bricks of the journal, up to the first record that is not whole. Their files may be
+  /// damaged, and a brick may come twice. memory: a record. throws: Error kIo.
+  static void forEachBrick(const std::filesystem::path& directory,
+                           const std::function<void(const FinishedBrick&)>& take);
   static std::filesystem::path pathIn(const std::filesystem::path& directory);
 
  private:
