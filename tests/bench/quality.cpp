@@ -1,9 +1,9 @@
 // How good Kiln's pictures of real volumes are: each beside the reference renderer's (16 rays a pixel, steps of a tenth
 // of a voxel), with what a ray caster of one ray a pixel reaches in the same scene, with steps of a whole voxel (VTK's
 // default) and of half a voxel. Pictures smaller than the volume are also compared with a reference of the level of the
-// pyramid that they show, and that one with the volume's: what a level can show at best. Prints a line a scene and
-// averages a magnification; leaves the pictures (Kiln's, the reference, the difference) and a contact sheet a volume in
-// the output folder.
+// pyramid that they show, and that one with the volume's: what a level can show at best. Edges are measured by
+// themselves, too: within two pixels of silhouettes. Prints a line a scene and averages a magnification; leaves the
+// pictures (Kiln's, the reference, the difference) and a contact sheet a volume in the output folder.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -22,6 +22,7 @@
 #include "support/level_volume.h"
 #include "support/quality_scenes.h"
 #include "support/reference_cache.h"
+#include "support/silhouettes.h"
 
 namespace kiln::test {
 namespace {
@@ -31,6 +32,8 @@ namespace fs = std::filesystem;
 /// A ray ends where a pixel closes by default here: what is behind adds a ten-thousandth.
 constexpr ReferenceSettings kTruth{4, 0.1, 0.9999};
 constexpr ReferenceSettings kHalfStep{1, 0.5, 1};
+/// Depths of neighbours that are farther apart are of two surfaces. unit: voxels, or pixels where these are larger.
+constexpr double kSilhouetteJump = 4;
 
 struct Options {
   std::vector<std::string> volumes, materials{"skin", "bone", "bone_in_skin"};
@@ -40,7 +43,7 @@ struct Options {
   std::string samples = "auto", lattice = "pixel", interpolation = "linear", reference_interpolation;
   double opacity_threshold = 0.9999, sample_distance = kSampleDistance;
   fs::path data = KILN_TEST_DATA_DIR, output = fs::path(KILN_TEST_OUTPUT_DIR) / "quality";
-  bool full = false, no_reference_cache = false;
+  bool full = false, no_reference_cache = false, no_levels = false;
 };
 
 Options parsed(int argc, char** argv) {
@@ -68,6 +71,7 @@ Options parsed(int argc, char** argv) {
   app.add_option("--sample-distance", o.sample_distance, "between samples, in voxels")->capture_default_str();
   app.add_flag("--full", o.full, "512x512 pixels, 0.25 to 8 pixels a voxel");
   app.add_flag("--no-reference-cache", o.no_reference_cache, "make every reference anew and keep none");
+  app.add_flag("--no-levels", o.no_levels, "leave out references of the coarser levels that pictures show");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -96,6 +100,7 @@ struct Measured {
   double px_per_voxel = 1;
   ImageDifference kiln, voxel_steps, half_steps;
   std::optional<ImageDifference> same_level, level_itself;
+  double edge_db = 0;  // within two pixels of silhouettes
   int level = 0;
   double frame_s = 0;
 };
@@ -137,8 +142,9 @@ class Studio {
     out.kiln = compareImages(reference, image);
     out.voxel_steps = compareImages(reference, referenceOf(*references_, request, ReferenceSettings::vtkLike()));
     out.half_steps = compareImages(reference, referenceOf(*references_, request, kHalfStep));
+    out.edge_db = psnrWithin(bandOf(reference, request, px_per_voxel), reference, image);
     out.level = mostDrawn(statistics);
-    if (out.level > 0) {
+    if (out.level > 0 && !options_.no_levels) {
       request.level = out.level;
       const Image level_reference = referenceOf(levelReferences(out.level), request, kTruth);
       out.same_level = compareImages(level_reference, drawn(request, statistics));
@@ -167,6 +173,11 @@ class Studio {
   Image referenceOf(const ReferencePictures& pictures, const FrameRequest& request, ReferenceSettings settings) const {
     settings.interpolation = interpolationNamed(options_.reference_interpolation);
     return pictures.draw(request.view, request.transfer_function, request.shading, settings);
+  }
+
+  std::vector<bool> bandOf(const Image& reference, const FrameRequest& request, double px_per_voxel) const {
+    const double jump = kSilhouetteJump * volume_.geometry.shortestEdge() * std::max(1.0, 1 / px_per_voxel);
+    return silhouetteBand(reference, firstHits(volume_, request.view, request.transfer_function, kHalfStep), jump);
   }
 
   int samplesFor(const Camera& camera) const {
@@ -206,8 +217,8 @@ void printScene(const std::string& scene, const Measured& m) {
                                 ? fmt::format("{:5.2f} (level {}, itself {:5.2f})", m.same_level->foreground_psnr_db,
                                               m.level, m.level_itself->foreground_psnr_db)
                                 : "";
-  fmt::print("{:<40} {:>5} px {:6.2f} dB {:6.2f} {:6.2f}  {:+6.2f} %  {:6.0f} ms  {}\n", scene, m.px_per_voxel,
-             m.kiln.foreground_psnr_db, m.voxel_steps.foreground_psnr_db, m.half_steps.foreground_psnr_db,
+  fmt::print("{:<40} {:>5} px {:6.2f} dB {:6.2f} {:6.2f} {:6.2f}  {:+6.2f} %  {:6.0f} ms  {}\n", scene, m.px_per_voxel,
+             m.kiln.foreground_psnr_db, m.edge_db, m.voxel_steps.foreground_psnr_db, m.half_steps.foreground_psnr_db,
              100 * (m.kiln.mean_brightness_ratio - 1), 1e3 * m.frame_s, level);
   std::fflush(stdout);
 }
@@ -216,11 +227,14 @@ void printAverages(const std::vector<Measured>& all) {
   std::map<double, std::vector<const Measured*>> by_magnification;
   for (const Measured& m : all) by_magnification[m.px_per_voxel].push_back(&m);
   for (const auto& [px, scenes] : by_magnification) {
-    double kiln = 0, least = 1e9, voxel_steps = 0, half_steps = 0, brightness = 0, frame_s = 0, level = 0;
+    double kiln = 0, least = 1e9, edges = 0, least_edges = 1e9, voxel_steps = 0, half_steps = 0, brightness = 0,
+           frame_s = 0, level = 0;
     int below = 0, with_level = 0;
     for (const Measured* m : scenes) {
       kiln += m->kiln.foreground_psnr_db;
       least = std::min(least, m->kiln.foreground_psnr_db);
+      edges += m->edge_db;
+      least_edges = std::min(least_edges, m->edge_db);
       voxel_steps += m->voxel_steps.foreground_psnr_db;
       half_steps += m->half_steps.foreground_psnr_db;
       brightness = std::max(brightness, std::abs(m->kiln.mean_brightness_ratio - 1));
@@ -231,10 +245,11 @@ void printAverages(const std::vector<Measured>& all) {
     }
     const auto n = static_cast<double>(scenes.size());
     fmt::print(
-        "mean of {:>3} scenes at {:>5} px/voxel: kiln {:.2f} dB (least {:.2f}), voxel steps {:.2f}, half steps "
+        "mean of {:>3} scenes at {:>5} px/voxel: kiln {:.2f} dB (least {:.2f}), edges {:.2f} (least {:.2f}), voxel "
+        "steps {:.2f}, half steps "
         "{:.2f}; {} below voxel steps; brightness off by {:.2f} % at most; {:.0f} ms",
-        scenes.size(), px, kiln / n, least, voxel_steps / n, half_steps / n, below, 100 * brightness,
-        1e3 * frame_s / n);
+        scenes.size(), px, kiln / n, least, edges / n, least_edges, voxel_steps / n, half_steps / n, below,
+        100 * brightness, 1e3 * frame_s / n);
     fmt::print("{}\n", with_level > 0 ? fmt::format("; same level {:.2f} dB", level / with_level) : "");
   }
 }
@@ -277,8 +292,8 @@ int run(int argc, char** argv) {
       "threshold {}\n",
       options.lattice, options.interpolation, options.reference_interpolation, options.samples, options.size,
       options.size, options.opacity_threshold);
-  fmt::print("{:<40} {:>8} {:>9} {:>6} {:>6}  {:>8}  {:>9}  {}\n", "scene", "px/voxel", "kiln", "step 1", "step ½",
-             "bright", "frame", "same level");
+  fmt::print("{:<40} {:>8} {:>9} {:>6} {:>6} {:>6}  {:>8}  {:>9}  {}\n", "scene", "px/voxel", "kiln", "edges", "step 1",
+             "step ½", "bright", "frame", "same level");
   std::vector<Measured> all;
   for (const QualityVolume& subject : qualityVolumes()) {
     if (among(options.volumes, subject.name)) measureVolume(options, subject, all);

@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include "base/parallel.h"
@@ -364,6 +365,29 @@ OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
     }
   });
   return image;
+}
+
+std::vector<double> firstHits(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                              ReferenceSettings settings) {
+  settings.rays_per_axis = 1;
+  const Scene scene(volume, view, transfer_function, settings);
+  std::vector<double> out(static_cast<std::size_t>(view.size.width) * static_cast<std::size_t>(view.size.height),
+                          std::numeric_limits<double>::infinity());
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const Ray& ray = rays.front();
+    double depth = 0;
+    march(scene, ray, [&](const glm::dvec3& index, double length) {
+      const ReferenceLabels::There sample = scene.at(index);
+      if (!(sample.look.opacity > 0)) return true;
+      depth += extinctionAt(scene, sample, index) * length;
+      if (depth < std::numbers::ln2) return true;
+      const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
+      out[static_cast<std::size_t>(row) * static_cast<std::size_t>(view.size.width) +
+          static_cast<std::size_t>(column)] = glm::dot(world - ray.origin, ray.direction);
+      return false;
+    });
+  });
+  return out;
 }
 
 ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const ReferenceSettings& settings) {

@@ -68,6 +68,11 @@ struct OpticalDepthImage {
 OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
                                     const TransferFunction& transfer_function, const ReferenceSettings& settings = {});
 
+/// How far along the ray through a pixel's centre, from Ray::origin, alpha passes one half; infinity where it does not.
+/// shape: view.size, row 0 at the top. unit: world.
+std::vector<double> firstHits(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                              ReferenceSettings settings = {});
+
 /// What `--mode mip|minip|average` projects along the ray through each pixel's centre, in doubles: NaN where the ray
 /// meets no value. shape: view.size, row 0 at the top. Of the settings, rays_per_axis, threshold and skip_empty say
 /// nothing.
