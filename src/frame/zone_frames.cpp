@@ -3,7 +3,8 @@
 namespace kiln {
 
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling) {
-  return {&volume, levels.projector(levels.finest()).nearDepth(), sampling.distance, sampling.quincunx};
+  return {&volume, levels.projector(levels.finest()).nearDepth(), sampling.distance, sampling.quincunx,
+          sampling.finest};
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

@@ -47,7 +47,7 @@ struct FrameRequest {
   Aovs aovs;                      // what the image has planes of
   std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
   std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
-  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2}; }
+  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
   VisibilityOptions visibility;
   int tile_px = 64;                           // as SpeedOptions has it
   int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it

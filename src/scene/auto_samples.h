@@ -10,16 +10,14 @@
 namespace kiln {
 
 /// So many (1, 4 or 16) that voxels of the finest level, of several volumes of the finest, are three quarters of a
-/// sub-pixel or more, as far as sub-pixels and the voxels of every level that they show are no more than the numbers
-/// below. One for the voxel lattice, projected values, panoramas and deep images. Where the camera moves, 4 also where
-/// voxels are smaller than 4 pixels, so that pictures do not flicker. Judged at `centre`, so that no camera that goes
-/// round it changes it; neither crop, nor memory, threads or bricks do. unit: `centre` world. throws: Error kUsage
-/// where the camera cannot be used.
+/// sub-pixel or more, as far as the voxels of every level that they show are at most kMostOversampledVoxels, and
+/// sub-pixels kMostSubPixels. One for the voxel lattice, projected values, panoramas and deep images. Where the camera
+/// moves, 4 also where voxels are smaller than 4 pixels, so that pictures do not flicker. Judged at `centre`, so that
+/// no camera that goes round it changes it; neither crop, nor memory, threads or bricks do. unit: `centre` world.
+/// throws: Error kUsage where the camera cannot be used.
 int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
                      const std::vector<const Manifest*>& volumes);
 
-/// Of a volume's level: a quarter of a GiB at 16 bits. A level finer has eight times the bytes to read.
-inline constexpr std::int64_t kMostOversampledVoxels = std::int64_t{1} << 27;
 /// Of a picture: 4096².
 inline constexpr std::int64_t kMostSubPixels = std::int64_t{1} << 24;
 

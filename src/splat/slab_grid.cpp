@@ -11,6 +11,8 @@ namespace {
 
 // Slabs are no thinner, and by default no thicker where voxels are small. unit: pixels.
 constexpr double kThinnest = 0.5, kThickest = 1;
+// The same of the smallest sub-pixels, which may be larger than voxels.
+constexpr double kThinnestOfFinest = 0.25;
 // From which edge of a voxel on they may be thicker: there is no detail left that they could miss. unit: pixels.
 constexpr double kMagnified = 4;
 // From which edge of a coarser level's voxel on a sample is a point: below, it stands for all values that the voxel may
@@ -52,11 +54,12 @@ ParallelSlabs parallelSlabs(double nearest, double farthest, double thickness) {
 SlabZone slabsAt(double scale, const ZonedVolume& zoned, std::optional<int> level) {
   const Manifest& volume = *zoned.manifest;
   SlabZone out;
-  out.level = level ? *level : levelAtScale(volume, scale);
+  out.level = level ? *level : levelAtScale(volume, scale, zoned.finest);
   const double edge = volume.levels[static_cast<std::size_t>(out.level)].geometry.shortestEdge();
   const double of_picture = zoned.quincunx ? 0.5 * scale : scale;
   out.intervals = out.level > 0 && edge * scale < kPointEdge - 1e-9;
-  out.thickness = std::max(kThinnest, spacingFor(edge * of_picture, zoned.sample_distance)) / of_picture;
+  const double thinnest = zoned.finest ? kThinnestOfFinest : kThinnest;
+  out.thickness = std::max(thinnest, spacingFor(edge * of_picture, zoned.sample_distance)) / of_picture;
   return out;
 }
 

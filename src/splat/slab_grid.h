@@ -1,8 +1,8 @@
-// The slabs of a frame: image-parallel layers half a pixel thick or more, the same for all bricks and tiles, in whose
-// middles rays have samples. Their thickness and the pyramid's level follow depth by zones. An orthographic view has
-// one zone; in perspective a zone is an eighth of an octave of depth, so that the zone of a depth is read off its bits,
-// and within a zone all is uniform. Levels are thus decided by depth alone: where two of them meet, they meet in a
-// plane between two slabs, whatever the bricks, tiles or crop.
+// The slabs of a frame: image-parallel layers half a pixel thick or more (of sub-pixels a quarter), the same for all
+// bricks and tiles, in whose middles rays have samples. Their thickness and the pyramid's level follow depth by zones.
+// An orthographic view has one zone; in perspective a zone is an eighth of an octave of depth, so that the zone of a
+// depth is read off its bits, and within a zone all is uniform. Levels are thus decided by depth alone: where two of
+// them meet, they meet in a plane between two slabs, whatever the bricks, tiles or crop.
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ struct ZonedVolume {
   const Manifest* manifest = nullptr;
   double near_depth = 0;                     // what is nearer is not drawn
   double sample_distance = kSampleDistance;  // Sampling's
-  bool quincunx = false;                     // the same
+  bool quincunx = false, finest = false;     // the same
 };
 
 /// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of

@@ -10,9 +10,11 @@
 
 #include "output/compare.h"
 #include "output/image_file.h"
+#include "render/render_job_run.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/procedural.h"
+#include "support/random_scene.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"
 
@@ -189,6 +191,45 @@ TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
     std::printf("layer, %d pixels, level %zu: optical depth %.4f of %.4f\n", pixels, level, sum / count, expected);
     EXPECT_GT(level, 0u) << pixels << " pixels";
     EXPECT_NEAR(sum / count / expected, 1, 0.05) << pixels << " pixels";
+  }
+}
+
+// Known because values rise over a voxel, stay for one and fall over the next, so that the depth across the sheet is an
+// integral over values. No coarse voxel has more than half of the sheet's value, at which next to nothing is shown.
+TEST(LevelOfDetail, AThumbnailKeepsTheOpticalDepthOfAThinSheet) {
+  constexpr double kValue = 100, kShownFrom = 40, kOpacity = 0.3;
+  const DenseVolume volume =
+      fill({{128, 128, 128}, VoxelType::u8}, [](auto, auto, auto z) { return z == 63 || z == 64 ? kValue : 0; });
+  RenderJob job;
+  job.volume = makeStore(volume, "sheet", 32);
+  job.picture.size = {16, 16};
+  job.picture.shading.phong = false;
+  TransferFunction function;
+  function.unit = 1;
+  function.points = {{kShownFrom, {1, 1, 1}, 0}, {kValue, {1, 1, 1}, kOpacity}};
+  job.picture.transfer_function = function;
+  const glm::dvec3 from(0.3, 0.2, -1);
+  const double slope = 1 + (1 - kOpacity) / kOpacity * std::log1p(-kOpacity);  // the mean of tau = -ln(1 - a)
+  const double across = -std::log1p(-kOpacity) + 2 * (1 - kShownFrom / kValue) * slope;
+  const double expected = across * glm::length(from) / std::abs(from.z);
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    for (const double px_per_voxel : {0.125, 0.1, 0.07}) {
+      Camera camera = cameraFrom(volume.geometry, from, projection);
+      camera.height = job.picture.size.height / px_per_voxel;
+      // From so far away that rays are all but parallel.
+      camera.fov_deg = 2;
+      const double distance = camera.height / 2 / std::tan(glm::radians(camera.fov_deg / 2));
+      camera.eye = camera.target + distance * glm::normalize(from);
+      job.picture.camera = specOf(camera);
+      Progress silent;
+      const Image image = runRenderJob(job, 1, silent).image;
+      double sum = 0;
+      for (const int y : {7, 8}) {
+        for (const int x : {7, 8}) sum -= std::log1p(-static_cast<double>(image.pixel(x, y)[3])) / 4;
+      }
+      std::printf("sheet, %g pixels a voxel: optical depth %.4f of %.4f\n", px_per_voxel, sum, expected);
+      EXPECT_NEAR(sum / expected, 1, 0.04) << px_per_voxel << " pixels a voxel";
+    }
   }
 }
 

@@ -80,6 +80,24 @@ TEST(SlabGrid, SlabsAreAsThickAsIsAskedFor) {
   }
 }
 
+// With the most samples a pixel: a level finer, as far as that has no more than so many voxels, and thinner slabs.
+TEST(SlabGrid, TheSmallestSubPixelsHaveAFinerLevel) {
+  const Manifest volume = pyramid(glm::dvec3(1));  // levels of 2^30, 2^27, 2^24 voxels
+  const auto zone = [&](double px, bool finest) {
+    const View view = viewAt(volume, Projection::kOrthographic, px);
+    return slabZones({&volume, 1e-3, kSampleDistance, false, finest}, view, {}).front();
+  };
+  const auto expectZone = [&](double px, int level, double thickness_px) {
+    EXPECT_EQ(zone(px, true).level, level) << px;
+    EXPECT_DOUBLE_EQ(zone(px, true).thickness * px, thickness_px) << px;
+  };
+  for (const auto& [px, level] : {std::pair{0.3, 1}, {0.2, 2}, {0.1, 3}}) EXPECT_EQ(zone(px, false).level, level);
+  expectZone(0.3, 1, 0.3);
+  expectZone(0.2, 1, 0.25);
+  expectZone(0.1, 2, 0.25);
+  expectZone(0.9, 0, 0.45);
+}
+
 // In a parallel view, slabs are counted from the view's origin: no part of the volume moves them.
 TEST(SlabGrid, SlabsOfAParallelViewAreCountedFromItsOrigin) {
   const Manifest volume = pyramid(glm::dvec3(1));
