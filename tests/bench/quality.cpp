@@ -229,11 +229,12 @@ void printAverages(const std::vector<Measured>& all) {
   for (const auto& [px, scenes] : by_magnification) {
     double kiln = 0, least = 1e9, edges = 0, least_edges = 1e9, voxel_steps = 0, half_steps = 0, brightness = 0,
            frame_s = 0, level = 0;
-    int below = 0, with_level = 0;
+    int below = 0, with_edges = 0, with_level = 0;
     for (const Measured* m : scenes) {
       kiln += m->kiln.foreground_psnr_db;
       least = std::min(least, m->kiln.foreground_psnr_db);
-      edges += m->edge_db;
+      // Some close-ups have no silhouette.
+      if (std::isfinite(m->edge_db)) edges += m->edge_db, ++with_edges;
       least_edges = std::min(least_edges, m->edge_db);
       voxel_steps += m->voxel_steps.foreground_psnr_db;
       half_steps += m->half_steps.foreground_psnr_db;
@@ -245,10 +246,9 @@ void printAverages(const std::vector<Measured>& all) {
     }
     const auto n = static_cast<double>(scenes.size());
     fmt::print(
-        "mean of {:>3} scenes at {:>5} px/voxel: kiln {:.2f} dB (least {:.2f}), edges {:.2f} (least {:.2f}), voxel "
-        "steps {:.2f}, half steps "
-        "{:.2f}; {} below voxel steps; brightness off by {:.2f} % at most; {:.0f} ms",
-        scenes.size(), px, kiln / n, least, edges / n, least_edges, voxel_steps / n, half_steps / n, below,
+        "mean of {:>3} scenes at {:>5} px/voxel: kiln {:.2f} dB (least {:.2f}), edges {:.2f} (least {:.2f}), "
+        "voxel steps {:.2f}, half steps {:.2f}; {} below voxel steps; brightness off by {:.2f} % at most; {:.0f} ms",
+        scenes.size(), px, kiln / n, least, edges / with_edges, least_edges, voxel_steps / n, half_steps / n, below,
         100 * brightness, 1e3 * frame_s / n);
     fmt::print("{}\n", with_level > 0 ? fmt::format("; same level {:.2f} dB", level / with_level) : "");
   }
