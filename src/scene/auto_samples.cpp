@@ -15,6 +15,9 @@ constexpr double kLargeEnough = 0.75 - 1e-9;
 // heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as 16 rays a pixel do, with 4 rays 0.7 to 1.15 times;
 // at 5 pixels a voxel one ray changes as much. unit: pixels.
 constexpr double kSteadyEnough = 4 - 1e-9;
+// The same of labels, whose edges are as hard as steps: a ray is of one label or the other. Solid ones at 1, 1.5 and 2
+// pixels a voxel have 34.5, 37.8, 37.7 dB with a ray and 39.8, 38.6, 37.8 dB with four. unit: pixels.
+constexpr double kLabelsLargeEnough = 1.25 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 
 // What is not made of light between voxels, or of a sample a pixel by what it is.
@@ -46,14 +49,17 @@ int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec
   if (!scale) return 1;
   const std::int64_t pixels = std::int64_t{picture.size.width} * picture.size.height;
   const bool moves = !std::holds_alternative<std::monostate>(job.animation.camera);
+  const bool labels = std::all_of(volumes.begin(), volumes.end(),
+                                  [](const Manifest* volume) { return volume->volume_class == VolumeClass::kLabels; });
+  const double enough_of_one = moves ? kSteadyEnough : labels ? kLabelsLargeEnough : kLargeEnough;
   const auto small = [&](const Manifest* volume, int edge) {
-    const double enough = moves && edge == 1 ? kSteadyEnough : kLargeEnough;
+    const double enough = edge == 1 ? enough_of_one : kLargeEnough;
     return edge * *scale * levelOf(*volume, picture.level.value_or(0)).shortestEdge() < enough;
   };
   const auto affordable = [&](const Manifest* volume, int edge) {
     const int shown = picture.level ? *picture.level : levelAtScale(*volume, edge * *scale);
-    // Rays for steadiness that show no finer level cost no reading.
-    if (moves && edge == 2 && shown == levelAtScale(*volume, *scale)) return true;
+    // Rays that show no finer level cost no reading.
+    if (enough_of_one > kLargeEnough && edge == 2 && shown == levelAtScale(*volume, *scale)) return true;
     return levelOf(*volume, shown).dims.count() <= kMostOversampledVoxels;
   };
   int edge = 1;

@@ -95,6 +95,23 @@ TEST(AutoSamples, AreFourWhereTheCameraMoves) {
   EXPECT_EQ(samplesFor(volume, 1), 1);
 }
 
+// Edges of labels are steps, which one ray meets or misses.
+TEST(AutoSamples, AreFourOfLabelsNearAPixelAVoxel) {
+  Manifest labels = cubesOf(256), large = cubesOf(1024);
+  const Manifest amounts = cubesOf(256);
+  labels.volume_class = large.volume_class = VolumeClass::kLabels;
+  EXPECT_EQ(samplesFor(labels, 1), 4);
+  EXPECT_EQ(samplesFor(labels, 1.24), 4);
+  EXPECT_EQ(samplesFor(labels, 1.26), 1);
+  EXPECT_EQ(samplesFor(labels, 0.25), 16);
+  EXPECT_EQ(samplesFor(large, 1), 4);  // which read no finer level
+  EXPECT_EQ(samplesFor(large, 0.4), 1);
+  // Of other volumes beside them rays cost more than of labels.
+  const Camera camera = cameraOf(labels, Projection::kOrthographic, 1);
+  EXPECT_EQ(automaticSamples(jobOf({512, 512}), camera, camera.target, {&labels, &labels}), 4);
+  EXPECT_EQ(automaticSamples(jobOf({512, 512}), camera, camera.target, {&labels, &amounts}), 1);
+}
+
 TEST(AutoSamples, MakeNoPictureOfMoreSubPixelsThanAreSaid) {
   const Manifest volume = cubesOf(256);
   // A voxel's pixels grow with the picture.
