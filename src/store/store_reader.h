@@ -18,9 +18,9 @@ namespace kiln {
 class StoreReader {
  public:
   /// Opens the store that stands at the name, also while a conversion puts a new one there. Its index is read within
-  /// `memory_bytes`, which is also to hold the index's file for a moment. throws: Error kNotFound, kFormat (no manifest:
-  /// an unfinished conversion or not a store), kDamaged; kBudget, before the index is read, with the memory that
-  /// suffices.
+  /// `memory_bytes`, which is also to hold the index's file for a moment. throws: Error kNotFound, kFormat (no
+  /// manifest: an unfinished conversion or not a store), kDamaged; kBudget, before the index is read, with the memory
+  /// that suffices.
   explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX);
 
   const std::filesystem::path& path() const { return directory_; }
