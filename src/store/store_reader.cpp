@@ -98,9 +98,8 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
   return largest;
 }
 
-}  // namespace
-
-Manifest readManifest(const fs::path& directory) {
+// The manifest's path. throws: Error kNotFound, kFormat where `directory` is no store.
+fs::path manifestOf(const fs::path& directory) {
   const fs::path path = directory / "manifest.json";
   if (!isThere(directory))
     throw Error(ErrorCode::kNotFound, directory, "", "there is no such file or store; check the name");
@@ -110,6 +109,13 @@ Manifest readManifest(const fs::path& directory) {
     throw Error(ErrorCode::kFormat, directory, "manifest.json",
                 "is missing: not a store, or a conversion that did not finish; run kiln convert again");
   }
+  return path;
+}
+
+}  // namespace
+
+Manifest readManifest(const fs::path& directory) {
+  const fs::path path = manifestOf(directory);
   return parseManifest(readTextFile(path, kLargestManifest), path);
 }
 
@@ -127,7 +133,7 @@ StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes) 
 }
 
 void StoreReader::open(std::uint64_t memory_bytes) {
-  opened_ = identityOf(directory_ / "manifest.json");
+  opened_ = identityOf(manifestOf(directory_));
   manifest_ = readManifest(directory_);
   requireIndexWithin(manifest_, memory_bytes, directory_);
   const fs::path path = directory_ / "index.bin";

@@ -77,7 +77,7 @@ TEST_F(LabelsCli, AreTheSameStoreForThreadsMemoryAndRanks) {
     return files;
   };
   const auto expected = bytes("l.kiln");
-  convertLabels("one.kiln", {"--threads", "1", "--memory", "1200K"});
+  convertLabels("one.kiln", {"--threads", "1", "--memory", "2M"});
   EXPECT_EQ(bytes("one.kiln"), expected);
   if (!canRunRanks()) GTEST_SKIP() << "Kiln is built without MPI, or mpirun is not there";
   ToolOptions three;

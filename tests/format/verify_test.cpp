@@ -144,7 +144,8 @@ TEST_F(Verify, NamesEveryDamagedFileWhateverTheThreadsAndTheMemory) {
       }
     }
     const ThreadLimit threads(static_cast<unsigned>(random.between(1, 3)));
-    const Findings found = findingsOf(store_, largest_ * static_cast<unsigned>(random.between(1, 3)));
+    const std::uint64_t index_bytes = StoreReader(store_).index().bytes();
+    const Findings found = findingsOf(store_, index_bytes + largest_ * static_cast<unsigned>(random.between(1, 3)));
     EXPECT_EQ(found.files, damaged) << "seed " << seed;
     EXPECT_EQ(found.report.files, bricks_.size() + 2) << "seed " << seed;
     for (const auto& [brick, data] : whole) {

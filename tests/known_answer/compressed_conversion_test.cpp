@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // Slices of more than a strip, and most bricks constant, which takes no time.
 constexpr Extent3 kWideDims = {70000, 4, 60};
-constexpr std::int64_t kBrickSize = 16, kStructured = 500;
+constexpr std::int64_t kBrickSize = 32, kStructured = 2500;
 
 std::string voxels() {
   std::string out(static_cast<std::size_t>(kWideDims.count()), '\0');
@@ -52,7 +52,7 @@ TEST(CompressedConversion, NeedsNoSliceInMemory) {
   const ForeignFiles files;
   const fs::path packed = files.write("packed.nrrd", header + "gzip\n\n" + gzipped(bytes));
   const fs::path plain = files.write("plain.nrrd", header + "raw\n\n" + bytes);
-  constexpr std::uint64_t kLittle = 3 << 20, kAmple = 256 << 20;
+  constexpr std::uint64_t kLittle = 5 << 20, kAmple = 256 << 20;
   static_assert(2 * kLittle < (kBrickSize + 12) * kWideDims.x * kWideDims.y,
                 "the slices of one layer of bricks do not fit");
   const auto expected = converted(plain, kAmple);
