@@ -128,7 +128,7 @@ std::vector<BudgetRow> pictureRows() {
       rendered("two volumes", 24, {"--size", "150x150", "--samples", "1", "--add", "IN/head.kiln"}),
       rendered("partial image", 16, {"--size", "200x200", "--part", "1/4"}),
       rendered("sequence", 16, {"--size", "250x250", "--turntable", "3", "--samples", "1"}, "IN/o_#.png"),
-      rendered("checkpoint", 34, {"--size", "900x900", "--samples", "1", "--checkpoint"}),
+      rendered("checkpoint", 32, {"--size", "900x900", "--samples", "1", "--checkpoint"}),
       {"projected values", 16, {"render", "IN/head.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500"}},
       {"slice", 16, {"slice", "IN/head.kiln", "-o", "IN/o.png"}},
       compressed("dwab", "float", 48),
