@@ -39,6 +39,14 @@ const VolumeGeometry& levelOf(const Manifest& volume, int level) {
   return volume.levels[std::min(static_cast<std::size_t>(level), volume.levels.size() - 1)].geometry;
 }
 
+// Whether the path has more than one camera: a path of one draws a still picture.
+struct HasSeveralCameras {
+  bool operator()(std::monostate) const { return false; }
+  bool operator()(const Turntable& turn) const { return turn.frames > 1; }
+  bool operator()(const CameraKeyframes& path) const { return path.keys.size() > 1; }
+  bool operator()(const CameraMatrices& cameras) const { return cameras.size() > 1; }
+};
+
 }  // namespace
 
 int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
@@ -48,7 +56,7 @@ int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec
   const std::optional<double> scale = pixelsPerUnit(camera, picture.size, centre);
   if (!scale) return 1;
   const std::int64_t pixels = std::int64_t{picture.size.width} * picture.size.height;
-  const bool moves = !std::holds_alternative<std::monostate>(job.animation.camera);
+  const bool moves = std::visit(HasSeveralCameras(), job.animation.camera);
   const bool labels = std::all_of(volumes.begin(), volumes.end(),
                                   [](const Manifest* volume) { return volume->volume_class == VolumeClass::kLabels; });
   const double enough_of_one = moves ? kSteadyEnough : labels ? kLabelsLargeEnough : kLargeEnough;

@@ -93,6 +93,10 @@ TEST(AutoSamples, AreFourWhereTheCameraMoves) {
   EXPECT_EQ(samplesFor(large, 1, job), 4);
   EXPECT_EQ(samplesFor(large, 0.22, job), 1);
   EXPECT_EQ(samplesFor(volume, 1), 1);
+  job.animation.camera = CameraMatrices(2, glm::dmat4(1));
+  EXPECT_EQ(samplesFor(volume, 1, job), 4);
+  job.animation.camera = CameraMatrices(1, glm::dmat4(1));
+  EXPECT_EQ(samplesFor(volume, 1, job), 1) << "a path of one camera is a still picture";
 }
 
 // Edges of labels are steps, which one ray meets or misses.
