@@ -3,6 +3,7 @@
 // for every brick size of either, thread count, tile, budget, visibility method and crop.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/parallel.h"
@@ -47,7 +48,7 @@ FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volum
 
 std::uint64_t leastBytes(const Paths& stores, const FrameRequest& request) {
   const StoreReader first(stores[0]), second(stores[1]);
-  return leastMixBytes({&first, &second}, request);
+  return std::max({leastMixBytes({&first, &second}, request), first.largestReadBytes(), second.largestReadBytes()});
 }
 
 class VolumeMixEquality : public ::testing::Test {
