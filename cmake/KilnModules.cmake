@@ -6,12 +6,12 @@ set(kiln_module_options -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion
 add_library(kiln_gdcm_libraries INTERFACE)
 target_include_directories(kiln_gdcm_libraries SYSTEM INTERFACE ${GDCM_INCLUDE_DIR})
 target_link_libraries(kiln_gdcm_libraries INTERFACE ${GDCM_gdcmMSFF} ${GDCM_gdcmDSED} ${GDCM_gdcmCommon})
-add_library(kiln_gdcm MODULE src/ingest/gdcm_frames.cpp)
+add_library(kiln_gdcm MODULE src/ingest/dicom/gdcm_frames.cpp)
 target_compile_features(kiln_gdcm PRIVATE cxx_std_20)
 target_compile_options(kiln_gdcm PRIVATE ${kiln_module_options})
 target_include_directories(kiln_gdcm PRIVATE src)
 target_link_libraries(kiln_gdcm PRIVATE glm::glm kiln_gdcm_libraries)
-set_source_files_properties(src/ingest/dicom_decode.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+set_source_files_properties(src/ingest/dicom/dicom_decode.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
   COMPILE_DEFINITIONS KILN_GDCM_MODULE="$<TARGET_FILE_NAME:kiln_gdcm>")
 add_dependencies(kiln kiln_gdcm)
 set(kiln_modules kiln_gdcm)

@@ -7,9 +7,9 @@
 #include <system_error>
 #include <utility>
 
-#include "base/memory.h"
-#include "base/span.h"
-#include "base/trace.h"
+#include "base/memory/memory.h"
+#include "base/thread/span.h"
+#include "base/thread/trace.h"
 
 namespace kiln {
 BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers,

@@ -6,8 +6,8 @@
 
 #include "base/byte_record.h"
 #include "cluster/agreement.h"
-#include "convert/source_state.h"
-#include "store/brick_codec.h"
+#include "convert/resume/source_state.h"
+#include "store/codec/brick_codec.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -9,8 +9,8 @@
 #include "base/file.h"
 #include "cluster/ranks.h"
 #include "convert/convert.h"
-#include "convert/destination.h"
-#include "convert/journal.h"
+#include "convert/resume/destination.h"
+#include "convert/resume/journal.h"
 
 namespace kiln {
 

@@ -6,8 +6,8 @@
 
 #include "base/byte_record.h"
 #include "base/elapsed.h"
-#include "base/parallel.h"
-#include "convert/earlier_bricks.h"
+#include "base/thread/parallel.h"
+#include "convert/resume/earlier_bricks.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

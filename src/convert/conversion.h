@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "cluster/ranks.h"
-#include "convert/brick_shares.h"
 #include "convert/convert.h"
-#include "convert/exchange.h"
-#include "convert/forward_window.h"
-#include "convert/journal.h"
 #include "convert/plan.h"
-#include "convert/pyramid_builder.h"
-#include "convert/value_counter.h"
+#include "convert/pyramid/brick_shares.h"
+#include "convert/pyramid/exchange.h"
+#include "convert/pyramid/pyramid_builder.h"
+#include "convert/resume/journal.h"
+#include "convert/stream/forward_window.h"
+#include "convert/stream/value_counter.h"
 #include "convert/write_behind.h"
 
 namespace kiln {

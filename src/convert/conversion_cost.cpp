@@ -6,9 +6,9 @@
 #include "base/elapsed.h"
 #include "cluster/ranks.h"
 #include "grid/pyramid.h"
-#include "store/brick_codec.h"
 #include "store/brick_index.h"
-#include "store/brick_ranges.h"
+#include "store/codec/brick_codec.h"
+#include "store/codec/brick_ranges.h"
 
 namespace kiln {
 namespace {

@@ -12,12 +12,12 @@
 #include "cluster/ranks.h"
 #include "convert/beginning.h"
 #include "convert/conversion.h"
-#include "convert/destination.h"
 #include "convert/foreign_cache.h"
-#include "convert/source_state.h"
+#include "convert/resume/destination.h"
+#include "convert/resume/source_state.h"
 #include "grid/pyramid.h"
-#include "store/float_steps.h"
-#include "store/read_manifest.h"
+#include "store/manifest/float_steps.h"
+#include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
 
 namespace kiln {

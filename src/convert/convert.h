@@ -8,8 +8,8 @@
 
 #include "base/file.h"
 #include "base/progress.h"
-#include "ingest/volume_source.h"
-#include "store/manifest.h"
+#include "ingest/source/volume_source.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln {
 

@@ -14,7 +14,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "base/path_status.h"
 #include "grid/openvdb_glue.h"
 

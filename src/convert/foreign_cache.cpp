@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "base/file_lock.h"
-#include "base/memory.h"
-#include "convert/destination.h"
-#include "convert/journal.h"
+#include "base/memory/memory.h"
 #include "convert/plan.h"
-#include "convert/source_state.h"
-#include "ingest/formats.h"
-#include "store/read_manifest.h"
+#include "convert/resume/destination.h"
+#include "convert/resume/journal.h"
+#include "convert/resume/source_state.h"
+#include "ingest/open_source.h"
+#include "ingest/source/formats.h"
+#include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"
 
 namespace kiln {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
 #include "cluster/ranks.h"
-#include "convert/coarse_part.h"
-#include "convert/forward_window.h"
-#include "convert/part_store.h"
+#include "convert/pyramid/coarse_part.h"
+#include "convert/pyramid/part_store.h"
+#include "convert/stream/forward_window.h"
 #include "grid/pyramid.h"
 #include "store/brick_index.h"
 

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "convert/journal.h"
+#include "convert/resume/journal.h"
 #include "store/store_writer.h"
 
 namespace kiln {

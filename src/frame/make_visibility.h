@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "occlusion/visibility.h"
-#include "scene/camera.h"
-#include "scene/render_job.h"
+#include "scene/camera/camera.h"
+#include "scene/render_options.h"
 
 namespace kiln {
 

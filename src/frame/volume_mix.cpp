@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <set>
 
-#include "base/parallel.h"
-#include "base/span.h"
-#include "frame/depth_zones.h"
-#include "splat/cast_cells.h"
-#include "splat/composite_slabs.h"
+#include "base/thread/parallel.h"
+#include "base/thread/span.h"
+#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/composite_slabs.h"
+#include "traverse/depth_zones.h"
 
 namespace kiln {
 namespace {
@@ -144,9 +144,9 @@ std::uint64_t VolumeMix::mostBytes(std::span<const PixelRect> tiles) const {
   return most;
 }
 
-std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                         const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
-                                         const std::function<void(std::size_t)>& tile_drawn) {
+std::vector<DrawCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
+                                        const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
+                                        const std::function<void(std::size_t)>& tile_drawn) {
   const Zone& of = zones_[zone];
   Cells cells(bricks.size());
   parallelFor(bricks.size(), [&](std::size_t i) {
@@ -155,14 +155,14 @@ std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick
       cells[i] = interestingCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
   });
   const ZoneBricks drawn{of, bricks, blocks, cells};
-  std::vector<std::vector<SplatCounts>> counts(tiles.size(), std::vector<SplatCounts>(volumes_.size()));
+  std::vector<std::vector<DrawCounts>> counts(tiles.size(), std::vector<DrawCounts>(volumes_.size()));
   parallelFor(tiles.size(), [&](std::size_t t) {
     const Span span(Activity::kTile);
     drawTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
     tile_drawn(t);
   });
-  std::vector<SplatCounts> total(volumes_.size());
-  for (const std::vector<SplatCounts>& tile : counts) {
+  std::vector<DrawCounts> total(volumes_.size());
+  for (const std::vector<DrawCounts>& tile : counts) {
     for (std::size_t v = 0; v < total.size(); ++v) total[v].add(tile[v]);
   }
   return total;
@@ -170,7 +170,7 @@ std::vector<SplatCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick
 
 // Sums are added volume by volume, so that no bit of them depends on the order of bricks.
 void VolumeMix::drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
-                         std::span<SplatCounts> counts) {
+                         std::span<DrawCounts> counts) {
   const Zone& zone = drawn.zone;
   const int slabs = std::max_element(zone.slabs.begin(), zone.slabs.end(), [](const SlabZone& a, const SlabZone& b) {
                       return a.slabs < b.slabs;

@@ -1,6 +1,6 @@
-// Several volumes in one picture: one set of slabs for all (splat/slab_grid.h), zone after zone from near to far. In a
-// zone each volume has the level that its own voxels need, and in each tile samples of all volumes are added up slab by
-// slab (splat/slab_sums.h), so that no bit depends on how a volume was cut.
+// Several volumes in one picture: one set of slabs for all (engine/shared/slab_grid.h), zone after zone from near to
+// far. In a zone each volume has the level that its own voxels need, and in each tile samples of all volumes are added
+// up slab by slab (engine/pixel/slab_sums.h), so that no bit depends on how a volume was cut.
 #pragma once
 
 #include <functional>
@@ -8,11 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "base/thread/memory_pool.h"
 #include "cache/brick_cache.h"
-#include "frame/memory_pool.h"
-#include "frame/zone_frames.h"
-#include "splat/ray_slabs.h"
-#include "splat/slab_sums.h"
+#include "engine/pixel/ray_slabs.h"
+#include "engine/pixel/slab_sums.h"
+#include "engine/pixel/zone_frames.h"
+#include "engine/shared/draw_counts.h"
 
 namespace kiln {
 
@@ -69,9 +70,9 @@ class VolumeMix {
   /// Draws the tiles' pixels of the zone, in parallel. shape: `blocks` are those of `bricks`, null where a brick is
   /// left out; the result is a count for each volume. requires: zones in order; `bricks` are all of the zone that touch
   /// one of the tiles and are not hidden. `tile_drawn` is told the place of each that is, by any thread.
-  std::vector<SplatCounts> draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
-                                const std::function<void(std::size_t)>& tile_drawn);
+  std::vector<DrawCounts> draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
+                               const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
+                               const std::function<void(std::size_t)>& tile_drawn);
 
   /// What its threads have needed so far. unit: bytes.
   std::uint64_t bytes() const { return sums_.bytes(); }
@@ -101,7 +102,7 @@ class VolumeMix {
   };
   /// Draws a tile's pixels of a zone in squares. `counts` has a count for each volume.
   void drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
-                std::span<SplatCounts> counts);
+                std::span<DrawCounts> counts);
   void addRays(std::size_t volume);
   void addBricks(std::size_t volume, const PixelRect& picture);
   void addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture);

@@ -1,17 +1,19 @@
 // Which format a file is: by its first bytes, then by its name. What is recognised but not read is refused by its own
 // name, so that the user knows what to convert. What is computed (phantom:…) is not a file and is asked for first.
+#include "ingest/open_source.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "ingest/dicom_directory.h"
-#include "ingest/formats.h"
-#include "ingest/header_text.h"
-#include "ingest/inflate_stream.h"
+#include "ingest/bytes/inflate_stream.h"
+#include "ingest/dicom/dicom_directory.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
 #include "ingest/volume_format.h"
 
 namespace kiln {

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "ingest/formats.h"
-#include "ingest/header_text.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
 #include "phantom/phantom.h"
 
 namespace kiln {

@@ -12,9 +12,9 @@
 #include "base/file.h"
 #include "base/folder.h"
 #include "base/path_status.h"
-#include "ingest/dicom_bytes.h"
-#include "ingest/dicom_directory.h"
-#include "ingest/header_text.h"
+#include "ingest/dicom/dicom_bytes.h"
+#include "ingest/dicom/dicom_directory.h"
+#include "ingest/source/header_text.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -3,11 +3,9 @@
 
 #include <string_view>
 
-#include "ingest/volume_source.h"
+#include "ingest/source/slice_files.h"
 
 namespace kiln {
-
-enum class SliceFormat { kNone, kTiff, kDicom };
 
 /// What the first bytes of a file say it is: DICM at byte 128 comes before a TIFF header at byte 0, which such a file
 /// may have for viewers. shape: 512 bytes are enough.
@@ -16,17 +14,6 @@ SliceFormat sliceFormatOf(std::string_view first_bytes);
 /// True where `a` comes before `b` as people count: slice2 before slice10. Names that differ in leading zeros only are
 /// in the order of their bytes.
 bool naturallyBefore(std::string_view a, std::string_view b);
-
-/// The files of one volume.
-struct SliceFiles {
-  /// What the user named: the directory, or the only file.
-  std::filesystem::path input;
-  SliceFormat format = SliceFormat::kNone;
-  /// In natural order of their names.
-  std::vector<std::filesystem::path> files;
-  /// Says which other files were passed over; empty where there were none.
-  std::vector<std::string> notes;
-};
 
 /// The slices in `directory`, by what its files hold; names that begin with a dot do not count. Folders in it are
 /// searched, for DICOM only, where it has a DICOMDIR or no slices of its own.

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "ingest/header_text.h"
+#include "ingest/source/header_text.h"
 
 namespace kiln {
 namespace {
@@ -94,7 +94,8 @@ std::string renumbered(const NumberedName& name, std::size_t field, std::int64_t
   const std::string& digits = name.digits[field];
   const bool padded = digits.size() > name.numbers[field].size();
   std::string out = name.name;
-  return inQuotes(out.replace(name.places[field], digits.size(), fmt::format("{:0{}}", number, padded ? digits.size() : 1)));
+  return inQuotes(
+      out.replace(name.places[field], digits.size(), fmt::format("{:0{}}", number, padded ? digits.size() : 1)));
 }
 
 // A sentence on the first unequal step of one field; empty where all steps are equal.
@@ -125,8 +126,9 @@ std::string irregularSteps(const std::vector<NumberedName>& names, std::size_t f
   if (step % usual == 0) {
     const NumberedName& before = names[first - 1];
     const std::string next = renumbered(before, field, numbers[first - 1] + usual);
-    what = step == 2 * usual ? next + " is missing"
-                             : fmt::format("{} to {} are missing", next, renumbered(before, field, numbers[first] - usual));
+    what = step == 2 * usual
+               ? next + " is missing"
+               : fmt::format("{} to {} are missing", next, renumbered(before, field, numbers[first] - usual));
   }
   return fmt::format("{} is followed by {}: {}{}", inQuotes(names[first - 1].name), inQuotes(names[first].name), what,
                      places > 1 ? fmt::format(" ({} such places)", places) : "");
@@ -142,8 +144,7 @@ std::string irregularity(const SliceFiles& slices) {
   const auto changes = [](const std::set<std::string>& found) { return found.size() > 1; };
   const auto changing = std::count_if(values.begin(), values.end(), changes);
   const auto fewer = [](const auto& a, const auto& b) { return a.size() < b.size(); };
-  const auto field =
-      static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
+  const auto field = static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
   if (changing > 1) return stacksOf(names, field);
   if (changing == 0) return sameNumber(names[0], names[1]);
   return irregularSteps(names, field);

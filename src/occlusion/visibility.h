@@ -5,7 +5,7 @@
 #include <bit>
 #include <memory>
 
-#include "base/pixel_rect.h"
+#include "image/pixel_rect.h"
 
 namespace kiln {
 

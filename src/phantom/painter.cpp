@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "base/vectors.h"
-#include "phantom/labyrinth.h"
+#include "phantom/models/labyrinth.h"
 
 namespace kiln::phantom {
 namespace {

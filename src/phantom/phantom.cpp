@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "phantom/body.h"
-#include "phantom/engine.h"
+#include "phantom/models/body.h"
+#include "phantom/models/engine.h"
 
 namespace kiln::phantom {
 namespace {

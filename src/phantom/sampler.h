@@ -7,8 +7,8 @@
 #include <glm/vec3.hpp>
 
 #include "grid/coords.h"
-#include "phantom/figure.h"
-#include "phantom/tissue.h"
+#include "phantom/models/figure.h"
+#include "phantom/models/tissue.h"
 
 namespace kiln::phantom {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "scene/interpolation.h"
-#include "store/manifest.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln {
 
@@ -32,9 +32,9 @@ int levelAtScale(const Manifest& volume, double scale, bool finest = false);
 /// Of a level that is shown for the sake of more samples a pixel: a quarter of a GiB at 16 bits. A level finer has
 /// eight times the bytes to read.
 inline constexpr std::int64_t kMostOversampledVoxels = std::int64_t{1} << 27;
-/// Zones of depth (splat/slab_grid.h) are an eighth of an octave: in perspective, a view whose middle has half a pixel
-/// a voxel is of one level then, and not its far half of a coarser one. Were it less again, footprints of the voxels
-/// that it halves would reach farther than a brick's apron. unit: pixels.
+/// Zones of depth (engine/shared/slab_grid.h) are an eighth of an octave: in perspective, a view whose middle has half
+/// a pixel a voxel is of one level then, and not its far half of a coarser one. Were it less again, footprints of the
+/// voxels that it halves would reach farther than a brick's apron. unit: pixels.
 inline constexpr double kMostCoarseVoxel = 7.0 / 8;
 
 }  // namespace kiln

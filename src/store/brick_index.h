@@ -14,7 +14,7 @@
 #include "base/hash.h"
 #include "grid/coords.h"
 #include "grid/value_range.h"
-#include "store/sub_bricks.h"
+#include "store/ranges/sub_bricks.h"
 
 namespace kiln {
 

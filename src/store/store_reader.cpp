@@ -8,11 +8,11 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/large_pages.h"
-#include "base/memory.h"
+#include "base/memory/large_pages.h"
+#include "base/memory/memory.h"
 #include "base/path_status.h"
-#include "base/span.h"
-#include "store/read_manifest.h"
+#include "base/thread/span.h"
+#include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
 
 namespace kiln {

@@ -9,9 +9,9 @@
 
 #include "base/hash.h"
 #include "base/same_file.h"
-#include "store/brick_codec.h"
 #include "store/brick_index.h"
-#include "store/manifest.h"
+#include "store/codec/brick_codec.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "store/store_reader.h"
 
 namespace kiln {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "base/file.h"
-#include "store/brick_codec.h"
 #include "store/brick_index.h"
-#include "store/brick_ranges.h"
-#include "store/manifest.h"
+#include "store/codec/brick_codec.h"
+#include "store/codec/brick_ranges.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln {
 

@@ -10,9 +10,9 @@
 
 #include "base/error.h"
 #include "base/folder.h"
-#include "base/memory.h"
-#include "base/parallel.h"
-#include "store/brick_ranges.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
+#include "store/codec/brick_ranges.h"
 #include "store/store_writer.h"
 
 namespace kiln {

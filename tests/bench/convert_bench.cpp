@@ -9,10 +9,10 @@
 
 #include <filesystem>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "convert/convert.h"
-#include "ingest/volume_source.h"
-#include "store/manifest.h"
+#include "ingest/open_source.h"
+#include "store/manifest/manifest.h"
 #include "support/procedural.h"
 
 namespace kiln {

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "convert/convert.h"
+#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/unit_load.h"
+#include "engine/voxel/gather_voxels.h"
+#include "engine/voxel/tile_walk.h"
+#include "frame/frame_drawing.h"
 #include "frame/make_visibility.h"
-#include "frame/tile_walk.h"
-#include "ingest/volume_source.h"
-#include "render/frame_drawing.h"
-#include "scene/framing.h"
-#include "scene/presets.h"
-#include "splat/cast_cells.h"
-#include "splat/gather_voxels.h"
-#include "splat/unit_load.h"
+#include "ingest/open_source.h"
+#include "scene/camera/framing.h"
+#include "scene/transfer/presets.h"
 #include "support/scalar_kernels.h"
 #include "support/scalar_voxels.h"
 
@@ -141,7 +141,7 @@ void castBrick(benchmark::State& state) {
     const auto visibility = makeVisibility({}, s.request.view.size, 0);
     TilePixels tile;
     tile.rect = kTile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kSquareEdge;
-    SplatCounts counts;
+    DrawCounts counts;
     castCells(*s.fullest.rays, s.frame, s.block, s.fullest.cells, tile, *visibility, 0.998f, counts);
     samples += static_cast<std::int64_t>(counts.splats);
   }
@@ -258,7 +258,7 @@ void splatVoxels(benchmark::State& state) {
     Image image(kPicture, kPicture);
     const auto visibility = makeVisibility(options, s.request.view.size, 0);
     frame.visibility = visibility.get();
-    SplatCounts counts;
+    DrawCounts counts;
     walkTile(frame, s.block, {{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, nullptr, {}}, planes, counts,
              nullptr);
     splats += static_cast<std::int64_t>(counts.splats);

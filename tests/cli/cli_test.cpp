@@ -14,10 +14,10 @@
 #include <thread>
 
 #include "base/file.h"
-#include "base/memory.h"
-#include "convert/journal.h"
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "base/memory/memory.h"
+#include "convert/resume/journal.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "store/store_reader.h"
 #include "support/foreign_files.h"
 #include "support/procedural.h"

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "base/file.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/tool_test.h"
 
 namespace kiln::test {

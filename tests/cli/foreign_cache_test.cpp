@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/file.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/drawing.h"
 #include "support/foreign_files.h"
 #include "support/procedural.h"

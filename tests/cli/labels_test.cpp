@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/tool_test.h"
 
 namespace kiln::test {

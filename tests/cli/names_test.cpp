@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/procedural.h"
 #include "support/tool_test.h"
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "base/file.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/procedural.h"
 #include "support/run_tool.h"
 #include "support/test_store.h"

@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "base/file.h"
-#include "output/image_file.h"
-#include "scene/frame_list.h"
+#include "image/file/image_file.h"
+#include "job/frame_list.h"
 #include "support/tool_test.h"
 
 namespace kiln::test {
@@ -248,9 +248,10 @@ TEST_F(SequenceCli, Video_ByTheInstalledFfmpeg_HasEveryFrame) {
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
   for (const char* video : {"v.mp4", "v.webm"}) {
     done({"render", in("h.kiln"), "-o", in(video), "--turntable", "5", "--size", "40x36", "--rate", "12.5"});
-    const std::string command = "ffprobe -v error -count_frames -select_streams v:0 -of csv=p=0 -show_entries "
-                                "stream=width,height,r_frame_rate,nb_read_frames '" +
-                                in(video) + "' > '" + in("probed") + "'";
+    const std::string command =
+        "ffprobe -v error -count_frames -select_streams v:0 -of csv=p=0 -show_entries "
+        "stream=width,height,r_frame_rate,nb_read_frames '" +
+        in(video) + "' > '" + in("probed") + "'";
     ASSERT_EQ(std::system(command.c_str()), 0) << video;
     EXPECT_EQ(readTextFile(in("probed")), "40,36,25/2,5\n") << video;
   }

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "support/tool_test.h"
 
 namespace kiln::test {

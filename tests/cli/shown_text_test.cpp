@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "store/store_reader.h"
 #include "support/tool_test.h"
 

@@ -1,5 +1,5 @@
 // render --trace: what the file says of a render is what the statistics say, and it costs no bit of the picture.
-#include "base/trace.h"
+#include "base/thread/trace.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 #include <cstdlib>
 
 #include "base/file.h"
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "support/drawing.h"
 #include "support/tool_test.h"
 

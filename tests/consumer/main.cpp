@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include "ingest/open_source.h"
+
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::string picture = argv[1];

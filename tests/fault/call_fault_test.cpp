@@ -72,7 +72,8 @@ std::string nrrd(const std::string& more) {
   return "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 20 18 9\nendian: little\n" + more;
 }
 std::string metaImage(const std::string& more) {
-  return "ObjectType = Image\nNDims = 3\nDimSize = 20 18 9\nElementType = MET_USHORT\nElementByteOrderMSB = False\n" + more;
+  return "ObjectType = Image\nNDims = 3\nDimSize = 20 18 9\nElementType = MET_USHORT\nElementByteOrderMSB = False\n" +
+         more;
 }
 std::string nifti(bool pair) {
   NiftiHeader header;
@@ -86,8 +87,7 @@ std::string nifti(bool pair) {
 
 void putTiffs(const fs::path& folder, const TiffLayout& layout) {
   fs::create_directories(folder);
-  for (std::int64_t z = 0; z < kDims.z; ++z)
-    writeTiff(folder / fmt::format("s{}.tif", z), volume(), z, z + 1, layout);
+  for (std::int64_t z = 0; z < kDims.z; ++z) writeTiff(folder / fmt::format("s{}.tif", z), volume(), z, z + 1, layout);
 }
 
 TiffLayout tiffLayout(int compression, int tile = 0) {
@@ -123,8 +123,9 @@ Scenario reader(const std::string& name, const std::string& input, std::function
 
 std::vector<Scenario> readers() {
   const auto file = [](const std::string& name, const std::function<std::string()>& bytes, const Arguments& more = {}) {
-    return reader(replaced(replaced(name, ".", "_"), "/", "_"), name,
-                  [name, bytes](const fs::path& f) { put(f / name, bytes()); }, more);
+    return reader(
+        replaced(replaced(name, ".", "_"), "/", "_"), name,
+        [name, bytes](const fs::path& f) { put(f / name, bytes()); }, more);
   };
   const auto stored = [] { return volume().stored(false); };
   std::vector<Scenario> out;
@@ -140,9 +141,8 @@ std::vector<Scenario> readers() {
     put(f / "a.raw.gz", gzipped(stored()));
   }));
   out.push_back(file("a.mha", [=] { return metaImage("ElementDataFile = LOCAL\n") + stored(); }));
-  out.push_back(file("z.mha", [=] {
-    return metaImage("CompressedData = True\nElementDataFile = LOCAL\n") + zlibbed(stored());
-  }));
+  out.push_back(
+      file("z.mha", [=] { return metaImage("CompressedData = True\nElementDataFile = LOCAL\n") + zlibbed(stored()); }));
   out.push_back(reader("mhd", "a.mhd", [=](const fs::path& f) {
     put(f / "a.mhd", metaImage("ElementDataFile = a.raw\n"));
     put(f / "a.raw", stored());
@@ -190,13 +190,15 @@ void interrupt(const fs::path& folder, const Arguments& arguments, double share)
   CallFault counting{CallFailure::kNoSpace, UINT64_MAX};
   const std::uint64_t calls = runUnderFault(in(folder, arguments), folder, counting).calls;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && !before.contains(fs::relative(entry.path(), folder).string())) fs::remove(entry.path());
+    if (entry.is_regular_file() && !before.contains(fs::relative(entry.path(), folder).string()))
+      fs::remove(entry.path());
   }
   for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
     if (entry.is_directory() && filesOf(entry.path()).empty()) fs::remove_all(entry.path());
   }
   counting.after_calls = static_cast<std::uint64_t>(share * static_cast<double>(calls));
-  if (runUnderFault(in(folder, arguments), folder, counting).exit_code != 1) throw std::runtime_error("not interrupted");
+  if (runUnderFault(in(folder, arguments), folder, counting).exit_code != 1)
+    throw std::runtime_error("not interrupted");
 }
 
 std::vector<Scenario> writers() {
@@ -208,64 +210,96 @@ std::vector<Scenario> writers() {
     return all;
   };
   const auto store = [](const fs::path& f) { putStore(f); };
-  out.push_back({"resume", with(convert, {"--resume"}),
+  out.push_back({"resume",
+                 with(convert, {"--resume"}),
                  [=](const fs::path& f) {
                    put(f / "in.raw", volume().stored(false));
                    interrupt(f, convert, 0.6);
                  },
-                 true, {}});
-  out.push_back({"overwrite", with(convert, {"--overwrite", "--half"}), [](const fs::path& f) { putStore(f, "out.kiln"); }, true, {}});
+                 true,
+                 {}});
+  out.push_back({"overwrite",
+                 with(convert, {"--overwrite", "--half"}),
+                 [](const fs::path& f) { putStore(f, "out.kiln"); },
+                 true,
+                 {}});
   out.push_back({"convert_exists", convert, [](const fs::path& f) { putStore(f, "out.kiln"); }, false, {}, 1});
-  out.push_back({"export_exists", {"export", "@/s.kiln", "@/out.vdb"},
+  out.push_back({"export_exists",
+                 {"export", "@/s.kiln", "@/out.vdb"},
                  [](const fs::path& f) {
                    putStore(f);
                    put(f / "out.vdb", "precious");
-                 }, false, {}, 1});
+                 },
+                 false,
+                 {},
+                 1});
   out.push_back({"export", {"export", "@/s.kiln", "@/out.vdb"}, store, true, {"out.vdb"}});
-  out.push_back({"export_overwrite", {"export", "@/s.kiln", "@/out.vdb", "--overwrite"},
+  out.push_back({"export_overwrite",
+                 {"export", "@/s.kiln", "@/out.vdb", "--overwrite"},
                  [](const fs::path& f) {
                    putStore(f);
                    run(f, {"export", "@/s.kiln", "@/out.vdb", "--level", "1"});
-                 }, true, {"out.vdb"}});
+                 },
+                 true,
+                 {"out.vdb"}});
   out.push_back({"png", render("p.png"), store, true, {}});
-  out.push_back({"png_again", render("p.png"),
+  out.push_back({"png_again",
+                 render("p.png"),
                  [](const fs::path& f) {
                    putStore(f);
                    run(f, render("p.png", {"--azimuth", "20"}));
-                 }, true, {}});
+                 },
+                 true,
+                 {}});
   out.push_back({"exr", render("p.exr", {"--aov", "depth,normal"}), store, true, {}});
   out.push_back({"deep", render("p.exr", {"--deep"}), store, true, {}});
-  out.push_back({"foreign", {"render", "@/a.nrrd", "-o", "@/p.png", "--size", "24x20", "--threads", "1"},
-                 [](const fs::path& f) { put(f / "a.nrrd", nrrd("encoding: raw\n\n") + volume().stored(false)); }, true, {}});
+  out.push_back({"foreign",
+                 {"render", "@/a.nrrd", "-o", "@/p.png", "--size", "24x20", "--threads", "1"},
+                 [](const fs::path& f) { put(f / "a.nrrd", nrrd("encoding: raw\n\n") + volume().stored(false)); },
+                 true,
+                 {}});
   out.push_back({"statistics", render("p.png", {"--stats", "@/s.json"}), store, true, {"s.json"}});
   out.push_back({"trace", render("p.png", {"--trace", "@/t.json"}), store, true, {"t.json"}});
-  const Arguments tiles = {"render", "@/s.kiln", "-o", "@/p.exr", "--size", "520x24", "--checkpoint", "--threads", "1", "--zoom", "0.5"};
+  const Arguments tiles = {"render",       "@/s.kiln",  "-o", "@/p.exr", "--size", "520x24",
+                           "--checkpoint", "--threads", "1",  "--zoom",  "0.5"};
   out.push_back({"checkpoint", tiles, store, true, {}});
-  out.push_back({"checkpoint_resume", with(tiles, {"--resume"}),
+  out.push_back({"checkpoint_resume",
+                 with(tiles, {"--resume"}),
                  [=](const fs::path& f) {
                    putStore(f);
                    interrupt(f, tiles, 0.7);
-                 }, true, {}});
+                 },
+                 true,
+                 {}});
   out.push_back({"sequence", render("p_##.png", {"--turntable", "3"}), store, true, {}});
-  out.push_back({"sequence_resume", render("p_##.png", {"--turntable", "3", "--resume"}),
+  out.push_back({"sequence_resume",
+                 render("p_##.png", {"--turntable", "3", "--resume"}),
                  [](const fs::path& f) {
                    putStore(f);
                    run(f, render("p_##.png", {"--turntable", "3", "--frames", "1-2"}));
-                 }, true, {}});
+                 },
+                 true,
+                 {}});
   // A stand-in for ffmpeg that keeps its input.
-  out.push_back({"video", render("v.mp4", {"--turntable", "3"}),
+  out.push_back({"video",
+                 render("v.mp4", {"--turntable", "3"}),
                  [](const fs::path& f) {
                    putStore(f);
                    put(f / "bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\ncat > \"${last#file:}\"\n");
                    fs::permissions(f / "bin/ffmpeg", fs::perms::owner_all);
-                 }, true, {}});
+                 },
+                 true,
+                 {}});
   out.push_back({"slice", {"slice", "@/s.kiln", "-o", "@/s.png"}, store, true, {}});
   out.push_back({"split", {"split", "@/s.kiln", "-o", "@/part_#.kiln", "--parts", "2"}, store, true, {}});
-  out.push_back({"composite", {"composite", "@/1.exr", "@/2.exr", "-o", "@/p.exr"},
+  out.push_back({"composite",
+                 {"composite", "@/1.exr", "@/2.exr", "-o", "@/p.exr"},
                  [](const fs::path& f) {
                    putStore(f);
                    for (const std::string part : {"1", "2"}) run(f, render(part + ".exr", {"--part", part + "/2"}));
-                 }, true, {}});
+                 },
+                 true,
+                 {}});
   out.push_back({"tf", {"tf", "ct-bone", "-o", "@/tf.png"}, [](const fs::path&) {}, true, {}});
   const auto pictures = [](const fs::path& f) {
     putStore(f);
@@ -308,9 +342,11 @@ bool endsAs(const std::string& name, std::initializer_list<const char*> endings)
 // manifest, and tiles of a picture.
 bool isUnfinished(const Folder& now, const std::string& name) {
   if (name.find(".partial/") != std::string::npos || name.find(".frames/") != std::string::npos ||
-      endsAs(name, {".tiles", ".lock"})) return true;
+      endsAs(name, {".tiles", ".lock"}))
+    return true;
   const std::size_t end = name.find(".kiln/");
-  return end != std::string::npos && (!now.contains(name.substr(0, end) + ".kiln/manifest.json") || name.ends_with("/journal.bin"));
+  return end != std::string::npos &&
+         (!now.contains(name.substr(0, end) + ".kiln/manifest.json") || name.ends_with("/journal.bin"));
 }
 
 // Each writing of an OpenVDB file puts a random UUID into the header.
@@ -423,7 +459,8 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       EXPECT_FALSE(harmless || result.failed_call.empty());
       const std::vector<std::string> lines = errorLines(result.err);
       // The last line is the error; before it may be a note on the bricks or frames that are kept.
-      EXPECT_TRUE(!lines.empty() && lines.size() <= lines_ + 2 + failedFrames(lines) && lines.back().starts_with("kiln: "));
+      EXPECT_TRUE(!lines.empty() && lines.size() <= lines_ + 2 + failedFrames(lines) &&
+                  lines.back().starts_with("kiln: "));
       EXPECT_EQ(lines.empty() ? 0u : lines.back().find("defect"), lines.empty() ? 0u : std::string::npos);
       expectNothingHalf(now, result.failed_call);
     }
@@ -434,8 +471,8 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
   // Fails `runs` calls of each kind, evenly spread, or every call where there are fewer.
   void meetSome(std::uint64_t runs) {
     int failed_calls = 0;
-    for (const CallFailure failure : {CallFailure::kIo, CallFailure::kInterrupted, CallFailure::kShort,
-                                      CallFailure::kEnd, CallFailure::kNoSpace}) {
+    for (const CallFailure failure :
+         {CallFailure::kIo, CallFailure::kInterrupted, CallFailure::kShort, CallFailure::kEnd, CallFailure::kNoSpace}) {
       if (failure == CallFailure::kNoSpace && !GetParam().writes) continue;
       const ToolUnderFault counted = runUnderFault(in(folder_, GetParam().arguments), folder_, {failure, UINT64_MAX});
       restore(filesOf(folder_));

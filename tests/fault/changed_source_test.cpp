@@ -7,10 +7,11 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "convert/convert.h"
 #include "convert/foreign_cache.h"
-#include "convert/source_state.h"
+#include "convert/resume/source_state.h"
+#include "ingest/open_source.h"
 #include "store/store_reader.h"
 #include "support/impatient_progress.h"
 #include "support/procedural.h"

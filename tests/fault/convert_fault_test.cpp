@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "convert/journal.h"
+#include "base/thread/parallel.h"
 #include "convert/plan.h"
+#include "convert/resume/journal.h"
 #include "store/store_reader.h"
 #include "support/faulty_file_system.h"
 #include "support/impatient_progress.h"

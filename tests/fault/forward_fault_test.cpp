@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "convert/plan.h"
-#include "convert/slice_ring.h"
+#include "convert/stream/slice_ring.h"
 #include "support/faulty_file_system.h"
 #include "support/forward_source.h"
 #include "support/impatient_progress.h"

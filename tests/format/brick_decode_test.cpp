@@ -14,10 +14,10 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "store/brick_codec.h"
-#include "store/brick_file.h"
-#include "store/minmax_octree.h"
+#include "base/memory/memory.h"
+#include "store/codec/brick_codec.h"
+#include "store/codec/brick_file.h"
+#include "store/ranges/minmax_octree.h"
 #include "support/foreign_files.h"
 #include "support/sanitized.h"
 

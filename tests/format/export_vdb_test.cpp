@@ -11,7 +11,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "ingest/formats.h"
+#include "ingest/open_source.h"
+#include "ingest/source/formats.h"
 #include "store/store_writer.h"
 #include "support/faulty_file_system.h"
 #include "support/nifti_files.h"

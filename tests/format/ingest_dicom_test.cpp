@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "ingest/open_source.h"
 #include "support/dicom_files.h"
 #include "support/foreign_files.h"
 

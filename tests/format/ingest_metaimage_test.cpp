@@ -1,6 +1,7 @@
 // MetaImage, written here as text and bytes by the format's definition, and a real file that NRRD describes too.
 #include <gtest/gtest.h>
 
+#include "ingest/open_source.h"
 #include "support/foreign_files.h"
 
 namespace kiln::test {
@@ -151,8 +152,7 @@ TEST(IngestMetaImage, ByteBehindCompressedDataSize_isNoted) {
   source->read(boxOf(volume.dims), voxels);
   EXPECT_TRUE(voxels == volume.voxels);
   source->finish();
-  EXPECT_EQ(source->info().notes,
-            std::vector<std::string>{"a.mha: 1 byte behind the compressed data not read"});
+  EXPECT_EQ(source->info().notes, std::vector<std::string>{"a.mha: 1 byte behind the compressed data not read"});
 }
 
 TEST(IngestMetaImage, RealFileAgreesWithItsNrrdHeader) {

@@ -10,7 +10,8 @@
 #include <random>
 
 #include "base/error.h"
-#include "ingest/formats.h"
+#include "ingest/open_source.h"
+#include "ingest/source/formats.h"
 #include "support/nifti_files.h"
 
 namespace kiln {

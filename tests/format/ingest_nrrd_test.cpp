@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "ingest/open_source.h"
 #include "support/foreign_files.h"
 
 namespace kiln::test {

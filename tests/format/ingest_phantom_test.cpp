@@ -5,6 +5,7 @@
 #include <cstring>
 #include <thread>
 
+#include "ingest/open_source.h"
 #include "support/foreign_files.h"
 
 namespace kiln::test {

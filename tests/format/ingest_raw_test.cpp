@@ -5,7 +5,8 @@
 #include <cstring>
 #include <thread>
 
-#include "ingest/linear_source.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/open_source.h"
 #include "support/foreign_files.h"
 
 namespace kiln::test {

@@ -2,6 +2,7 @@
 // than the tags. Answers are known because the tags were written here.
 #include <gtest/gtest.h>
 
+#include "ingest/open_source.h"
 #include "support/tiff_files.h"
 
 namespace kiln::test {

@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/memory.h"
-#include "ingest/formats.h"
+#include "base/memory/memory.h"
+#include "ingest/source/formats.h"
 #include "support/nifti_files.h"
 #include "support/sanitized.h"
 #include "support/vdb_files.h"

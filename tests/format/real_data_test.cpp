@@ -7,7 +7,7 @@
 
 #include "convert/convert.h"
 #include "convert/export_vdb.h"
-#include "ingest/volume_source.h"
+#include "ingest/open_source.h"
 #include "store/store_reader.h"
 #include "support/test_store.h"
 

@@ -1,7 +1,9 @@
 // Folders of slices by their names alone: a volume is one stack without a gap, or an error that names what is wrong.
+#include "ingest/slice_names.h"
+
 #include <gtest/gtest.h>
 
-#include "ingest/slice_names.h"
+#include "ingest/open_source.h"
 #include "support/tiff_files.h"
 
 namespace kiln::test {
@@ -26,13 +28,13 @@ std::string sentenceOn(std::vector<std::string> names) {
 }
 
 TEST(SliceNames, OneNumberWithConstantStep_IsAStack) {
-  for (const std::vector<std::string>& names : {std::vector<std::string>{"a.tif"},
-                                               {"s1.tif", "s2.tif", "s10.tif", "s9.tif", "s8.tif", "s7.tif", "s6.tif",
-                                                "s5.tif", "s4.tif", "s3.tif"},
-                                               {"s000.tif", "s005.tif", "s010.tif"},
-                                               {"2021-03-04 head_0.tif", "2021-03-04 head_1.tif"},
-                                               {"1.tif", "2.tif"},
-                                               {"s98", "s99", "s100"}})
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"a.tif"},
+        {"s1.tif", "s2.tif", "s10.tif", "s9.tif", "s8.tif", "s7.tif", "s6.tif", "s5.tif", "s4.tif", "s3.tif"},
+        {"s000.tif", "s005.tif", "s010.tif"},
+        {"2021-03-04 head_0.tif", "2021-03-04 head_1.tif"},
+        {"1.tif", "2.tif"},
+        {"s98", "s99", "s100"}})
     EXPECT_EQ(sentenceOn(names), "");
 }
 
@@ -49,7 +51,8 @@ TEST(SliceNames, MissingSlice_IsNamed) {
 TEST(SliceNames, TwoChannels_AreListed) {
   std::vector<std::string> numbered, named;
   for (int z = 0; z < 12; ++z) {
-    for (const char* channel : {"00", "01"}) numbered.push_back("img_z" + std::to_string(100 + z) + "_ch" + channel + ".tif");
+    for (const char* channel : {"00", "01"})
+      numbered.push_back("img_z" + std::to_string(100 + z) + "_ch" + channel + ".tif");
     for (const char* channel : {"dapi", "gfp"}) named.push_back("z" + std::to_string(z) + "_" + channel + ".tif");
   }
   EXPECT_NE(sentenceOn(numbered).find("2 groups, not one numbered stack: 'img_z*_ch00.tif' (12 files), "

@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "cache/brick_cache.h"
-#include "render/split_store.h"
+#include "ranks/split_store.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
 #include "store/verify.h"

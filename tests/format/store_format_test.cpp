@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "base/file.h"
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "store/store_writer.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"

@@ -2,8 +2,8 @@
 // frames drawn brick after brick. They stay in memory meanwhile, and leave room to read ahead.
 #include <gtest/gtest.h>
 
-#include "base/parallel.h"
-#include "render/frame_memory.h"
+#include "base/thread/parallel.h"
+#include "frame/frame_memory.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"

@@ -1,13 +1,13 @@
 // However a frame is drawn, and in however many parts, what is told of it is one step whose count only grows, whose
 // total stays and is reached once, at the end.
-#include "render/frame_progress.h"
+#include "frame/frame_progress.h"
 
 #include <gtest/gtest.h>
 
-#include "base/parallel.h"
-#include "render/frame_checkpoint.h"
-#include "render/frame_memory.h"
-#include "render/opened_job.h"
+#include "base/thread/parallel.h"
+#include "frame/frame_memory.h"
+#include "sequence/frame_checkpoint.h"
+#include "sequence/opened_job.h"
 #include "support/drawing.h"
 #include "support/test_store.h"
 

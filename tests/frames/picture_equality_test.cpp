@@ -8,7 +8,7 @@
 
 #include <span>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/procedural.h"

@@ -1,5 +1,5 @@
 // What pixels of rays are made of: known from a picture of the rays themselves, added up in doubles.
-#include "render/pixel_filter.h"
+#include "frame/pixel_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "render/frame_memory.h"
+#include "base/thread/parallel.h"
+#include "frame/frame_memory.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"

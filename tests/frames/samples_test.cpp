@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "base/parallel.h"
-#include "render/frame_memory.h"
-#include "render/render_job_run.h"
+#include "base/thread/parallel.h"
+#include "frame/frame_memory.h"
+#include "sequence/render_job_run.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/random_scene.h"

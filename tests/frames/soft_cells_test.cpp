@@ -6,8 +6,8 @@
 #include <cstring>
 #include <span>
 
-#include "base/parallel.h"
-#include "output/compare.h"
+#include "base/thread/parallel.h"
+#include "image/compare.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/sanitized.h"

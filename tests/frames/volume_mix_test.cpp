@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "base/parallel.h"
-#include "render/frame_drawing.h"
+#include "base/thread/parallel.h"
+#include "frame/frame_drawing.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"

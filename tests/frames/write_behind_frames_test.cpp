@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/file.h"
-#include "base/parallel.h"
-#include "render/opened_job.h"
-#include "render/sequence.h"
+#include "base/thread/parallel.h"
+#include "sequence/opened_job.h"
+#include "sequence/sequence.h"
 #include "support/procedural.h"
 #include "support/test_store.h"
 

@@ -19,7 +19,7 @@
 #include "bench/report_words.h"
 #include "bench/run_suite.h"
 #include "bench/summary.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/faulty_file_system.h"
 #include "support/test_store.h"
 

@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "convert/convert.h"
+#include "ingest/open_source.h"
 #include "support/foreign_files.h"
 #include "support/test_store.h"
 

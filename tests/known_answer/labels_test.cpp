@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "scene/auto_samples.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "job/auto_samples.h"
 #include "support/contact_sheet.h"
 #include "support/drawing.h"
 #include "support/lattices.h"

@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "render/render_job_run.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "sequence/render_job_run.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/procedural.h"

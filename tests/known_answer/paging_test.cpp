@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "convert/convert.h"
-#include "ingest/volume_source.h"
-#include "render/render_frame.h"
-#include "render/render_job_run.h"
+#include "frame/render_frame.h"
+#include "ingest/open_source.h"
+#include "sequence/render_job_run.h"
 #include "support/test_store.h"
 
 namespace kiln::test {

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "support/drawing.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"

@@ -11,11 +11,11 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "render/render_job_run.h"
-#include "scene/job_names.h"
-#include "scene/presets.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "job/job_names.h"
+#include "scene/transfer/presets.h"
+#include "sequence/render_job_run.h"
 #include "support/contact_sheet.h"
 #include "support/drawing.h"
 #include "support/lattices.h"

@@ -7,8 +7,9 @@
 #include <cstdio>
 
 #include "convert/convert.h"
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "ingest/open_source.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/reference_renderer.h"

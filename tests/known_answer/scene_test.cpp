@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "output/compare.h"
+#include "image/compare.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/procedural.h"

@@ -10,8 +10,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <tuple>
 
-#include "output/compare.h"
-#include "output/image_file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
 #include "support/contact_sheet.h"
 #include "support/drawing.h"
 #include "support/foreign_files.h"

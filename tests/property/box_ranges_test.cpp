@@ -1,5 +1,5 @@
 // Known because the least and greatest of a few voxels is plain to compute one by one.
-#include "store/box_ranges.h"
+#include "store/ranges/box_ranges.h"
 
 #include <gtest/gtest.h>
 

@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-#include "frame/lookahead.h"
+#include "engine/shared/classifier.h"
+#include "engine/shared/projector.h"
 #include "grid/pyramid.h"
-#include "splat/classifier.h"
-#include "splat/projector.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
+#include "traverse/lookahead.h"
 
 namespace kiln::test {
 namespace {

@@ -12,9 +12,9 @@
 #include <cstdio>
 
 #include "base/file.h"
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "render/render_job_run.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "sequence/render_job_run.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"

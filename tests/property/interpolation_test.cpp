@@ -8,13 +8,13 @@
 #include <array>
 #include <span>
 
-#include "frame/frame_levels.h"
-#include "frame/zone_frames.h"
-#include "splat/cast_cells.h"
+#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/zone_frames.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"
 #include "support/test_store.h"
+#include "traverse/frame_levels.h"
 
 namespace kiln::test {
 namespace {
@@ -73,7 +73,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const BrickBlock block = store.read({0, {0, 0, 0}});
   Image image(request.view.size.width, request.view.size.height);
   const TilePixels tile{{0, 0, image.width, image.height}, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, {}};
-  SplatCounts counts;
+  DrawCounts counts;
   const Projector& projector = levels.projector(0);
   const std::vector<SlabZone> zones = slabZones(zonedVolume(volume, levels, request.sampling()), view, 0);
   for (std::size_t i = 0; i < zones.size(); ++i) {

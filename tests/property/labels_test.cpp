@@ -1,7 +1,7 @@
 // Pictures of label volumes have the same bits for whatever they are drawn by, and what is skipped shows nothing.
 #include <gtest/gtest.h>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/random_scene.h"

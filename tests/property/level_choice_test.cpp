@@ -4,12 +4,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "frame/brick_walk.h"
 #include "grid/pyramid.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
+#include "traverse/brick_walk.h"
 
 namespace kiln::test {
 namespace {

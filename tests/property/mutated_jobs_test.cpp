@@ -8,7 +8,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "render/render_job_run.h"
+#include "sequence/render_job_run.h"
 #include "support/procedural.h"
 #include "support/test_store.h"
 

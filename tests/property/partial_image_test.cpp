@@ -8,10 +8,10 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "render/composite_parts.h"
-#include "render/render_job_run.h"
+#include "composite/composite_parts.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "sequence/render_job_run.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/random_scene.h"

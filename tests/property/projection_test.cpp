@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/drawing.h"
 #include "support/procedural.h"
 #include "support/random_scene.h"
@@ -156,8 +156,8 @@ TEST(Projection, OfASlabIsKnown) {
   }
 }
 
-// A clip thinner than samples are apart has a value in each pixel that a thick clip has, whatever the brick size: between
-// oblique planes, and between planes across the rays, of which no sample is inside.
+// A clip thinner than samples are apart has a value in each pixel that a thick clip has, whatever the brick size:
+// between oblique planes, and between planes across the rays, of which no sample is inside.
 TEST(Projection, OfAThinClipHasNoHoles) {
   const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     return 100 + 2 * hashUnit(3, static_cast<std::uint64_t>((k * 32 + j) * 32 + i));

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <cstring>
 
-#include "frame/frame_levels.h"
-#include "splat/pixel_slabs.h"
-#include "splat/slab_grid.h"
+#include "engine/projection/pixel_slabs.h"
+#include "engine/shared/slab_grid.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/reference_field.h"
 #include "support/reference_renderer.h"
 #include "support/test_store.h"
+#include "traverse/frame_levels.h"
 
 namespace kiln::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "convert/convert.h"
-#include "ingest/volume_source.h"
+#include "ingest/open_source.h"
 #include "store/store_reader.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"

@@ -8,9 +8,9 @@
 #include <numeric>
 #include <set>
 
-#include "base/parallel.h"
-#include "convert/brick_shares.h"
+#include "base/thread/parallel.h"
 #include "convert/plan.h"
+#include "convert/pyramid/brick_shares.h"
 #include "support/faulty_file_system.h"
 #include "support/forward_source.h"
 #include "support/procedural.h"

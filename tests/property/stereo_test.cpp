@@ -2,14 +2,14 @@
 // the right one, and as high; what the picture shows is a part of the wider one that a camera in the eye's place takes
 // straight ahead. Its axis is not in the picture's middle, whose corners are thus farther from it: pictures stay equal
 // whatever the bricks.
-#include "scene/stereo.h"
+#include "job/stereo.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
-#include "output/compare.h"
+#include "image/compare.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"

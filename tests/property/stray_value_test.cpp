@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "output/compare.h"
-#include "scene/presets.h"
+#include "image/compare.h"
+#include "scene/transfer/presets.h"
 #include "support/drawing.h"
 #include "support/lattices.h"
 #include "support/test_store.h"

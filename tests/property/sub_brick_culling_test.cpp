@@ -3,7 +3,7 @@
 // chose, mostly from so near that levels mix, interpolated either way, clipped, cropped, by one thread and by all.
 #include <gtest/gtest.h>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/drawing.h"
 #include "support/random_scene.h"
 #include "support/sanitized.h"

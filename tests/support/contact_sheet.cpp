@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 
 namespace kiln::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "output/image.h"
+#include "image/image.h"
 
 namespace kiln::test {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/procedural.h"
 
 namespace kiln::test {

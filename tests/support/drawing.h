@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "render/render_frame.h"
+#include "frame/render_frame.h"
 
 namespace kiln::test {
 

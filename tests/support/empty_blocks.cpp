@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 
 namespace kiln::test {
 

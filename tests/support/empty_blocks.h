@@ -9,7 +9,7 @@
 
 #include "grid/coords.h"
 #include "grid/value_range.h"
-#include "scene/transfer_function.h"
+#include "scene/transfer/transfer_function.h"
 
 namespace kiln::test {
 

@@ -13,6 +13,8 @@
 #include <limits>
 #include <random>
 
+#include "ingest/open_source.h"
+
 namespace kiln::test {
 namespace fs = std::filesystem;
 namespace {

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
-#include "ingest/volume_source.h"
+#include "ingest/source/volume_source.h"
 
 namespace kiln::test {
 

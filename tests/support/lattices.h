@@ -1,8 +1,8 @@
 // The lattices that the renderer draws, for tests that hold for every one of them.
 #pragma once
 
-#include "render/render_frame.h"
-#include "scene/job_names.h"
+#include "frame/render_frame.h"
+#include "job/job_names.h"
 
 namespace kiln::test {
 

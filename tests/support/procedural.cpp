@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 
 namespace kiln::test {
 namespace {

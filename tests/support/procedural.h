@@ -15,7 +15,7 @@
 #include "grid/geometry.h"
 #include "grid/value_range.h"
 #include "grid/voxel_type.h"
-#include "ingest/volume_source.h"
+#include "ingest/source/volume_source.h"
 
 namespace kiln::test {
 

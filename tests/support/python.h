@@ -9,7 +9,8 @@ namespace kiln::test {
 /// system's packages install modules; empty where neither has them, so that a test skips and names the package.
 inline std::string pythonWith(const std::string& modules) {
   for (const char* python : {"python3", "/usr/bin/python3"}) {
-    if (std::system((std::string(python) + " -c 'import " + modules + "' > /dev/null 2>&1").c_str()) == 0) return python;
+    if (std::system((std::string(python) + " -c 'import " + modules + "' > /dev/null 2>&1").c_str()) == 0)
+      return python;
   }
   return {};
 }

@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "ingest/open_source.h"
+
 namespace kiln::test {
 namespace {
 

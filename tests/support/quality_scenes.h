@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/camera.h"
-#include "scene/transfer_function.h"
+#include "scene/camera/camera.h"
+#include "scene/transfer/transfer_function.h"
 #include "support/procedural.h"
 
 namespace kiln::test {

@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdint>
 
-#include "render/render_frame.h"
-#include "scene/camera.h"
-#include "scene/render_job.h"
-#include "scene/transfer_function.h"
+#include "frame/render_frame.h"
+#include "job/render_job.h"
+#include "scene/camera/camera.h"
+#include "scene/transfer/transfer_function.h"
 #include "support/procedural.h"
 
 namespace kiln::test {

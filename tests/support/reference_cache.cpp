@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 
 namespace kiln::test {
 namespace {

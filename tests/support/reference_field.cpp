@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 
 namespace kiln::test {
 namespace {

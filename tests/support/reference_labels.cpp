@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scene/label_looks.h"
+#include "scene/transfer/label_looks.h"
 
 namespace kiln::test {
 namespace {

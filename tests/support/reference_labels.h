@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "scene/transfer_function.h"
+#include "scene/transfer/transfer_function.h"
 #include "support/reference_field.h"
 
 namespace kiln::test {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <optional>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "support/empty_blocks.h"
 #include "support/reference_field.h"
 #include "support/reference_labels.h"

@@ -11,10 +11,10 @@
 #include <array>
 #include <vector>
 
-#include "output/image.h"
-#include "scene/camera.h"
-#include "scene/render_job.h"
-#include "scene/transfer_function.h"
+#include "image/image.h"
+#include "job/render_job.h"
+#include "scene/camera/camera.h"
+#include "scene/transfer/transfer_function.h"
 #include "support/procedural.h"
 
 namespace kiln::test {

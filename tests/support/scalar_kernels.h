@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "splat/unit_load.h"
+#include "engine/pixel/unit_load.h"
 
 namespace kiln::test {
 

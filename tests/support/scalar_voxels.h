@@ -2,7 +2,7 @@
 // instruction set is held against, and measured beside.
 #pragma once
 
-#include "splat/lay_voxels.h"
+#include "engine/voxel/lay_voxels.h"
 
 namespace kiln::test {
 

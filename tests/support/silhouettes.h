@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "output/image.h"
+#include "image/image.h"
 
 namespace kiln::test {
 

@@ -1,5 +1,5 @@
 // What is begun beside its owner is done by another thread, and what it throws is heard by whoever waits.
-#include "base/beside_thread.h"
+#include "base/thread/beside_thread.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Bricks cut from a source that is read forwards are those of the volume, in memory or on disk, for any number of
 // slices and threads; and whatever fails, all threads come back with it. Known because the volume is in memory as well.
-#include "convert/forward_window.h"
+#include "convert/stream/forward_window.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <chrono>
 #include <thread>
 
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 #include "grid/geometry.h"
-#include "store/brick_codec.h"
-#include "store/manifest.h"
+#include "store/codec/brick_codec.h"
+#include "store/manifest/manifest.h"
 #include "support/faulty_file_system.h"
 #include "support/forward_source.h"
 #include "support/impatient_progress.h"

@@ -1,5 +1,5 @@
 // What parallelFor promises to bodies that wait for one another, and that a limit of threads limits.
-#include "base/parallel.h"
+#include "base/thread/parallel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Ranks that share what they read have the bytes that each would read itself, from fewer readings, whatever memory they
 // have, whoever asks whom, and whatever cannot be read. Known because every fetched file is compared with the one on
 // the disk, and every error with that of reading it there.
-#include "render/shared_reads.h"
+#include "ranks/shared_reads.h"
 
 #include <gtest/gtest.h>
 

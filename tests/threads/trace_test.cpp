@@ -1,5 +1,5 @@
 // What spans count and what a trace keeps of them, known because the test opens and closes them itself.
-#include "base/trace.h"
+#include "base/thread/trace.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Known answers: a turn of a quarter is where trigonometry says; a spline passes through its keys; two keys on a circle
 // about the target stay on it; what lies between two transfer functions is their mean, weighted by opacity.
-#include "scene/animation.h"
+#include "job/animation.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "scene/frame_list.h"
-#include "scene/render_job.h"
-#include "scene/transfer_function_fade.h"
+#include "job/frame_list.h"
+#include "job/render_job.h"
+#include "scene/transfer/transfer_function_fade.h"
 #include "support/test_store.h"
 
 namespace kiln {

@@ -1,10 +1,10 @@
 // How many samples a pixel takes where nobody says, of cameras whose voxels have a known size in pixels.
-#include "scene/auto_samples.h"
+#include "job/auto_samples.h"
 
 #include <gtest/gtest.h>
 
-#include "scene/frame_scene.h"
-#include "scene/framing.h"
+#include "job/frame_scene.h"
+#include "scene/camera/framing.h"
 
 namespace kiln::test {
 namespace {

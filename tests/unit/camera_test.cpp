@@ -1,6 +1,6 @@
 // Known answers: a camera on the -y axis looking along +y with +z up has its three view axes along the world's, so
 // every projection can be worked out by hand.
-#include "scene/camera.h"
+#include "scene/camera/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Known answers: what VTK 9.1's vtkColorTransferFunction and vtkPiecewiseFunction say of the same nodes; the ends and
 // middle of named maps, which their authors publish.
-#include "scene/color_map.h"
+#include "scene/transfer/color_map.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,10 +9,10 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "base/srgb.h"
-#include "scene/named_color_maps.h"
-#include "scene/presets.h"
-#include "scene/transfer_function_choice.h"
+#include "image/srgb.h"
+#include "job/transfer_function_choice.h"
+#include "scene/transfer/named_color_maps.h"
+#include "scene/transfer/presets.h"
 
 namespace kiln {
 namespace {

@@ -1,6 +1,6 @@
 // Known answers: two constant pictures that differ by 0.1 everywhere have a mean square of 0.01, which is 20 dB; the
 // colours of the map stand in the caption of Lee and Ihm's Figure 11.
-#include "output/compare.h"
+#include "image/compare.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/srgb.h"
+#include "image/srgb.h"
 
 namespace kiln {
 namespace {

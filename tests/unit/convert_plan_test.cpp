@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
 #include "convert/plan.h"
 
 namespace kiln::test {

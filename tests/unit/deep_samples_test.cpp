@@ -1,6 +1,6 @@
 // Layers of a pixel under a bound. Known: laid over one another they are the pixel, however few are left; of one medium
 // all cuts lie on one curve, so that its slabs become one sample; and a cut shows no more else than was asked for.
-#include "base/deep_samples.h"
+#include "image/deep_samples.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Known answers: what a side shows follows from the words of the patient's frame, and a fitted box must be inside the
 // image and touch its margin whatever the affine, for that is what fitting means.
-#include "scene/framing.h"
+#include "scene/camera/framing.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "scene/render_job.h"
+#include "job/render_job.h"
 
 namespace kiln {
 namespace {

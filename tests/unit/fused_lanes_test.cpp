@@ -17,7 +17,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "splat/sample_math-inl.h"
+#include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {

@@ -1,5 +1,5 @@
 // What has no instruction for it gives the bits of std::fma, whose definition is that it rounds once.
-#include "splat/fused.h"
+#include "engine/shared/fused.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // What is found and read of a cell's voxels, of all types and on every instruction set, against loops over the cell:
 // whole cells and those that a brick's end cuts off, in parallel and from an eye among them, values that show
 // something in one interval, in several, and nowhere.
-#include "splat/gather_voxels.h"
+#include "engine/voxel/gather_voxels.h"
 
 #include <gtest/gtest.h>
 

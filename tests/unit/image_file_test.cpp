@@ -1,6 +1,6 @@
 // Known answers: half holds 11 significant bits, so a value k/1024 in [0, 2] survives and any other is off by at most
 // 2^-11 of it; PNG pixels are worked out by hand from the sRGB curve (0.5 light is 188, or 48192 of 65535).
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -18,10 +18,10 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "output/exr_file.h"
-#include "output/png_file.h"
-#include "scene/job_names.h"
+#include "base/memory/memory.h"
+#include "image/file/exr_file.h"
+#include "image/file/png_file.h"
+#include "job/job_names.h"
 #include "support/sanitized.h"
 
 namespace kiln {

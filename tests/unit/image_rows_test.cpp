@@ -1,5 +1,5 @@
 // A picture that is written band by band has the bytes of the picture that is written whole.
-#include "output/image_rows.h"
+#include "image/image_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "base/file.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
 #include "support/test_store.h"
 
 namespace kiln::test {

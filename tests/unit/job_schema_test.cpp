@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "scene/job_keys.h"
-#include "scene/json_place.h"
-#include "scene/render_job.h"
+#include "job/job_keys.h"
+#include "job/json_place.h"
+#include "job/render_job.h"
 
 namespace kiln {
 namespace {

@@ -1,5 +1,5 @@
 // What labels look like, from ITK-SNAP's files, from a job, and where nobody says. Known from the texts.
-#include "scene/label_looks.h"
+#include "scene/transfer/label_looks.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,13 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/srgb.h"
-#include "scene/label_palette.h"
-#include "scene/presets.h"
-#include "scene/transfer_function_choice.h"
-#include "scene/transfer_function_fade.h"
-#include "scene/transfer_function_json.h"
-#include "splat/sample_table.h"
+#include "engine/pixel/sample_table.h"
+#include "image/srgb.h"
+#include "job/transfer_function_choice.h"
+#include "job/transfer_function_json.h"
+#include "scene/transfer/label_palette.h"
+#include "scene/transfer/presets.h"
+#include "scene/transfer/transfer_function_fade.h"
 
 namespace kiln {
 namespace {

@@ -1,5 +1,5 @@
 // Large buffers have pages of their own; some of what is given back stays for the next, the rest is the system's again.
-#include "base/large_pages.h"
+#include "base/memory/large_pages.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/zero_pages.h"
+#include "base/memory/zero_pages.h"
 
 namespace kiln {
 namespace {

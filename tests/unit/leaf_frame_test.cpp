@@ -1,5 +1,5 @@
 // Known because Blosc itself makes the frames, and because what unpacks to the bytes that went in is unpacked rightly.
-#include "store/leaf_frame.h"
+#include "store/codec/leaf_frame.h"
 
 #include <blosc.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Amounts of memory as people write them; the answers are powers of 1024 by definition.
-#include "base/memory.h"
+#include "base/memory/memory.h"
 
 #include <gtest/gtest.h>
 

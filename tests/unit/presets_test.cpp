@@ -1,7 +1,7 @@
 // Known answers: two peaks in a histogram leave Otsu no choice but a threshold between them; CT presets are quoted in
 // Hounsfield units, so the values of air, skin and bone are known in each scale; the heads of Stanford's archive have
 // skin from about 500 and bone from about 1150 by their description.
-#include "scene/presets.h"
+#include "scene/transfer/presets.h"
 
 #include <gtest/gtest.h>
 

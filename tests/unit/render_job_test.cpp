@@ -1,6 +1,6 @@
 // Known answers: the example of DESIGN.md §10 with each value where it stands; each way to get a key wrong names that
 // key.
-#include "scene/render_job.h"
+#include "job/render_job.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "scene/job_json.h"
+#include "job/job_json.h"
 
 namespace kiln {
 namespace {

@@ -1,6 +1,6 @@
 // Which values a table takes for soft: known because the functions are a few straight lines, whose changes are read
 // off.
-#include "splat/sample_table.h"
+#include "engine/pixel/sample_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // The joined volume of a time series. Known because boxes, ranges and counts of all frames are given.
-#include "scene/series_look.h"
+#include "job/series_look.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "scene/framing.h"
-#include "scene/label_looks.h"
+#include "scene/camera/framing.h"
+#include "scene/transfer/label_looks.h"
 
 namespace kiln::test {
 namespace {

@@ -15,7 +15,7 @@
 #include "base/file_lock.h"
 #include "base/same_file.h"
 #include "base/temporary_file.h"
-#include "convert/destination.h"
+#include "convert/resume/destination.h"
 #include "support/test_store.h"
 
 namespace kiln::test {

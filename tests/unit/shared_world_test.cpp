@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/transfer_function.h"
-#include "store/manifest.h"
+#include "scene/transfer/transfer_function.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln::test {
 namespace {

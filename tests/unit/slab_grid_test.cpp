@@ -1,6 +1,6 @@
 // The slabs that a zone of depth has: between half a pixel and a pixel thick by default, zones that follow each other
 // without a gap, and levels that do not fall on the way.
-#include "splat/slab_grid.h"
+#include "engine/shared/slab_grid.h"
 
 #include <gtest/gtest.h>
 

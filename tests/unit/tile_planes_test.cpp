@@ -1,5 +1,5 @@
 // A tile's pixels in planes are the tile's pixels, and a footprint is open where one of its pixels in the tile is.
-#include "splat/tile_planes.h"
+#include "engine/voxel/tile_planes.h"
 
 #include <gtest/gtest.h>
 

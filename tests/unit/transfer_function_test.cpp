@@ -1,13 +1,13 @@
 // Known answers: between points the function is a straight line, so its middle is the mean of its ends; sRGB's 8-bit
 // middle grey 188 is 50.3 % light.
-#include "scene/transfer_function.h"
+#include "scene/transfer/transfer_function.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "base/srgb.h"
+#include "image/srgb.h"
 
 namespace kiln {
 namespace {

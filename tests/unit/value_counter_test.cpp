@@ -1,6 +1,6 @@
 // Counting is exact for 8 and 16 bits, and for wider types every voxel is counted once, in a bin within 1/128 of its
 // value or nearer: checked against a count made the plain way.
-#include "convert/value_counter.h"
+#include "convert/stream/value_counter.h"
 
 #include <gtest/gtest.h>
 

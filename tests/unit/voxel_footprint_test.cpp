@@ -1,6 +1,6 @@
 // A footprint table is what it says it is: Gaussians that sum to one, of the pixels within the footprint and of no
 // others.
-#include "splat/voxel_footprint.h"
+#include "engine/voxel/voxel_footprint.h"
 
 #include <gtest/gtest.h>
 

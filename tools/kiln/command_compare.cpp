@@ -3,11 +3,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
-#include "output/compare.h"
-#include "output/image_file.h"
-#include "output/image_memory.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "image/image_memory.h"
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"

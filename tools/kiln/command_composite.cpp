@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
+#include "composite/composite_parts.h"
+#include "job/job_names.h"
 #include "output_files.h"
-#include "render/composite_parts.h"
 #include "say.h"
-#include "scene/job_names.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {

@@ -5,12 +5,13 @@
 #include <system_error>
 
 #include "base/byte_record.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
 #include "commands.h"
 #include "convert/conversion_cost.h"
 #include "convert/convert.h"
-#include "convert/half_source.h"
+#include "convert/stream/half_source.h"
+#include "ingest/open_source.h"
 #include "say.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"

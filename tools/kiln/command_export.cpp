@@ -1,5 +1,5 @@
 #include "base/file.h"
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
 #include "output_files.h"

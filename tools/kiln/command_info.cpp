@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "base/file.h"
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
 #include "histogram_text.h"
-#include "output/image_file.h"
+#include "image/file/image_file.h"
+#include "job/job_names.h"
 #include "say.h"
-#include "scene/job_names.h"
-#include "scene/label_looks.h"
+#include "scene/transfer/label_looks.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
 

@@ -1,6 +1,6 @@
 #include "commands.h"
+#include "job/job_keys.h"
 #include "say.h"
-#include "scene/job_keys.h"
 
 namespace kiln::tool {
 

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
-#include "output/image_file.h"
+#include "frame/slice.h"
+#include "image/file/image_file.h"
 #include "output_files.h"
-#include "render/slice.h"
 #include "say.h"
 #include "scene_arguments.h"
 #include "source_arguments.h"

@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 
-#include "base/memory.h"
+#include "base/memory/memory.h"
 #include "commands.h"
-#include "render/rank_boxes.h"
-#include "render/render_job_run.h"
-#include "render/split_store.h"
+#include "job/frame_list.h"
+#include "ranks/rank_boxes.h"
+#include "ranks/split_store.h"
 #include "say.h"
-#include "scene/frame_list.h"
 #include "scene_arguments.h"
+#include "sequence/render_job_run.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {

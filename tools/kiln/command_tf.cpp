@@ -1,15 +1,15 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
-#include "base/srgb.h"
 #include "commands.h"
-#include "output/image_file.h"
+#include "frame/transfer_function_picture.h"
+#include "image/file/image_file.h"
+#include "image/srgb.h"
 #include "output_files.h"
-#include "render/transfer_function_picture.h"
 #include "say.h"
-#include "scene/presets.h"
+#include "scene/transfer/presets.h"
 #include "scene_arguments.h"
-#include "store/read_manifest.h"
+#include "store/manifest/read_manifest.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;

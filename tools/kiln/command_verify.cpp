@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "base/memory/memory.h"
 #include "base/path_status.h"
+#include "base/thread/parallel.h"
 #include "commands.h"
-#include "render/split_store.h"
+#include "ranks/split_store.h"
 #include "say.h"
 #include "source_arguments.h"
 #include "store/store_writer.h"

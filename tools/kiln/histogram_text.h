@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "store/manifest.h"
+#include "store/manifest/manifest.h"
 
 namespace kiln::tool {
 

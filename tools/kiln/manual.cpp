@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scene/job_names.h"
+#include "job/job_names.h"
 
 namespace kiln::tool {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "base/path_status.h"
-#include "scene/job_names.h"
-#include "scene/presets.h"
+#include "job/job_names.h"
 #include "scene/scene_limits.h"
+#include "scene/transfer/presets.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {

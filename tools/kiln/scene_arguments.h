@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/render_job.h"
+#include "job/render_job.h"
 
 namespace kiln::tool {
 

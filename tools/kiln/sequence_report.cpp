@@ -6,10 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/memory.h"
-#include "render/empty_frame.h"
+#include "base/memory/memory.h"
+#include "frame/empty_frame.h"
+#include "job/frame_list.h"
 #include "say.h"
-#include "scene/frame_list.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "commands.h"
-#include "render/sequence.h"
+#include "sequence/sequence.h"
 
 namespace kiln::tool {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/pixel_rect.h"
+#include "image/pixel_rect.h"
 #include "ingest/volume_format.h"
 
 namespace kiln::tool {

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <type_traits>
 
-#include "ingest/volume_source.h"
+#include "ingest/source/volume_source.h"
 
 namespace kiln::tool {
 

@@ -1,0 +1,173 @@
+#include "composite/composite_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
+
+#include "composite/part_order.h"
+#include "frame/background.h"
+#include "frame/part_image.h"
+#include "image/image_memory.h"
+#include "job/render_job.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Part {
+  fs::path path;
+  RenderJob job;
+  VoxelBox box;
+  ordered_json look;  // the job without what tells one part from another
+  ordered_json volume;
+  std::uint64_t damaged_bricks = 0;
+};
+
+VolumeGeometry geometryOf(const ordered_json& volume) {
+  VolumeGeometry out;
+  const auto dims = volume.at("dims").get<std::array<std::int64_t, 3>>();
+  out.dims = {dims[0], dims[1], dims[2]};
+  out.world_from_index = glm::make_mat4(volume.at("worldFromIndex").get<std::array<double, 16>>().data());
+  return out;
+}
+
+Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
+  const std::map<std::string, std::string> text = readImageText(path, memory_bytes);
+  const auto of = [&](const char* name) -> const std::string& {
+    const auto found = text.find(name);
+    if (found != text.end()) return found->second;
+    throw Error(ErrorCode::kUnsupported, path, name,
+                "is not in the header; expected an image that kiln render --part drew");
+  };
+  Part out{path, {}, {}, {}, {}, 0};
+  try {
+    out.look = ordered_json::parse(of(ImageMetadata::kJob));
+    out.volume = ordered_json::parse(of("kiln:volume"));
+    geometryOf(out.volume);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(ErrorCode::kFormat, path, "kiln:volume", error.what());
+  }
+  // Without a folder, names stay as they are.
+  out.job = parseJob(of(ImageMetadata::kJob), {});
+  if (!out.job.picture.clipping.part)
+    throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
+                "names no part; expected an image that kiln render --part drew");
+  out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
+  // Only a part that met damage says that it was passed over.
+  for (const char* key : {"part", "volume", "skipDamaged"}) out.look.erase(key);
+  if (const auto damaged = text.find(ImageMetadata::kDamagedBricks); damaged != text.end())
+    std::from_chars(damaged->second.data(), damaged->second.data() + damaged->second.size(), out.damaged_bricks);
+  return out;
+}
+
+void requireSameScene(const Part& first, const Part& other) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::kUsage, other.path, what, fmt::format("is another than in {}", first.path.string()));
+  };
+  if (first.volume != other.volume) refuse("volume");
+  for (const auto& [key, value] : first.look.items()) {
+    if (!other.look.contains(key) || other.look[key] != value) refuse(key);
+  }
+  if (first.look.size() != other.look.size()) refuse("job");
+}
+
+// Front to back.
+std::vector<Part> inOrder(std::vector<Part> parts, const View& view, const VolumeGeometry& volume) {
+  std::vector<VoxelBox> boxes;
+  for (const Part& part : parts) boxes.push_back(part.box);
+  const auto order = frontToBack(boxes, view, volume);
+  if (!order)
+    throw Error(ErrorCode::kUsage, parts.front().path, "",
+                fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
+                            "turn; cut the volume by --part I/N, or by planes through all of it",
+                            parts.size() - 1));
+  std::vector<Part> out;
+  for (const int place : *order) out.push_back(std::move(parts[static_cast<std::size_t>(place)]));
+  return out;
+}
+
+void requireDisjoint(const std::vector<Part>& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (intersection(parts[i].box, parts[j].box).empty()) continue;
+      throw Error(ErrorCode::kUsage, parts[i].path, "part",
+                  fmt::format("has voxels that {} has, too; each voxel belongs to one part", parts[j].path.string()));
+    }
+  }
+}
+
+ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view, std::uint64_t damaged_bricks) {
+  job.picture.clipping.part.reset();
+  job.picture.skip_damaged = damaged_bricks > 0;
+  ImageMetadata out;
+  if (damaged_bricks > 0) out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged_bricks);
+  if (const auto& crop = job.picture.crop) out.whole = {crop->x0, crop->y0, view.size.width, view.size.height};
+  out.world_to_camera = exrWorldToCamera(view);
+  out.world_to_ndc = exrWorldToNdc(view);
+  out.text[ImageMetadata::kJob] =
+      resolvedJobText(job, camera, std::get<TransferFunction>(job.picture.transfer_function));
+  out.text["kiln:version"] = KILN_VERSION;
+  return out;
+}
+
+}  // namespace
+
+std::string partOriginText(const Manifest& volume) {
+  const VolumeGeometry& geometry = volume.geometry();
+  std::array<double, 16> matrix;
+  std::copy_n(glm::value_ptr(geometry.world_from_index), matrix.size(), matrix.begin());
+  const ordered_json out = {{"dims", {geometry.dims.x, geometry.dims.y, geometry.dims.z}},
+                            {"worldFromIndex", matrix},
+                            {"indexChecksum", toHex(volume.index_checksum)}};
+  return out.dump();
+}
+
+CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress, std::uint64_t memory_bytes) {
+  if (paths.empty()) throw Error(ErrorCode::kUsage, "there are no partial images to composite");
+  std::vector<Part> parts;
+  for (const fs::path& path : paths) {
+    parts.push_back(partFrom(path, memory_bytes));
+    requireSameScene(parts.front(), parts.back());
+  }
+  requireDisjoint(parts);
+  const PictureOptions picture = parts.front().job.picture;
+  const VolumeGeometry volume = geometryOf(parts.front().volume);
+  const Camera camera = picture.camera.resolve(volume, picture.size);
+  const View view = resolve(camera, picture.stereo, picture.size);
+  const SampleWindow window = sampleWindowOf(picture);
+  const PixelRect& samples = window.samples;
+  CompositedParts out;
+  Image made = emptyPart(samples, picture.aovs);
+  // The picture's pixels are made when no part is in memory any more: a part has as many samples or more.
+  const std::uint64_t made_bytes = samples.count() * (4 + made.planes.size()) * sizeof(float);
+  requireMemory(2 * made_bytes, memory_bytes, parts.front().path);
+  std::vector<std::string> planes;
+  for (const Plane& plane : made.planes) planes.push_back(plane.name);
+  const auto opaque_at = static_cast<float>(picture.opacity_threshold);
+  std::uint64_t done = 0, damaged_bricks = 0;
+  for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
+  out.metadata = metadataOf(parts.front().job, camera, view, damaged_bricks);
+  std::int64_t voxels = 0;
+  for (const Part& part : inOrder(std::move(parts), view, volume)) {
+    progress.throwIfCancelled("compositing");
+    Image image = readImage(part.path, planes, memory_bytes - made_bytes);
+    if (image.width != made.width || image.height != made.height)
+      throw Error(ErrorCode::kFormat, part.path, "dataWindow",
+                  fmt::format("{} x {} samples, expected {} x {}", image.width, image.height, made.width, made.height));
+    layBehind(image, picture.aovs, 0, 0, opaque_at, made);
+    voxels += part.box.count();
+    progress.advance("compositing", "parts", ++done, paths.size());
+  }
+  out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
+  out.image = pixelsOf(made, picture, picture.aovs);
+  layOverBackground(out.image, drawnPixels(picture.size, picture.crop).y0, picture.size.height, picture.background);
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,54 @@
+#include "composite/part_order.h"
+
+#include <glm/matrix.hpp>
+#include <numeric>
+
+namespace kiln {
+namespace {
+
+// Rays in the volume's index space.
+struct Rays {
+  bool perspective;
+  glm::dvec3 vector;  // from where they start, or along which they run
+};
+
+Rays raysOf(const View& view, const VolumeGeometry& volume) {
+  const glm::dmat4 index_from_world = glm::inverse(volume.world_from_index);
+  const bool perspective = view.projection == Projection::kPerspective;
+  return {perspective, perspective ? glm::dvec3(index_from_world * glm::dvec4(view.eye_world, 1))
+                                   : glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0))};
+}
+
+// Whether a ray may pass `a` and then `b`: along every axis that parts the boxes it would run from one to the other.
+bool mayHide(const VoxelBox& a, const VoxelBox& b, const Rays& rays) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double v = rays.vector[axis];
+    if (a.hi[axis] <= b.lo[axis] && !(rays.perspective ? v < static_cast<double>(a.hi[axis]) - 0.5 : v > 0))
+      return false;
+    if (b.hi[axis] <= a.lo[axis] && !(rays.perspective ? v > static_cast<double>(a.lo[axis]) - 0.5 : v < 0))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, const View& view,
+                                            const VolumeGeometry& volume) {
+  const Rays rays = raysOf(view, volume);
+  std::vector<int> left(boxes.size()), out;
+  std::iota(left.begin(), left.end(), 0);
+  const auto box = [&](int i) -> const VoxelBox& { return boxes[static_cast<std::size_t>(i)]; };
+  while (!left.empty()) {
+    const auto nearest = std::find_if(left.begin(), left.end(), [&](int i) {
+      return std::none_of(left.begin(), left.end(),
+                          [&](int other) { return other != i && mayHide(box(other), box(i), rays); });
+    });
+    if (nearest == left.end()) return std::nullopt;
+    out.push_back(*nearest);
+    left.erase(nearest);
+  }
+  return out;
+}
+
+}  // namespace kiln

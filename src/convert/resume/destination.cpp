@@ -1,0 +1,246 @@
+#include "convert/resume/destination.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+#include <vector>
+
+#include "base/error.h"
+#include "base/folder.h"
+#include "base/path_status.h"
+#include "base/same_file.h"
+#include "convert/resume/journal.h"
+#include "ingest/source/header_text.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+
+bool isNothing(const fs::path& path) {
+  if (!isNameTaken(path)) return true;
+  std::error_code unknown;
+  if (!fs::is_directory(path, unknown)) {
+    if (unknown && isThere(path)) throw systemError(unknown.value(), path, "looking into the directory");
+    return false;
+  }
+  bool empty = true;
+  forEachEntry(path, [&](const fs::directory_entry& entry) {
+    empty = entry.path().filename() == kLockInside;
+    return empty ? Walk::kGoOn : Walk::kStop;
+  });
+  return empty;
+}
+
+namespace {
+
+bool isUnfinished(const fs::path& directory) { return !isStore(directory) && isThere(Journal::pathIn(directory)); }
+
+bool isNameInStore(const fs::path& name) {
+  for (const fs::path& known : {fs::path("manifest.json"), fs::path("index.bin"), fs::path("bricks"), fs::path("parts"),
+                                Journal::pathIn({}).filename(), fs::path(kLockInside)})
+    if (name == known || name == known.string() + ".tmp") return true;
+  return name.string().starts_with("scratch_") && name.extension() == ".tmp";
+}
+
+// True where folders below the directory, which anybody may have named, hold anything but files of bricks.
+bool holdsOthers(const fs::path& directory) {
+  bool out = false;
+  forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
+    std::error_code unknown;
+    if (entry.path().parent_path() == directory || entry.is_directory(unknown)) return Walk::kGoOn;
+    const std::string name = entry.path().filename().string();
+    out = name.find_first_not_of("0123456789_") != name.find('.');
+    return out ? Walk::kStop : Walk::kGoOn;
+  });
+  return out;
+}
+
+// Files that a desktop leaves in every folder that it shows; nobody keeps anything in them.
+bool isDroppedByDesktop(const fs::path& name) {
+  static const std::set<std::string> kNames = {".DS_Store", ".directory", ".localized", "Thumbs.db", "desktop.ini"};
+  return kNames.contains(name.string()) || name.string().starts_with("._");
+}
+
+// The names in a directory that are no store's, in alphabetical order.
+std::vector<std::string> strangersIn(const fs::path& directory) {
+  std::vector<std::string> out;
+  forEachEntry(directory, [&](const fs::directory_entry& entry) {
+    const fs::path name = entry.path().filename();
+    if (!isNameInStore(name) && !isDroppedByDesktop(name)) out.push_back(name.string());
+    return Walk::kGoOn;
+  });
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
+bool holdsOnlyAStore(const fs::path& directory) {
+  std::error_code error;
+  if (!fs::is_directory(directory, error)) return false;
+  if (!strangersIn(directory).empty()) return false;
+  return !error && (isStore(directory) || isUnfinished(directory) || !holdsOthers(directory));
+}
+
+// What an --overwrite that was interrupted left of the store that it replaced, whose manifest goes first. With a
+// manifest it is somebody's.
+bool mayBeRemoved(const fs::path& old) {
+  return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old) && !isUnfinished(old));
+}
+
+fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
+
+// Where the store will be: names are put beside it, so that "." and ".." get the names that they stand for.
+fs::path placeOf(const fs::path& out) {
+  const fs::path named = withoutTrailingSlash(out);
+  std::error_code unknown;
+  if (named.filename() == "." || named.filename() == "..")
+    if (fs::path whole = fs::canonical(named, unknown); !unknown) return whole;
+  return withoutTrailingSlash(behindLinks(named));
+}
+
+}  // namespace
+
+Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk, const FileLock* locked)
+    : out_(placeOf(out)), building_(out_), disk_(disk), lock_(locked) {
+  requireOutsideStores(out_);
+  if (lock_ == nullptr) {
+    if (out_.has_parent_path()) disk_.makeDirectories(out_.parent_path());
+    lock_ = &own_lock_.emplace(lockOf(out_), refusalOf(out_));
+  }
+  choosePlace(overwrite, resume);
+  std::error_code ignored;
+  if (!fs::is_directory(building_, ignored)) return;
+  if (isNothing(building_))
+    requireOwnDirectory(building_);
+  else if (!finished_)
+    requireOwner(building_);
+}
+
+void Destination::choosePlace(bool overwrite, bool resume) {
+  const fs::path partial = out_.string() + ".partial";
+  if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
+    building_ = partial;
+    finished_ = isStore(partial);
+    requirePlaceForOld();
+    return;
+  }
+  if (isNothing(out_)) return;
+  if (!overwrite && !resume) {
+    throw Error(ErrorCode::kExists, out_, "",
+                isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
+                                   : "is there already; name another output or give --overwrite");
+  }
+  if (!holdsOnlyAStore(out_)) {
+    const std::vector<std::string> strangers =
+        isStore(out_) || isUnfinished(out_) ? strangersIn(out_) : std::vector<std::string>();
+    throw Error(ErrorCode::kExists, out_, "",
+                strangers.empty()
+                    ? "is not a store, so it is neither replaced nor gone on with; name another output"
+                    : fmt::format("holds {}{} beside the store, so it is not replaced; move {} away, or name another "
+                                  "output",
+                                  inQuotes(strangers.front()),
+                                  strangers.size() == 1 ? "" : fmt::format(" and {} more", strangers.size() - 1),
+                                  strangers.size() == 1 ? "this file" : "these files"));
+  }
+  if (resume && isUnfinished(out_)) return;
+  if (!overwrite) {
+    finished_ = isStore(out_);
+    return;
+  }
+  building_ = partial;
+  requirePlaceForOld();
+  if (isNothing(partial)) return;
+  if (!holdsOnlyAStore(partial))
+    throw Error(ErrorCode::kExists, partial, "", "is in the way and is not an unfinished store; move it");
+  disk_.removeAll(partial);
+}
+
+fs::path Destination::old() const { return out_.string() + ".old"; }
+
+void Destination::requirePlaceForOld() const {
+  if (isNothing(out_) || mayBeRemoved(old())) return;
+  throw Error(ErrorCode::kExists, old(), "",
+              "is in the way of replacing the store: one that somebody kept, or that an interrupted --overwrite was to "
+              "remove; move or remove it");
+}
+
+void Destination::clear() {
+  std::error_code ignored;
+  if (fs::exists(building_, ignored)) disk_.removeAll(building_);
+}
+
+void Destination::make() {
+  disk_.makeDirectories(building_);
+  requireOwner(building_);
+}
+
+// Takes the name of the old store without a moment in which a reader finds none. Returns false, with nothing changed,
+// where the file system cannot exchange names. A crash between both calls leaves the old store where it was.
+bool Destination::exchange() {
+  bool exchanged = false;
+  std::error_code ignored;
+  try {
+    disk_.rename(building_, old());
+    exchanged = disk_.exchange(old(), out_);
+    if (exchanged) disk_.syncAll(out_);
+  } catch (...) {
+    if (exchanged) FileSystem::real().exchange(old(), out_);
+    fs::rename(old(), building_, ignored);
+    throw;
+  }
+  if (!exchanged) disk_.rename(old(), building_);
+  return exchanged;
+}
+
+void Destination::replaceInSteps(bool replaces) {
+  std::error_code ignored;
+  if (replaces) disk_.rename(out_, old());
+  try {
+    disk_.rename(building_, out_);
+    // Both names must be on the disk before the old store goes.
+    disk_.syncAll(out_);
+  } catch (...) {
+    if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
+    if (replaces) fs::rename(old(), out_, ignored);
+    throw;
+  }
+}
+
+void Destination::commit() {
+  if (building_ == out_) return tidy();
+  requirePlaceForOld();
+  const bool replaces = !isNothing(out_);
+  if (!replaces && isStore(old()))
+    left_old_ =
+        old().string() + " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
+  if (replaces) disk_.removeAll(old());
+  if (!replaces || !exchange()) replaceInSteps(replaces);
+  try {
+    if (replaces) disk_.removeAll(old() / "manifest.json");
+    if (replaces) disk_.removeAll(old());
+  } catch (const Error& error) {
+    // The new store is in place, as was asked; the next --overwrite removes what is left of the old one.
+    left_old_ = fmt::format("{} is left of the store that was replaced ({}); remove it", old().string(), error.what());
+  }
+  tidy();
+}
+
+void Destination::tidy() noexcept {
+  std::error_code ignored;
+  fs::remove(Journal::pathIn(out_), ignored);
+  fs::remove_all(out_ / "parts", ignored);
+}
+
+void Destination::keepForResuming() noexcept {
+  std::error_code ignored;
+  fs::remove(building_ / "manifest.json", ignored);
+}
+
+void Destination::abandon() noexcept {
+  std::error_code ignored;
+  fs::remove_all(building_, ignored);
+}
+
+}  // namespace kiln

@@ -1,0 +1,108 @@
+#include "convert/resume/source_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/path_status.h"
+#include "base/same_file.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kHashDigits = 32;
+
+std::vector<fs::path> regularFiles(const std::vector<fs::path>& files) {
+  std::vector<fs::path> out;
+  for (const fs::path& file : files) {
+    if (!isThere(file)) continue;
+    std::error_code error;
+    if (fs::is_regular_file(file, error)) out.push_back(file);
+    if (error) throw systemError(error.value(), file, "looking at the source");
+  }
+  return out;
+}
+
+std::string stampOf(const std::vector<fs::path>& regular, bool named) {
+  std::string all;
+  for (const fs::path& file : regular) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    const fs::file_time_type written = error ? fs::file_time_type() : fs::last_write_time(file, error);
+    // A state without a file's time would match no later one, or the wrong one.
+    if (error) throw systemError(error.value(), file, "looking at the source");
+    // The names of slices are their order; one file may be moved with its store.
+    all += fmt::format("{} {} {}\n", size, written.time_since_epoch().count(), named ? file.filename().string() : "");
+  }
+  return toHex(hashOf(all));
+}
+
+std::string clockOf(const std::vector<fs::path>& regular) {
+  std::string all;
+  for (const fs::path& file : regular) all += fmt::format("{}\n", changeTimeNs(file));
+  return toHex(hashOf(all));
+}
+
+// Adds the hashes of the file's blocks.
+void addContent(const fs::path& path, std::uint64_t share_bytes, std::string& all) {
+  const File file(path);
+  const std::uint64_t block = share_bytes < (1u << 20) ? 4096 : 65536;  // a page; what a disk reads in about a seek
+  const std::uint64_t size = file.size();
+  const bool whole = size <= share_bytes;
+  const std::uint64_t blocks = whole ? (size + block - 1) / block : share_bytes / block;
+  std::vector<std::byte> bytes(block);
+  for (std::uint64_t i = 0; i < blocks; ++i) {
+    const std::uint64_t offset = whole ? i * block
+                                       : static_cast<std::uint64_t>(static_cast<long double>(size - block) * i /
+                                                                    static_cast<long double>(blocks - 1));
+    const std::size_t got = file.readSomeAt(offset, bytes);
+    all += toHex(hashOf(std::span<const std::byte>(bytes).first(got)));
+  }
+}
+
+std::string contentOf(const std::vector<fs::path>& regular) {
+  constexpr std::uint64_t kReadBytes = 64 << 20, kLeastBytes = 2 * 4096;
+  std::string all;
+  for (const fs::path& file : regular) {
+    addContent(file, std::max(kReadBytes / regular.size(), kLeastBytes), all);
+  }
+  return toHex(hashOf(all));
+}
+
+}  // namespace
+
+std::string stateOf(const std::vector<fs::path>& files) {
+  const std::vector<fs::path> regular = regularFiles(files);
+  if (regular.empty()) return {};
+  return fmt::format("{}:{}:{}", stampOf(regular, files.size() > 1), clockOf(regular), contentOf(regular));
+}
+
+bool isStateOf(const std::string& state, const std::vector<fs::path>& files) {
+  const std::vector<fs::path> regular = regularFiles(files);
+  if (regular.empty() || state.empty()) return regular.empty() && state.empty();
+  const std::string_view text = state;
+  if (text.substr(0, kHashDigits) != stampOf(regular, files.size() > 1)) return false;
+  if (text.size() == kHashDigits) return true;
+  return text.substr(kHashDigits + 1, kHashDigits) == clockOf(regular) ||
+         text.substr(text.size() - std::min(text.size(), kHashDigits)) == contentOf(regular);
+}
+
+std::string portableState(const std::string& state) {
+  return state.size() <= 2 * kHashDigits ? state : state.substr(0, kHashDigits) + state.substr(2 * kHashDigits + 1);
+}
+
+fs::path lastChanged(const std::vector<fs::path>& files) {
+  const std::vector<fs::path> regular = regularFiles(files);
+  const auto last = std::max_element(regular.begin(), regular.end(), [](const fs::path& a, const fs::path& b) {
+    return changeTimeNs(a) < changeTimeNs(b);
+  });
+  return last == regular.end() ? files.front() : *last;
+}
+
+}  // namespace kiln

@@ -1,0 +1,414 @@
+#include "engine/pixel/cast_cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "engine/pixel/finish_sample.h"
+#include "engine/pixel/slab_layer.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/pixel/cast_cell.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "engine/pixel/cell_field-inl.h"
+#include "engine/pixel/cell_rays-inl.h"
+#include "engine/pixel/classify-inl.h"
+#include "engine/shared/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Interpolates, classifies, composites and shades the samples that CellRays finds. kGaps: voxels may be NaN.
+template <class Field, bool kGaps>
+class CellCaster {
+ public:
+  CellCaster(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile, float opaque_at,
+             CellSamples& samples, CellOutput& out)
+      : r_(rays),
+        frame_(frame),
+        l_(frame.lattice()),
+        in_(in),
+        tile_(tile),
+        opaque_at_(opaque_at),
+        finishes_(frame.detailed()),
+        derives_(finishes_ || tile.aovs.any()),
+        p_(rays, frame.lattice(), in, tile),
+        field_(frame.lattice(), in, samples),
+        s_(samples),
+        out_(out) {}
+
+  void run() {
+    const auto cast = [this](std::size_t count) { castFound(count); };
+    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, cast).run(field_.shown());
+  }
+
+ private:
+  static constexpr std::size_t kLanes = CellSamples::kLanes, kLit = CellSamples::kLit;
+  static constexpr int kPlane = CellInput::kPlane;
+
+  // Whether there is, or may be, extinction between two places of the table.
+  HWY_INLINE M visible(V lo, V hi) const {
+    const D d;
+    return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
+  }
+
+  HWY_NOINLINE void castFound(std::size_t count) {
+    count_ = count;
+    placeAll();
+    field_.interpolate(count_);
+    classifyAll();
+    attenuateAll();
+    if (in_.sums != nullptr)
+      keepAll();
+    else
+      blendAll();
+    lightAll();
+  }
+
+  // Which voxels each is between, and how far.
+  void placeAll() {
+    const D d;
+    const DI di;
+    for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
+      const CellPlaces::Where w = p_.whereIs(hn::Load(di, s_.code + n));
+      // From the second voxel that was read, half a voxel before the cell, on.
+      VI voxel[3];
+      for (int a = 0; a < 3; ++a) {
+        const V at = p_.indexOf(a, w, in_.lo[a]);
+        // Rounding may put it beyond the cell.
+        const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
+        voxel[a] = hn::ConvertTo(di, inside);
+        hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
+      }
+      const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kUnitSamples)));
+      const VI first = hn::Set(di, (kPlane + kUnitSamples + 1) * (kUnitMargin - 1));
+      hn::Store(hn::Add(hn::Add(row, voxel[0]), first), di, s_.offset + n);
+    }
+  }
+
+  // Keeps those that show something, by their indices.
+  void classifyAll() {
+    const D d;
+    const DI di;
+    kept_ = 0;
+    for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
+      const V value = field_.values(n), entry = placeOf(d, l_, value);
+      const VI index = hn::Iota(di, static_cast<int>(n));
+      M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
+      if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
+      V tau = hn::Zero(d);
+      if (l_.integral != nullptr) {
+        tau = meanExtinctionOf(n, value, entry, shows);
+        shows = hn::And(shows, hn::Gt(tau, hn::Zero(d)));
+      } else {
+        shows = hn::And(shows, visible(entry, entry));
+      }
+      const Packing packed(shows);
+      if (l_.integral != nullptr) hn::StoreU(packed(tau), d, s_.opacity + kept_);
+      hn::StoreU(packed(index), di, s_.index + kept_);
+      hn::StoreU(packed(hn::Load(di, s_.code + n)), di, s_.kept_code + kept_);
+      hn::StoreU(packed(entry), d, s_.entry + kept_);
+      kept_ += hn::CountTrue(d, shows);
+    }
+  }
+
+  // Of the n-th sample and those after it, at these places of the table.
+  HWY_NOINLINE V meanExtinctionOf(std::size_t n, V value, V entry, M alive) {
+    const D d;
+    const D4 d4;
+    const std::size_t count = std::min(count_ - n, hn::Lanes(d));
+    // Rows through the sample along x, and those a voxel before and after it along y and z.
+    enum { kHere, kBeforeY, kAfterY, kBeforeZ, kAfterZ, kRows };
+    alignas(64) float rows[kRows][4 * kLanes] = {};
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const float* const at = in_.values + s_.offset[n + lane] - 1;
+      const auto y = hn::Set(d4, s_.fraction[1][n + lane]), z = hn::Set(d4, s_.fraction[2][n + lane]);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto through = [&](int dy, int dz) {
+          return mix(d4, mix(d4, row(dy, dz), row(dy, dz + 1), z), mix(d4, row(dy + 1, dz), row(dy + 1, dz + 1), z), y);
+        };
+        hn::Store(through(0, 0), d4, rows[kHere] + 4 * lane + i);
+        hn::Store(through(-1, 0), d4, rows[kBeforeY] + 4 * lane + i);
+        hn::Store(through(1, 0), d4, rows[kAfterY] + 4 * lane + i);
+        hn::Store(through(0, -1), d4, rows[kBeforeZ] + 4 * lane + i);
+        hn::Store(through(0, 1), d4, rows[kAfterZ] + 4 * lane + i);
+      }
+    }
+    const V x = hn::Load(d, s_.fraction[0] + n);
+    const auto of = [&](int row, std::size_t first) {
+      V v[4];
+      hn::LoadInterleaved4(d, rows[row], v[0], v[1], v[2], v[3]);
+      return mix(d, v[first], v[first + 1], x);
+    };
+    const V before[3] = {of(kHere, 0), of(kBeforeY, 1), of(kBeforeZ, 1)};
+    const V after[3] = {of(kHere, 2), of(kAfterY, 1), of(kAfterZ, 1)};
+    const V place = hn::IfThenElseZero(alive, entry);
+    const V at_point = extinctionAt(d, l_, place);
+    return meanExtinction(d, l_, intervalOf(d, value, before, after), place, alive, at_point);
+  }
+
+  // Their opacities; of several volumes, their optical depths.
+  void attenuateAll() {
+    const D d;
+    // Beyond the last one vectors look up the table's first entry.
+    hn::StoreU(hn::Zero(d), d, s_.entry + kept_);
+    const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      V tau = l_.integral != nullptr ? hn::Load(d, s_.opacity + n) : extinctionAt(d, l_, hn::Load(d, s_.entry + n));
+      V length = hn::Set(d, l_.thickness);
+      if (asks) {
+        const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
+        const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
+        length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
+        if (derives_) tau = finishTau(n, count, w, tau);
+      }
+      const V depth = hn::Mul(tau, length);
+      hn::Store(in_.sums != nullptr ? depth : opacityOf(d, depth), d, s_.opacity + n);
+    }
+  }
+
+  // What kernels do not know: sites are kept for colours, and extinctions are what is left of them.
+  HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
+    const D d;
+    field_.findSlopes(n, count);
+    const Vector slope = field_.slopes(0);
+    hn::StoreU(slope.x, d, s_.slope[0] + n);
+    hn::StoreU(slope.y, d, s_.slope[1] + n);
+    hn::StoreU(slope.z, d, s_.slope[2] + n);
+    for (int a = 0; a < 3; ++a) hn::StoreU(p_.indexOf(a, w, 0), d, s_.index_place[a] + n);
+    if (!finishes_) return tau;
+    alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
+    hn::Store(tau, d, taus);
+    hn::Store(w.slabs, d, slabs);
+    for (int a = 0; a < 3; ++a) hn::Store(CellPlaces::linear(r_.step, a, w), d, steps[a]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SampleSite site = siteOf(n + i);
+      glm::dvec3 along;
+      for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
+      const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, along));
+      taus[i] = share * finishedExtinction(frame_.look(), taus[i], site);
+    }
+    return hn::Load(d, taus);
+  }
+
+  SampleSite siteOf(std::size_t n) const {
+    SampleSite out;
+    for (int a = 0; a < 3; ++a)
+      out.index[a] = static_cast<double>(r_.anchor[a]) + static_cast<double>(s_.index_place[a][n]);
+    out.gradient = {s_.slope[0][n], s_.slope[1][n], s_.slope[2][n]};
+    if (!std::isfinite(out.gradient.x + out.gradient.y + out.gradient.z)) out.gradient = glm::vec3(0);
+    out.view = frame_.projector().viewOfIndex(out.index);
+    return out;
+  }
+
+  // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, what it is multiplied by,
+  // and, in the place of its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its
+  // colours are divided by its alpha when they are all there.
+  void blendAll() {
+    std::size_t seen = 0, closed = 0;
+    out_.shown += kept_;
+    for (std::size_t n = 0; n < kept_; ++n) {
+      const std::int32_t code = s_.kept_code[n], pixel = code & CellPlaces::kPixel;
+      float& alpha = p_.pixelOf(pixel)[3];
+      // Nothing where the pixel is closed. No branches, as nobody can tell which samples close a pixel, or are behind
+      // it.
+      const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
+      const bool closes = (after >= opaque_at_) & (before != 1.0f);
+      alpha = after;
+      keep(n, seen, weight);
+      if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, opacity, closes);
+      s_.opacity[seen] = before;
+      seen += weight > 0 ? 1 : 0;
+      if (!closes) continue;
+      s_.closed[closed++] = {pixel, after};
+      alpha = 1.0f;
+    }
+    closed_count_ = closed;
+    kept_ = seen;
+    out_.samples += seen;
+  }
+
+  // Moves the n-th of those that are kept forward, with what it is multiplied by.
+  HWY_INLINE void keep(std::size_t n, std::size_t to, float weight) {
+    s_.index[to] = s_.index[n], s_.kept_code[to] = s_.kept_code[n], s_.entry[to] = s_.entry[n], s_.weight[to] = weight;
+    if (!derives_) return;
+    for (int a = 0; a < 3; ++a) s_.slope[a][to] = s_.slope[a][n], s_.index_place[a][to] = s_.index_place[a][n];
+  }
+
+  // Keeps all samples with optical depth, for sums over several volumes.
+  HWY_NOINLINE void keepAll() {
+    std::size_t seen = 0;
+    closed_count_ = 0;
+    out_.shown += kept_;
+    for (std::size_t n = 0; n < kept_; ++n) {
+      const float depth = s_.opacity[n];
+      keep(n, seen, depth);
+      if (derives_ && in_.sums->hasNormals() && depth > 0) {
+        const CellPlaces::Place at = p_.placeOf(s_.kept_code[seen]);
+        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(seen)));
+      }
+      seen += depth > 0 ? 1 : 0;
+    }
+    kept_ = seen;
+    out_.samples += seen;
+  }
+
+  HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
+    const SampleSite site = siteOf(n);
+    const SlabZone& zone = frame_.zone();
+    SlabLayer layer;
+    layer.before = before;
+    layer.added = weight;
+    layer.closes = closes;
+    layer.opacity = opacity;
+    layer.middle = site.view.z;
+    layer.thickness = (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    const glm::vec3 normal = finishedNormal(frame_.look(), site);
+    for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
+    addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
+  }
+
+  // Adds the light of what is seen, some vectors at a time: what is done to single samples is on its way long before a
+  // vector of them is asked for.
+  void lightAll() {
+    for (std::size_t n = 0; n < kept_; n += kLit) light(n, std::min(kept_ - n, kLit));
+    for (std::size_t i = 0; i < closed_count_; ++i) {
+      const auto [place, alpha] = s_.closed[i];
+      const float by[4] = {alpha, alpha, alpha, 1};
+      float* const pixel = p_.pixelOf(place);
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(D4()))
+        hn::StoreU(hn::Div(hn::LoadU(D4(), pixel + c), hn::LoadU(D4(), by + c)), D4(), pixel + c);
+      out_.closed[static_cast<std::size_t>(place >> CellPlaces::kPixelBits)] |= std::uint64_t{1}
+                                                                                << (place & (kSquareEdge - 1));
+    }
+  }
+
+  HWY_INLINE void light(std::size_t n, std::size_t count) {
+    const D d;
+    const D4 d4;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float entry = s_.entry[n + i];
+      const auto whole = static_cast<std::int32_t>(entry);
+      const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
+      const auto t = hn::Set(d4, entry - static_cast<float>(whole));
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
+        const auto here = hn::LoadU(d4, at + c);
+        hn::Store(between(here, hn::LoadU(d4, at + 4 + c), t), d4, s_.rows[0] + 4 * i + c);
+      }
+    }
+    if (finishes_) finishColors(n, count);
+    if (l_.light.phong) field_.findSlopes(n, count);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      V red, green, blue, unused;
+      hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
+      if (l_.light.phong) {
+        V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
+        const Sight sight = p_.sightOf(p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i)));
+        lightOn(d, l_.light, l_.perspective, field_.slopes(i), sight, matte, gloss);
+        const auto lit = [&](V color) { return fused(color, matte, gloss); };
+        red = lit(red), green = lit(green), blue = lit(blue);
+      }
+      const V weight = hn::LoadU(d, s_.weight + n + i);
+      hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue),
+                            in_.sums != nullptr ? weight : hn::Zero(d), d, s_.rows[0] + 4 * i);
+    }
+    if (tile_.deep != nullptr && in_.sums == nullptr) return addDeep(n, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      float* const to = lightOf(s_.kept_code[n + i]);
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
+        hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
+    }
+  }
+
+  // Adds light as `light` does, and each sample as a layer; the one that closes a pixel also has what that adds.
+  HWY_NOINLINE void addDeep(std::size_t n, std::size_t count) {
+    const SlabZone& zone = frame_.zone();
+    const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t code = s_.kept_code[n + i];
+      float* const to = p_.pixelOf(code & CellPlaces::kPixel);
+      float before[4] = {0, 0, 0, s_.opacity[n + i]}, after[4] = {0, 0, 0, before[3] + s_.weight[n + i]};
+      for (int c = 0; c < 3; ++c) before[c] = to[c], after[c] = to[c] = to[c] + s_.rows[0][4 * i + c];
+      if (const float alpha = after[3]; alpha >= opaque_at_) {
+        for (float& channel : after) channel /= alpha;
+      }
+      const CellPlaces::Place at = p_.placeOf(code);
+      tile_.deep->add(at.x, at.y, depthOf(at.slab), depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1)), before,
+                      after);
+    }
+  }
+
+  // The four floats that a sample's light is added to.
+  HWY_INLINE float* lightOf(std::int32_t code) const {
+    if (in_.sums == nullptr) return p_.pixelOf(code & CellPlaces::kPixel);
+    const CellPlaces::Place at = p_.placeOf(code);
+    return in_.sums->light(at.slab, at.x, at.y);
+  }
+
+  HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      float* const rgba = s_.rows[0] + 4 * i;
+      const Color color = finishedColor(frame_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + i));
+      rgba[0] = color.r, rgba[1] = color.g, rgba[2] = color.b;
+    }
+  }
+
+  // Between two neighbours along an axis, whatever the interpolation of values (Interval).
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
+    return LinearCellField<kGaps>::mix(d, a, b, t);
+  }
+
+  const RaySlabs& r_;
+  const SlabFrame& frame_;
+  const SampleLattice& l_;
+  const CellInput& in_;
+  const TilePixels& tile_;
+  const float opaque_at_;
+  const bool finishes_;  // whether samples are lit, cut and made less opaque one by one
+  const bool derives_;   // whether that, or their places and gradients are asked for
+  const CellPlaces p_;
+  Field field_;
+  CellSamples& s_;
+  CellOutput& out_;
+  std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
+};
+
+void castCellOn(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
+                float opaque_at, CellSamples& samples, CellOutput& out) {
+  const auto cast = [&]<class Field, bool kGaps>(std::type_identity<Field>, std::bool_constant<kGaps>) {
+    CellCaster<Field, kGaps>(rays, frame, in, tile, opaque_at, samples, out).run();
+  };
+  if (in.labels != nullptr)
+    cast(std::type_identity<LabelCellField>(), std::false_type());
+  else if (frame.lattice().interpolation != Interpolation::kLinear)
+    cast(std::type_identity<CubicCellField>(), std::true_type());
+  else if (in.gaps)
+    cast(std::type_identity<LinearCellField<true>>(), std::true_type());
+  else
+    cast(std::type_identity<LinearCellField<false>>(), std::false_type());
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(castCellOn);
+
+void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
+              float opaque_at, CellSamples& samples, CellOutput& out) {
+  HWY_DYNAMIC_DISPATCH(castCellOn)(rays, frame, in, tile, opaque_at, samples, out);
+}
+
+}  // namespace kiln
+#endif

@@ -1,0 +1,136 @@
+#include "engine/pixel/cast_cells.h"
+
+#include <bit>
+#include <memory>
+
+#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/label_voxels.h"
+#include "engine/pixel/unit_load.h"
+
+namespace kiln {
+namespace {
+
+// Rows of a brick lie far from each other: a cell's are asked for before they are needed.
+void fetch(const BrickBlock& block, const VoxelBox& cell) {
+  const VoxelBox box = intersection(dilated(cell, kUnitMargin), block.extent);
+  const auto bytes = static_cast<std::int64_t>(sizeOf(block.type));
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      const std::byte* const row = block.data<std::byte>() + bytes * block.offsetOf({box.lo.x, y, z});
+      __builtin_prefetch(row);
+      __builtin_prefetch(row + bytes * (box.hi.x - box.lo.x) - 1);
+    }
+  }
+}
+
+struct SeenCell {
+  const SlabCell* cell = nullptr;
+  PixelRect rect;
+};
+
+class Casting {
+ public:
+  Casting(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile,
+          Visibility& visibility, float opaque_at, SlabSums* sums, DrawCounts& counts)
+      : rays_(rays),
+        frame_(frame),
+        block_(block),
+        tile_(tile),
+        visibility_(visibility),
+        opaque_at_(opaque_at),
+        sums_(sums),
+        part_(frame.look().clip->part()),
+        counts_(counts) {}
+
+  // One cell is fetched while the one before it is cast, which may hide it.
+  void run(std::span<const SlabCell> cells) {
+    SeenCell due;
+    for (const SlabCell& cell : cells) {
+      const SeenCell next{&cell, intersection(cell.rect, tile_.rect)};
+      if (next.rect.empty() || hidden(next.rect)) continue;
+      fetch(block_, cell.box);
+      cast(due);
+      due = next;
+    }
+    cast(due);
+  }
+
+ private:
+  bool hidden(const PixelRect& rect) {
+    const bool out = visibility_.hidden(rect);
+    ++counts_.nodes_tested;
+    counts_.nodes_hidden += out ? 1 : 0;
+    return out;
+  }
+
+  void cast(const SeenCell& seen) {
+    if (seen.cell == nullptr || visibility_.hidden(seen.rect)) return;
+    const VoxelBox& box = seen.cell->box;
+    alignas(64) float values[CellInput::kReadEdge * CellInput::kPlane + kUnitSamples];
+    CellInput in;
+    if (!(frame_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
+    for (int a = 0; a < 3; ++a) {
+      const bool last = box.hi[a] == frame_.dims()[a];
+      in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
+      in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
+      in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
+      in.at_end = in.at_end || last || box.lo[a] == 0;
+    }
+    in.rect = seen.rect;
+    if (!part_.all()) in.part = &part_;
+    in.sums = sums_;
+    // Samples of several volumes meet in single slabs.
+    in.in_pairs = in.in_pairs && sums_ == nullptr;
+    CellOutput out;
+    castCell(rays_, frame_, in, tile_, opaque_at_, samples_, out);
+    counts_.visited += out.shown, counts_.splats += out.samples;
+    counts_.changed = counts_.changed || out.samples > 0;
+    for (int y = 0; y < in.rect.height(); ++y) {
+      for (std::uint64_t rest = out.closed[static_cast<std::size_t>(y)]; rest != 0; rest &= rest - 1)
+        rays_.close(visibility_, in.rect.x0 + std::countr_zero(rest), in.rect.y0 + y);
+    }
+  }
+
+  bool loadValuesOf(const VoxelBox& box, float* values, CellInput& in) const {
+    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values);
+    in.values = values;
+    in.gaps = range.gaps;
+    in.in_pairs = frame_.inPairs(range);
+    return true;
+  }
+  // False where no label is shown.
+  bool loadLabelsOf(const VoxelBox& box, CellInput& in) {
+    if (!labels_) labels_ = std::make_unique_for_overwrite<LabelVoxels>();
+    const LabelsAround around = loadLabels(block_, frame_.lattice(), box.lo, frame_.table(), *labels_);
+    in.values = labels_->opacities, in.labels = labels_->ranks;
+    // Along a ray one label looks the same all over.
+    in.one_label = in.in_pairs = around == LabelsAround::kOne;
+    return around != LabelsAround::kNone;
+  }
+
+  const RaySlabs& rays_;
+  const SlabFrame& frame_;
+  const BrickBlock& block_;
+  const TilePixels& tile_;
+  Visibility& visibility_;
+  const float opaque_at_;
+  SlabSums* const sums_;  // null where samples are composited at once
+  const ClipRegion::Part& part_;
+  DrawCounts& counts_;
+  CellSamples samples_;
+  std::unique_ptr<LabelVoxels> labels_;  // where the volume is of labels
+};
+
+}  // namespace
+
+void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+               const TilePixels& tile, Visibility& visibility, float opaque_at, DrawCounts& counts) {
+  Casting(rays, frame, block, tile, visibility, opaque_at, nullptr, counts).run(cells);
+}
+
+void sumCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
+              const TilePixels& tile, Visibility& visibility, SlabSums& sums, DrawCounts& counts) {
+  Casting(rays, frame, block, tile, visibility, 1, &sums, counts).run(cells);
+}
+
+}  // namespace kiln

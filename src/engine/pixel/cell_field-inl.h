@@ -1,0 +1,393 @@
+// Values and gradients of the samples of a cell, interpolated from its voxels. A field has
+// - shown(): the spaces in which samples may show something; nothing where that is not known;
+// - interpolate(count): prepares the values of the first `count` samples of CellSamples::code;
+// - values(n): the values of a vector of samples from the n-th on; NaN where a voxel with weight is NaN;
+// - findSlopes(n, count), slopes(i): gradients of up to kLit samples of CellSamples::index from the n-th on, then a
+//   vector of these gradients from the i-th on. unit: value per voxel.
+// Compiled once for each instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_CELL_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_CELL_FIELD_INL_H
+#undef KILN_SPLAT_CELL_FIELD_INL_H
+#else
+#define KILN_SPLAT_CELL_FIELD_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/label_voxels.h"
+#include "engine/pixel/shown_spaces-inl.h"
+#include "engine/pixel/unit_load.h"
+#include "engine/shared/cubic_weights.h"
+#include "engine/shared/sample_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+using D2 = hn::CappedTag<float, 2>;
+using D4 = hn::CappedTag<float, 4>;
+
+// Trilinear interpolation of voxels, and of their central differences. kGaps: voxels may be NaN.
+template <bool kGaps>
+class LinearCellField {
+ public:
+  LinearCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
+      : l_(lattice), in_(in), s_(samples) {}
+
+  // Intervals reach beyond the eight voxels around a sample.
+  HWY_INLINE std::optional<Spaces> shown() const {
+    if (kGaps || l_.integral != nullptr) return std::nullopt;
+    return shownSpaces(l_, in_.values);
+  }
+
+  // Stores the values before and after each sample along x.
+  void interpolate(std::size_t count) {
+    const D2 d;
+    for (std::size_t n = 0; n < count; ++n) {
+      const float* const at = in_.values + s_.offset[n];
+      const auto y = hn::Set(d, s_.fraction[1][n]), z = hn::Set(d, s_.fraction[2][n]);
+      for (std::size_t i = 0; i < 2; i += hn::Lanes(d)) {
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto near = mix(d, row(0, 0), row(1, 0), y), far = mix(d, row(0, 1), row(1, 1), y);
+        hn::Store(mix(d, near, far, z), d, s_.pair + 2 * n + i);
+      }
+    }
+  }
+
+  HWY_INLINE V values(std::size_t n) const {
+    const D d;
+    V before, after;
+    hn::LoadInterleaved2(d, s_.pair + 2 * n, before, after);
+    return mix(d, before, after, hn::Load(d, s_.fraction[0] + n));
+  }
+
+  // Interpolates along y and z, four voxels along x at a time, of two samples where a vector holds both.
+  HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
+    const DRows d;
+    constexpr std::size_t kSamples = (hn::MaxLanes(DRows()) + 3) / 4;
+    for (std::size_t lane = 0; lane < count; lane += kSamples) {
+      const auto first = static_cast<std::size_t>(s_.index[n + lane]);
+      const auto last = static_cast<std::size_t>(s_.index[n + std::min(lane + kSamples, count) - 1]);
+      s_.fraction_x[lane] = s_.fraction[0][first], s_.fraction_x[lane + kSamples - 1] = s_.fraction[0][last];
+      const float* const of_first = in_.values + s_.offset[first] - 1;
+      const float* const of_last = in_.values + s_.offset[last] - 1;
+      const auto y = bothOf(s_.fraction[1][first], s_.fraction[1][last]);
+      const auto z = bothOf(s_.fraction[2][first], s_.fraction[2][last]);
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        const auto row = [&](int dy, int dz) {
+          const int at = dz * kPlane + dy * kUnitSamples + static_cast<int>(i);
+          return bothFrom(of_first + at, of_last + at);
+        };
+        const auto of_row = [&](int dy) { return mix(d, row(dy, 0), row(dy, 1), z); };
+        const auto along_z = [&](int dy) {
+          return mix(d, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
+        };
+        const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
+        hn::Store(mix(d, here, next, y), d, s_.rows[1] + 4 * lane + i);
+        hn::Store(mix(d, hn::Sub(next, before), hn::Sub(after, here), y), d, s_.rows[2] + 4 * lane + i);
+        hn::Store(mix(d, along_z(0), along_z(1), y), d, s_.rows[3] + 4 * lane + i);
+      }
+    }
+  }
+
+  // Interpolates along x.
+  HWY_INLINE Vector slopes(std::size_t i) const {
+    const D d;
+    const V x = hn::Load(d, s_.fraction_x + i), half = hn::Set(d, 0.5f);
+    V before, here, next, after, y_here, y_next, z_here, z_next, unused, other;
+    hn::LoadInterleaved4(d, s_.rows[1] + 4 * i, before, here, next, after);
+    hn::LoadInterleaved4(d, s_.rows[2] + 4 * i, unused, y_here, y_next, other);
+    hn::LoadInterleaved4(d, s_.rows[3] + 4 * i, unused, z_here, z_next, other);
+    return {hn::Mul(half, mix(d, hn::Sub(next, before), hn::Sub(after, here), x)),
+            hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
+  }
+
+  // a + t (b - a); a itself where t is 0, because a voxel without weight may be NaN.
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
+    const Vec out = between(a, b, t);
+    if constexpr (kGaps) return hn::IfThenElse(hn::Eq(t, hn::Zero(d)), a, out);
+    return out;
+  }
+
+ private:
+  static constexpr int kPlane = CellInput::kPlane;
+
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SSE4
+  using DRows = D4;
+  static HWY_INLINE hn::Vec<DRows> bothOf(float first, float) { return hn::Set(DRows(), first); }
+  static HWY_INLINE hn::Vec<DRows> bothFrom(const float* first, const float*) { return hn::LoadU(DRows(), first); }
+#else
+  using DRows = hn::CappedTag<float, 8>;
+  static HWY_INLINE hn::Vec<DRows> bothOf(float first, float last) {
+    return hn::Combine(DRows(), hn::Set(D4(), last), hn::Set(D4(), first));
+  }
+  static HWY_INLINE hn::Vec<DRows> bothFrom(const float* first, const float* last) {
+    return hn::Combine(DRows(), hn::LoadU(D4(), last), hn::LoadU(D4(), first));
+  }
+#endif
+
+  const SampleLattice& l_;
+  const CellInput& in_;
+  CellSamples& s_;
+};
+
+// The cubic B-spline or Catmull-Rom spline over 4³ voxels; gradients are the B-spline's. A value is clamped to the
+// range of its 4³ voxels, so that the range of a cell bounds its samples.
+class CubicCellField {
+  using Weights = CubicWeights<float>;
+
+ public:
+  CubicCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
+      : in_(in), s_(samples), interpolation_(lattice.interpolation) {}
+
+  static std::optional<Spaces> shown() { return std::nullopt; }
+
+  void interpolate(std::size_t count) {
+    const D4 d;
+    for (std::size_t n = 0; n < count; ++n) {
+      Weights w[3];
+      for (std::size_t a = 0; a < 3; ++a) w[a] = valueWeights(s_.fraction[a][n]);
+      const Taps y(w[1]), z(w[2]);
+      alignas(16) float sum[4], least[4], most[4];
+      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        auto total = hn::Zero(d), lo = hn::Set(d, 3e38f), hi = hn::Set(d, -3e38f);
+        forEachRow(n, y, z, i, [&](auto row, float weight) {
+          total = hn::Add(total, hn::Mul(hn::Set(d, weight), row));
+          lo = hn::Min(lo, row), hi = hn::Max(hi, row);
+        });
+        hn::Store(total, d, sum + i), hn::Store(lo, d, least + i), hn::Store(hi, d, most + i);
+      }
+      s_.pair[n] = clamped(w[0], sum, least, most);
+    }
+  }
+
+  HWY_INLINE V values(std::size_t n) const { return hn::LoadU(D(), s_.pair + n); }
+
+  void findSlopes(std::size_t n, std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      const auto index = static_cast<std::size_t>(s_.index[n + lane]);
+      Weights smooth[3], slope[3];
+      for (std::size_t a = 0; a < 3; ++a)
+        smooth[a] = bSplineWeights(s_.fraction[a][index]), slope[a] = bSplineSlopeWeights(s_.fraction[a][index]);
+      s_.rows[1][lane] = sumOf(index, slope[0], smooth[1], smooth[2]);
+      s_.rows[2][lane] = sumOf(index, smooth[0], slope[1], smooth[2]);
+      s_.rows[3][lane] = sumOf(index, smooth[0], smooth[1], slope[2]);
+    }
+  }
+
+  HWY_INLINE Vector slopes(std::size_t i) const {
+    const D d;
+    return {hn::LoadU(d, s_.rows[1] + i), hn::LoadU(d, s_.rows[2] + i), hn::LoadU(d, s_.rows[3] + i)};
+  }
+
+ private:
+  static constexpr int kPlane = CellInput::kPlane;
+
+  Weights valueWeights(float t) const {
+    return interpolation_ == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t);
+  }
+
+  // The taps of an axis that have weight: a voxel without weight may be NaN.
+  struct Taps {
+    explicit Taps(const Weights& weights) {
+      for (int tap = 0; tap < 4; ++tap) {
+        const float own = weights[static_cast<std::size_t>(tap)];
+        if (own == 0) continue;
+        at[count] = tap - 1, weight[count++] = own;
+      }
+    }
+    int count = 0;
+    int at[4];
+    float weight[4];
+  };
+
+  // Calls f(voxels of a row from lane i of four on, weight of the row) for the rows around the n-th sample.
+  template <class F>
+  HWY_INLINE void forEachRow(std::size_t n, const Taps& y, const Taps& z, std::size_t i, F f) const {
+    const float* const at = in_.values + s_.offset[n] - 1 + i;
+    for (int k = 0; k < z.count; ++k) {
+      for (int j = 0; j < y.count; ++j)
+        f(hn::LoadU(D4(), at + z.at[k] * kPlane + y.at[j] * kUnitSamples), y.weight[j] * z.weight[k]);
+    }
+  }
+
+  // The weighted sum of the rows' sums. Pairs are added first, so that equal voxels give their own value.
+  static float along(const Weights& x, const float* sum) {
+    const auto term = [&](std::size_t i) { return x[i] == 0 ? 0.0f : x[i] * sum[i]; };
+    return (term(0) + term(1)) + (term(2) + term(3));
+  }
+  static float clamped(const Weights& x, const float* sum, const float* least, const float* most) {
+    float lo = 3e38f, hi = -3e38f;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (x[i] != 0) lo = std::min(lo, least[i]), hi = std::max(hi, most[i]);
+    }
+    const float value = along(x, sum);
+    return value != value ? value : std::min(std::max(value, lo), hi);
+  }
+
+  float sumOf(std::size_t n, const Weights& x, const Weights& y, const Weights& z) const {
+    const D4 d;
+    const Taps along_y(y), along_z(z);
+    alignas(16) float sum[4];
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+      auto total = hn::Zero(d);
+      forEachRow(n, along_y, along_z, i,
+                 [&](auto row, float weight) { total = hn::Add(total, hn::Mul(hn::Set(d, weight), row)); });
+      hn::Store(total, d, sum + i);
+    }
+    return along(x, sum);
+  }
+
+  const CellInput& in_;
+  CellSamples& s_;
+  const Interpolation interpolation_;
+};
+
+// Places in the table of labels (engine/pixel/label_voxels.h), each of which is interpolated by itself; gradients are
+// the B-spline's of opacities that are smoothed before.
+class LabelCellField {
+ public:
+  LabelCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
+      : in_(in),
+        s_(samples),
+        opacities_(lattice, in, samples),
+        cubic_(lattice.interpolation == Interpolation::kCubic) {}
+
+  // The B-spline reaches beyond the eight voxels around a sample.
+  HWY_INLINE std::optional<Spaces> shown() const {
+    if (in_.one_label || cubic_) return std::nullopt;
+    return labelledSpaces(in_.labels);
+  }
+
+  void interpolate(std::size_t count) {
+    if (in_.one_label) return;
+    if (cubic_) {
+      for (std::size_t n = 0; n < count; ++n) s_.pair[n] = placeBySpline(n);
+    } else {
+      for (std::size_t n = 0; n < count; n += hn::Lanes(D())) placeLinearly(n);
+    }
+  }
+
+  HWY_INLINE V values(std::size_t n) const {
+    const D d;
+    return in_.one_label ? hn::Set(d, SampleTable::placeOf(in_.labels[0], 1)) : hn::LoadU(d, s_.pair + n);
+  }
+
+  void findSlopes(std::size_t n, std::size_t count) {
+    if (!in_.one_label) opacities_.findSlopes(n, count);
+  }
+  HWY_INLINE Vector slopes(std::size_t i) const {
+    const D d;
+    return in_.one_label ? Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)} : opacities_.slopes(i);
+  }
+
+ private:
+  static constexpr int kPlane = CellInput::kPlane;
+
+  // Of a vector of samples: of the labels of the eight voxels around each, that with the largest share.
+  HWY_INLINE void placeLinearly(std::size_t n) {
+    const D d;
+    const DI di;
+    const VI offset = hn::Load(di, s_.offset + n);
+    V after[3], before[3];
+    for (int a = 0; a < 3; ++a) {
+      after[a] = hn::Load(d, s_.fraction[a] + n);
+      before[a] = hn::Sub(hn::Set(d, 1.0f), after[a]);
+    }
+    constexpr int kCorners = 8;
+    VI rank[kCorners];
+    V weight[kCorners];
+    for (int i = 0; i < kCorners; ++i) {
+      const int x = i & 1, y = i >> 1 & 1, z = i >> 2;
+      rank[i] = hn::GatherIndex(di, in_.labels + z * kPlane + y * kUnitSamples + x, offset);
+      const V across = hn::Mul(y != 0 ? after[1] : before[1], z != 0 ? after[2] : before[2]);
+      weight[i] = hn::Mul(x != 0 ? after[0] : before[0], across);
+    }
+    const auto sumWhere = [&](auto test) {
+      V sum = hn::Zero(d);
+      for (int i = 0; i < kCorners; ++i)
+        sum = hn::Add(sum, hn::IfThenElseZero(hn::RebindMask(d, test(rank[i])), weight[i]));
+      return sum;
+    };
+    const V shown = sumWhere([&](VI other) { return hn::Gt(other, hn::Set(di, -1)); });
+    V most = hn::Zero(d);
+    VI best = hn::Zero(di);
+    for (const VI& own : rank) {
+      const V share = sumWhere([&](VI other) { return hn::Eq(other, own); });
+      const M first = hn::And(hn::Eq(share, most), hn::RebindMask(d, hn::Lt(own, best)));
+      const M more = hn::And(hn::Or(hn::Gt(share, most), first), hn::RebindMask(d, hn::Gt(own, hn::Set(di, -1))));
+      most = hn::IfThenElse(more, share, most);
+      best = hn::IfThenElse(hn::RebindMask(di, more), own, best);
+    }
+    alignas(64) float shares[CellSamples::kLanes];
+    alignas(64) std::int32_t ranks[CellSamples::kLanes];
+    hn::Store(shown, d, shares);
+    hn::Store(best, di, ranks);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) s_.pair[n + i] = labelPlace(shares[i], ranks[i]);
+  }
+
+  // The same of the 64 voxels around one.
+  float placeBySpline(std::size_t n) const {
+    const D4 d4;
+    const hn::RebindToSigned<D4> di4;
+    constexpr int kEdge = 4;
+    const std::int32_t* const first = in_.labels + s_.offset[n] - (kPlane + kUnitSamples + 1);
+    const auto row = [&](int y, int z) { return first + z * kPlane + y * kUnitSamples; };
+    // The ranks among them, each once.
+    std::int32_t ranks[kEdge * kEdge * kEdge], last = -1;
+    int count = 0;
+    for (int z = 0; z < kEdge; ++z) {
+      for (int y = 0; y < kEdge; ++y) {
+        for (int x = 0; x < kEdge; ++x) {
+          const std::int32_t own = row(y, z)[x];
+          if (own == last) continue;
+          last = own;
+          if (own >= 0 && std::find(ranks, ranks + count, own) == ranks + count) ranks[count++] = own;
+        }
+      }
+    }
+    CubicWeights<float> w[3];
+    for (std::size_t a = 0; a < 3; ++a) w[a] = bSplineWeights(s_.fraction[a][n]);
+    float shown = 0, most = 0;
+    std::int32_t best = 0;
+    for (int i = 0; i < count; ++i) {
+      alignas(16) float sum[kEdge];
+      for (std::size_t x = 0; x < kEdge; x += hn::Lanes(d4)) {
+        auto total = hn::Zero(d4);
+        for (int z = 0; z < kEdge; ++z) {
+          for (int y = 0; y < kEdge; ++y) {
+            const auto is = hn::Eq(hn::LoadU(di4, row(y, z) + x), hn::Set(di4, ranks[i]));
+            const float weight = w[1][static_cast<std::size_t>(y)] * w[2][static_cast<std::size_t>(z)];
+            total = hn::Add(total, hn::IfThenElseZero(hn::RebindMask(d4, is), hn::Set(d4, weight)));
+          }
+        }
+        hn::Store(total, d4, sum + x);
+      }
+      const float share = (w[0][0] * sum[0] + w[0][1] * sum[1]) + (w[0][2] * sum[2] + w[0][3] * sum[3]);
+      shown += share;
+      if (share > most || (share == most && ranks[i] < best)) most = share, best = ranks[i];
+    }
+    return labelPlace(shown, best);
+  }
+
+  const CellInput& in_;
+  CellSamples& s_;
+  CubicCellField opacities_;
+  const bool cubic_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,141 @@
+// Where the rays and samples of a cell are, by their codes. Compiled once for each instruction set; hence no #pragma
+// once.
+#if defined(KILN_SPLAT_CELL_PLACES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_CELL_PLACES_INL_H
+#undef KILN_SPLAT_CELL_PLACES_INL_H
+#else
+#define KILN_SPLAT_CELL_PLACES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/pixel/cast_cell.h"
+#include "engine/shared/sample_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// A sample's code: its pixel, x + 2^6 y from the corner of the cell's rectangle; 2^12 times its slab; and whether it is
+// two.
+class CellPlaces {
+ public:
+  static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;
+  static_assert(1 << kPixelBits == kSquareEdge);
+  static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
+  static_assert((kMostRaySlabs << kSlabBits) <= kPair);
+  static constexpr float kFar = 1e30f;
+
+  CellPlaces(const RaySlabs& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
+      : r_(rays),
+        l_(lattice),
+        in_(in),
+        first_pixel_(tile.placeOf(in.rect.x0, in.rect.y0)),
+        row_pixels_(tile.stride / 4),
+        rgba_(tile.rgba) {}
+
+  // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
+  // upper side of one that it runs in. unit: slabs from the middle one.
+  HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) const {
+    const D d;
+    const V zero = hn::Zero(d), far = hn::Set(d, kFar), below = hn::Set(d, lo), above = hn::Set(d, hi);
+    const M along = hn::Lt(hn::Abs(step), hn::Set(d, 1 / kFar));
+    const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(along, hn::Set(d, 1.0f), step));
+    // Places from where faces are told.
+    const V from = l_.perspective ? zero : place, eye = l_.perspective ? hn::Set(d, r_.eye) : zero;
+    const V at_lo = fused(hn::Sub(below, from), inverse, eye);
+    const V at_hi = fused(hn::Sub(above, from), inverse, eye);
+    const V inside = hn::IfThenElse(hn::And(hn::Le(below, from), hn::Lt(from, above)), far, hn::Neg(far));
+    enter = hn::Max(enter, hn::IfThenElse(along, hn::Neg(inside), hn::Min(at_lo, at_hi)));
+    leave = hn::Min(leave, hn::IfThenElse(along, inside, hn::Max(at_lo, at_hi)));
+  }
+
+  // Samples by their codes: pixels from the image's centre, slabs from the middle one, and of how many slabs they are.
+  struct Where {
+    V x, y, t, slabs;
+  };
+  HWY_INLINE Where whereIs(VI code) const {
+    const D d;
+    const DI di;
+    const VI mask = hn::Set(di, kSquareEdge - 1);
+    const auto at = [&](VI whole, int first, float centre) {
+      return hn::Add(hn::ConvertTo(d, hn::Add(whole, hn::Set(di, first))), hn::Set(d, centre));
+    };
+    const VI slab = hn::ShiftRight<kSlabBits>(hn::And(code, hn::Set(di, kPair - 1)));
+    const M pair = hn::RebindMask(d, hn::Gt(code, hn::Set(di, kPair - 1)));
+    return {at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
+            at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
+            hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
+            hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
+  }
+  // In the order of CellRays, so that a sample is where its ray goes.
+  HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
+    const D d;
+    const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
+    return fused(w.x, hn::Set(d, l.along_x[axis]), row);
+  }
+  // unit: voxels from the anchor.
+  HWY_INLINE V indexOf(int axis, const Where& w, float from) const {
+    const D d;
+    return hn::Add(hn::Sub(linear(r_.place, axis, w), hn::Set(d, from)), hn::Mul(w.t, linear(r_.step, axis, w)));
+  }
+  HWY_INLINE Sight sightOf(const Where& w) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f), per_pixel = hn::Set(d, 1 / l_.focal);
+    const V u = hn::Mul(w.x, per_pixel), v = hn::Mul(w.y, per_pixel);
+    if (!l_.perspective) return {u, v, one};
+    return {u, v, hn::Sqrt(fused(u, u, fused(v, v, one)))};
+  }
+  // What of its slabs lies in the volume. The first and the last sample stand for what is beside them, too: those that
+  // CellRays, whose words these are, has as the first and the last.
+  HWY_INLINE V partOf(const Where& w) const {
+    const D d;
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (int a = 0; a < 3; ++a)
+      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.faceAt(a, -0.5), r_.faceAt(a, r_.volume_hi[a]), enter,
+          leave);
+    const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
+    const V own = hn::Mul(w.slabs, half), near = hn::Sub(hn::Add(w.t, half), own),
+            far = hn::Sub(hn::Add(w.t, own), half);
+    const auto slab = [&](V at) { return hn::Sub(hn::Ceil(hn::Add(at, middle)), middle); };
+    const V begin = hn::Set(d, static_cast<float>(r_.first) - r_.middle);
+    const V end = hn::Set(d, static_cast<float>(r_.end) - r_.middle - 1);
+    const auto either = [](M m, M yes, M no) { return hn::Or(hn::And(m, yes), hn::AndNot(m, no)); };
+    const M first = either(hn::Le(near, begin), hn::Gt(enter, hn::Set(d, r_.before)), hn::Le(near, slab(enter)));
+    const M last =
+        either(hn::Ge(far, end), hn::Le(leave, hn::Set(d, r_.after)), hn::Ge(hn::Add(far, one), slab(leave)));
+    return hn::Add(hn::IfThenElse(first, hn::Sub(w.t, enter), own), hn::IfThenElse(last, hn::Sub(leave, w.t), own));
+  }
+
+  // The pixel of the picture, and the slab, of a sample by its code.
+  struct Place {
+    int x, y, slab;
+  };
+  HWY_INLINE Place placeOf(std::int32_t code) const {
+    return {in_.rect.x0 + (code & (kSquareEdge - 1)), in_.rect.y0 + (code >> kPixelBits & (kSquareEdge - 1)),
+            (code & (kPair - 1)) >> kSlabBits};
+  }
+
+  std::ptrdiff_t pixelPlace(std::int32_t pixel) const {
+    return first_pixel_ + (pixel & (kSquareEdge - 1)) + (pixel >> kPixelBits) * row_pixels_;
+  }
+  float* pixelOf(std::int32_t pixel) const { return rgba_ + 4 * pixelPlace(pixel); }
+
+ private:
+  const RaySlabs& r_;
+  const SampleLattice& l_;
+  const CellInput& in_;
+  const std::ptrdiff_t first_pixel_, row_pixels_;  // of the cell's rectangle in the tile, and from row to row
+  float* const rgba_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,222 @@
+// The rays that go through a cell, and where along them samples may show something. Compiled once for each instruction
+// set; hence no #pragma once.
+#if defined(KILN_SPLAT_CELL_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_CELL_RAYS_INL_H
+#undef KILN_SPLAT_CELL_RAYS_INL_H
+#else
+#define KILN_SPLAT_CELL_RAYS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+
+#include "engine/pixel/cell_places-inl.h"
+#include "engine/pixel/shown_spaces-inl.h"
+#include "engine/shared/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// `cast(count)` is called for the first samples of CellSamples::code, and may close
+// pixels.
+template <class Cast>
+class CellRays {
+ public:
+  CellRays(const CellPlaces& places, const RaySlabs& rays, const CellInput& in, const TilePixels& tile,
+           CellSamples& samples, Cast cast)
+      : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), cast_(cast) {}
+
+  // `shown`: where samples may show something, everywhere if it is not there.
+  void run(const std::optional<Spaces>& shown) {
+    if (!findBox(shown)) return;
+    for (int y = in_.rect.y0; y < in_.rect.y1; ++y) {
+      const glm::vec3 fy(static_cast<float>(y) + r_.centre_y);
+      const glm::vec3 place = r_.place.centre + fy * r_.place.along_y, step = r_.step.centre + fy * r_.step.along_y;
+      const int stride = r_.rayStride() * static_cast<int>(hn::Lanes(D()));
+      for (int x = r_.firstRay(in_.rect.x0, y); x < in_.rect.x1; x += stride) findRays(x, y, place, step);
+    }
+    followRays();
+    castFound();
+  }
+
+ private:
+  static constexpr int kSlabBits = CellPlaces::kSlabBits;
+  static constexpr float kFar = CellPlaces::kFar;
+  // The slabs that rays go on before those drop out whose pixels are closed.
+  static constexpr int kSlabsAtOnce = 6;
+
+  // The box around what may show something; false where nothing may.
+  HWY_INLINE bool findBox(const std::optional<Spaces>& shown) {
+    for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
+    if (!shown) {
+      shown_.fill(-1);
+      return true;
+    }
+    static_assert(sizeof *shown == sizeof shown_);
+    std::memcpy(shown_.data(), shown->data(), sizeof shown_);
+    SpaceBox box{};
+    if (!boxOf(*shown, box)) return false;
+    for (int a = 0; a < 3; ++a) {
+      // Spaces begin half a voxel before the cell. A little more than them, as places are rounded.
+      constexpr double kHalf = 0.51;
+      if (box.first[a] > 0) lo_[a] = r_.faceAt(a, in_.corner[a] + box.first[a] - kHalf);
+      const double end = in_.corner[a] + box.last[a] + kHalf;
+      if (box.last[a] < kSpaces - 1 && end < in_.end[a]) hi_[a] = r_.faceAt(a, end);
+    }
+    return true;
+  }
+
+  // Which of a vector of row y's rays, from pixel x on, go through the box and are not closed.
+  HWY_INLINE void findRays(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
+    const D d;
+    const DI di;
+    const int stride = r_.rayStride();
+    const VI column = hn::Mul(hn::Iota(di, 0), hn::Set(di, stride));
+    const V fx = hn::Add(hn::ConvertTo(d, hn::Add(column, hn::Set(di, x))), hn::Set(d, r_.centre_x));
+    const auto along = [&](float row, float slope) { return fused(fx, hn::Set(d, slope), hn::Set(d, row)); };
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (int a = 0; a < 3; ++a) {
+      p_.cut(along(row_place[a], r_.place.along_x[a]), along(row_step[a], r_.step.along_x[a]), lo_[a], hi_[a], enter,
+             leave);
+    }
+    const V middle = hn::Set(d, r_.middle);
+    const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
+    const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
+    const V first = slab(enter), end = hn::Sub(slab(leave), middle);
+    const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
+    M through =
+        hn::And(hn::Lt(hn::Sub(first, middle), end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
+    if (hn::AllFalse(d, through)) return;
+    const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
+    for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * stride * i + 3];
+    through = hn::And(through, hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)));
+    const VI code =
+        hn::Add(hn::Add(column, hn::Set(di, (x - in_.rect.x0) + ((y - in_.rect.y0) << CellPlaces::kPixelBits))),
+                hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, first)));
+    ray_count_ = keepRays(code, end, through, ray_count_);
+    if (ray_count_ >= CellSamples::kMostRays) followRays();
+  }
+
+  // Goes along these rays, some slabs at a time: what is behind those that close a pixel is not looked at.
+  HWY_NOINLINE void followRays() {
+    while (ray_count_ > 0) {
+      findPlaces();
+      if (ray_count_ == 0) return;
+      castFound();
+      dropClosed();
+    }
+  }
+
+  // Where samples of the next slabs may show something. Each lane goes along its own ray; those that end there go.
+  HWY_INLINE void findPlaces() {
+    const D d;
+    const DI di;
+    const V one = hn::Set(d, 1.0f);
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
+      VI code = hn::Load(di, s_.ray_code + n);
+      const V end = hn::IfThenElse(raysFrom(n), hn::Load(d, s_.ray_end + n), hn::Set(d, -kFar));
+      const CellPlaces::Where w = p_.whereIs(code);
+      V place[3], step[3], t = w.t;
+      for (int a = 0; a < 3; ++a) {
+        place[a] = hn::Sub(CellPlaces::linear(r_.place, a, w), hn::Set(d, in_.lo[a]));
+        step[a] = CellPlaces::linear(r_.step, a, w);
+      }
+      // A sample belongs to the part that holds its middle: of two samples that are one, theirs.
+      V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+      for (int a = 0; a < 3 && in_.part != nullptr; ++a)
+        p_.cut(CellPlaces::linear(r_.place, a, w), step[a], r_.faceAt(a, in_.part->lo[a]),
+               r_.faceAt(a, in_.part->hi[a]), enter, leave);
+      M going = hn::Lt(t, end);
+      for (int i = 0; i < kSlabsAtOnce && !hn::AllFalse(d, going); ++i) {
+        V at = t, advance = one;
+        VI taken = code;
+        if (in_.in_pairs) {
+          // Slabs 2 n and 2 n + 1, where both are in the cell.
+          const VI odd = hn::And(code, hn::Set(di, 1 << kSlabBits));
+          const M pair = hn::And(hn::RebindMask(d, hn::Eq(odd, hn::Zero(di))), hn::Lt(hn::Add(t, one), end));
+          at = hn::Add(t, hn::IfThenElseZero(pair, hn::Set(d, 0.5f)));
+          advance = hn::Add(one, hn::IfThenElseZero(pair, one));
+          taken = hn::Add(code, hn::IfThenElseZero(hn::RebindMask(di, pair), hn::Set(di, CellPlaces::kPair)));
+        }
+        VI voxel[3];
+        for (int a = 0; a < 3; ++a) {
+          const VI whole = hn::ConvertTo(di, hn::Add(place[a], hn::Mul(at, step[a])));
+          voxel[a] = hn::Min(hn::Max(whole, hn::Zero(di)), hn::Set(di, kSpaces - 1));
+        }
+        const VI word = hn::Add(hn::Add(voxel[2], voxel[2]), hn::ShiftRight<2>(voxel[1]));
+        const VI place_in_word = hn::And(hn::Or(hn::ShiftLeft<3>(voxel[1]), voxel[0]), hn::Set(di, 31));
+        const VI bit = hn::And(hn::Shr(shownOf(word), place_in_word), hn::Set(di, 1));
+        auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
+        if (in_.part != nullptr) may = hn::And(may, hn::RebindMask(di, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
+        hn::StoreU(Packing(hn::RebindMask(d, may))(taken), di, s_.code + count_);
+        count_ += hn::CountTrue(di, may);
+        if (count_ >= CellSamples::kMost) castFound();
+        t = hn::Add(t, advance);
+        code = hn::Add(code, hn::ShiftLeft<kSlabBits>(hn::ConvertTo(di, advance)));
+        going = hn::Lt(t, end);
+      }
+      left = keepRays(code, end, going, left);
+    }
+    ray_count_ = left;
+  }
+
+  void dropClosed() {
+    const D d;
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
+      const std::size_t count = std::min(ray_count_ - n, hn::Lanes(d));
+      for (std::size_t i = 0; i < count; ++i) s_.alpha[i] = p_.pixelOf(s_.ray_code[n + i] & CellPlaces::kPixel)[3];
+      const M open = hn::And(hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)), raysFrom(n));
+      left = keepRays(hn::Load(DI(), s_.ray_code + n), hn::Load(d, s_.ray_end + n), open, left);
+    }
+    ray_count_ = left;
+  }
+
+  // Of a vector, which are rays.
+  HWY_INLINE M raysFrom(std::size_t n) const {
+    const DI di;
+    return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(ray_count_))));
+  }
+  // Those of a vector behind the first `count` that are kept; how many there are then.
+  HWY_INLINE std::size_t keepRays(VI code, V end, M kept, std::size_t count) {
+    const D d;
+    const DI di;
+    const Packing packed(kept);
+    hn::StoreU(packed(code), di, s_.ray_code + count);
+    hn::StoreU(packed(end), d, s_.ray_end + count);
+    return count + hn::CountTrue(d, kept);
+  }
+
+  HWY_INLINE VI shownOf(VI row) const { return lookUp(DI(), shown_.data(), row); }
+
+  HWY_INLINE void castFound() {
+    if (count_ > 0) cast_(count_);
+    count_ = 0;
+  }
+
+  const CellPlaces& p_;
+  const RaySlabs& r_;
+  const CellInput& in_;
+  const TilePixels& tile_;
+  CellSamples& s_;
+  Cast cast_;
+  float lo_[3], hi_[3];  // faces around what may show something, as RaySlabs::faceAt has them
+  std::size_t ray_count_ = 0, count_ = 0;
+  alignas(64) std::array<std::int32_t, 16> shown_;  // Spaces
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,81 @@
+// Classification of interpolated values, a vector at a time: where they are in the table, their extinction, and that of
+// the values that a sample of a coarser level may hide. Compiled once for each instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_CLASSIFY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_CLASSIFY_INL_H
+#undef KILN_SPLAT_CLASSIFY_INL_H
+#else
+#define KILN_SPLAT_CLASSIFY_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "engine/pixel/sample_lattice.h"
+#include "engine/shared/sample_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Where a value, less the table's offset, is in the table.
+HWY_INLINE V placeOf(D d, const SampleLattice& l, V value) {
+  return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l.table_scale)), hn::Zero(d)), hn::Set(d, l.table_last));
+}
+
+HWY_INLINE V extinctionAt(D d, const SampleLattice& l, V place) {
+  const VI entry = hn::ConvertTo(DI(), place);
+  const V here = hn::GatherIndex(d, l.extinctions, entry), next = hn::GatherIndex(d, l.extinctions + 1, entry);
+  return between(here, next, hn::Sub(place, hn::ConvertTo(d, entry)));
+}
+
+// The values that a sample of a coarser level stands for. They go `reach` above and below the sample's own, half a
+// voxel's length of gradient, so that those of voxels on a slope follow upon each other; but not beyond the values of
+// its six neighbours, a voxel away. A gradient alone would go beyond where a slope ends, and find bone under every
+// skin. unit: values.
+struct Interval {
+  V reach, least, most;
+};
+
+// From the sample's own value and, before and after it, those of its neighbours along each axis.
+HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after)[3]) {
+  V least = own, most = own, squared = hn::Zero(d);
+  for (int a = 0; a < 3; ++a) {
+    const V twice = hn::Sub(after[a], before[a]);
+    squared = fused(twice, twice, squared);
+    least = hn::Min(least, hn::Min(before[a], after[a]));
+    most = hn::Max(most, hn::Max(before[a], after[a]));
+  }
+  return {hn::Mul(hn::Set(d, 0.25f), hn::Sqrt(squared)), least, most};
+}
+
+HWY_INLINE V integralTo(D d, const SampleLattice& l, V place) {
+  const VI entry = hn::ConvertTo(DI(), place);
+  const V a = hn::GatherIndex(d, l.integral, entry), b = hn::GatherIndex(d, l.integral + 1, entry);
+  return between(a, b, hn::Sub(place, hn::ConvertTo(d, entry)));
+}
+
+// Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.
+// `place` is the value's in the table, `at_point` the extinction there. requires: l.integral.
+HWY_INLINE V meanExtinction(D d, const SampleLattice& l, const Interval& values, V place, M alive, V at_point) {
+  const V reach = hn::Mul(values.reach, hn::Set(d, l.table_scale));
+  alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
+  const V own = hn::IfThenElseZero(alive, place);
+  // A smoothed value may itself be beyond them.
+  const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(d, l, values.least))));
+  const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(d, l, values.most))));
+  const V to_own = integralTo(d, l, own);
+  const auto mean = [&](V integral, V width) {
+    const M wide = hn::Ge(width, hn::Set(d, l.least_interval));
+    return hn::IfThenElse(wide, hn::Div(integral, hn::IfThenElse(wide, width, hn::Set(d, 1.0f))), at_point);
+  };
+  const V upper = mean(hn::Sub(integralTo(d, l, hi), to_own), hn::Sub(hi, own));
+  const V lower = mean(hn::Sub(to_own, integralTo(d, l, lo)), hn::Sub(own, lo));
+  return hn::Mul(hn::Set(d, 0.5f), hn::Add(upper, lower));
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,38 @@
+// How a sample looks where kernels do not know it by themselves: lit by more than a headlight, cut, or less opaque
+// where values change slowly. One sample at a time, for both ways of sampling between voxels.
+#pragma once
+
+#include <cmath>
+#include <glm/vec3.hpp>
+
+#include "engine/pixel/slab_frame.h"
+#include "engine/shared/gradient_opacity.h"
+#include "engine/shared/shade.h"
+#include "scene/clip_region.h"
+
+namespace kiln {
+
+/// Where a sample is and how values change there.
+struct SampleSite {
+  glm::dvec3 index;    // in the level's index space
+  glm::dvec3 view;     // in view space
+  glm::vec3 gradient;  // unit: value per voxel; 0 where it is not finite
+};
+
+inline float finishedExtinction(const SampleLook& look, float tau, const SampleSite& site) {
+  return look.gradient_opacity.active() ? look.gradient_opacity(tau, site.gradient) : tau;
+}
+
+inline Color finishedColor(const SampleLook& look, const Material& material, const SampleSite& site) {
+  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  return face != nullptr ? look.shader.onCut(material, *face, site.view)
+                         : look.shader(material, site.gradient, site.view);
+}
+
+/// In view space, of unit length, or 0 where it has no direction.
+inline glm::vec3 finishedNormal(const SampleLook& look, const SampleSite& site) {
+  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
+}
+
+}  // namespace kiln

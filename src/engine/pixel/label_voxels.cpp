@@ -1,0 +1,125 @@
+#include "engine/pixel/label_voxels.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace kiln {
+namespace {
+
+constexpr int kWide = LabelVoxels::kWide;
+
+// Binomial weights, by reach; sums of the weights are exact in floats.
+constexpr float kSmoothing[kMostLabelSmoothing + 1][kMostLabelSmoothing + 1] = {
+    {1}, {0.5f, 0.25f}, {0.375f, 0.25f, 0.0625f}, {0.3125f, 0.234375f, 0.09375f, 0.015625f}};
+
+class LabelLoad {
+ public:
+  LabelLoad(const BrickBlock& block, const SampleLattice& lattice, const SampleTable& table, LabelVoxels& out)
+      : block_(block), table_(table), out_(out), reach_(lattice.label_smoothing) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      inner_[a] = LabelVoxels::kEdge;
+      wide_[a] = inner_[a] + 2 * reach_;
+    }
+  }
+
+  LabelsAround run(const VoxelCoord& lo) {
+    withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) { load<T>(lo); });
+    if (one_) return first_ < 0 ? LabelsAround::kNone : LabelsAround::kOne;
+    smooth();
+    return LabelsAround::kSeveral;
+  }
+
+ private:
+  // Voxels outside the brick repeat the nearest voxel; no sample of the brick needs them.
+  template <class T>
+  void load(const VoxelCoord& lo) {
+    const VoxelBox& has = block_.extent;
+    const Extent3 size = has.extent();
+    std::array<std::int64_t, kWide> at[3];
+    const std::int64_t stride[3] = {1, block_.strideY(), block_.strideZ()};
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < wide_[static_cast<std::size_t>(a)]; ++i)
+        at[a][static_cast<std::size_t>(i)] =
+            std::clamp<std::int64_t>(lo[a] - kUnitMargin - reach_ + i - has.lo[a], 0, size[a] - 1) * stride[a];
+    }
+    const T* const voxels = block_.data<T>();
+    T last = voxels[at[0][0] + at[1][0] + at[2][0]];
+    std::int32_t rank = first_ = rankOf(last);
+    float opacity = table_.opacityOf(rank);
+    one_ = true;
+    const auto reach = static_cast<std::size_t>(reach_);
+    const auto inner = [&](std::size_t a, std::size_t i) {
+      return i >= reach && i < reach + static_cast<std::size_t>(inner_[a]);
+    };
+    for (std::size_t k = 0; k < static_cast<std::size_t>(wide_[2]); ++k) {
+      for (std::size_t j = 0; j < static_cast<std::size_t>(wide_[1]); ++j) {
+        const T* const row = voxels + at[1][j] + at[2][k];
+        float* const opacities = out_.smoothed[0] + (k * kWide + j) * kWide;
+        std::array<std::int32_t, kWide> ranks;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(wide_[0]); ++i) {
+          const T value = row[at[0][i]];
+          if (value != last) {
+            last = value, rank = rankOf(value), opacity = table_.opacityOf(rank);
+            one_ = one_ && rank == first_;
+          }
+          ranks[i] = rank, opacities[i] = opacity;
+        }
+        if (!inner(1, j) || !inner(2, k)) continue;
+        const std::size_t row_of_unit = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
+        std::copy_n(ranks.data() + reach, inner_[0], out_.ranks + row_of_unit * kUnitSamples);
+      }
+    }
+  }
+
+  template <class T>
+  int rankOf(T value) const {
+    return table_.rankOf(static_cast<float>(static_cast<double>(value) - table_.offset()));
+  }
+
+  // Smooths along one axis after the other; each pass leaves fewer voxels along its axis.
+  void smooth() {
+    float *from = out_.smoothed[0], *to = out_.smoothed[1];
+    const int stride[3] = {1, kWide, kWide * kWide};
+    std::array<int, 3> size = wide_;
+    for (std::size_t a = 0; a < 3 && reach_ > 0; ++a) {
+      size[a] = inner_[a];
+      for (int k = 0; k < size[2]; ++k) {
+        for (int j = 0; j < size[1]; ++j) smoothRow(from, to, (k * kWide + j) * kWide, size[0], stride[a]);
+      }
+      std::swap(from, to);
+    }
+    for (int k = 0; k < inner_[2]; ++k) {
+      for (int j = 0; j < inner_[1]; ++j)
+        std::copy_n(from + (k * kWide + j) * kWide, inner_[0], out_.opacities + (k * inner_[1] + j) * kUnitSamples);
+    }
+  }
+
+  void smoothRow(const float* from, float* to, int row, int count, int stride) const {
+    const float* const weights = kSmoothing[reach_];
+    for (int i = row; i < row + count; ++i) {
+      const float* const middle = from + i + reach_ * stride;
+      float sum = weights[0] * middle[0];
+      for (int n = 1; n <= reach_; ++n) sum += weights[n] * (middle[-n * stride] + middle[n * stride]);
+      to[i] = sum;
+    }
+  }
+
+  const BrickBlock& block_;
+  const SampleTable& table_;
+  LabelVoxels& out_;
+  const int reach_;
+  std::array<int, 3> inner_{}, wide_{};
+  bool one_ = false;  // all voxels have one label, or none has a label that is shown
+  int first_ = -1;
+};
+
+}  // namespace
+
+LabelsAround loadLabels(const BrickBlock& block, const SampleLattice& lattice, const VoxelCoord& lo,
+                        const SampleTable& table, LabelVoxels& out) {
+  return LabelLoad(block, lattice, table, out).run(lo);
+}
+
+}  // namespace kiln

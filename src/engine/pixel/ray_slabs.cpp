@@ -1,0 +1,40 @@
+#include "engine/pixel/ray_slabs.h"
+
+#include <cmath>
+
+namespace kiln {
+
+RaySlabs::RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
+                   const EndVoxels& ends, bool in_quincunx)
+    : quincunx(in_quincunx) {
+  const SlabZone& zone = zones[i];
+  end = zone.slabs;
+  const int middle_slab = zone.slabs / 2;
+  const double depth = zone.near + (middle_slab + 0.5) * zone.thickness, per_pixel = 1 / projector.focal();
+  middle = static_cast<float>(middle_slab);
+  centre_x = static_cast<float>(0.5 - projector.centre().x);
+  centre_y = static_cast<float>(0.5 - projector.centre().y);
+  for (int axis = 0; axis < 3; ++axis) {
+    anchor[axis] = dims[axis] / 2;
+    const auto from = static_cast<double>(anchor[axis]);
+    const glm::dvec4& row = projector.indexRow(axis);
+    // A view-space point of the ray is (u depth, v depth, depth) in perspective, else (u, v, depth).
+    const double of_depth = projector.perspective() ? depth : 1, of_step = projector.perspective() ? zone.thickness : 0;
+    place.centre[axis] = static_cast<float>(row.w + row.z * depth - from);
+    place.along_x[axis] = static_cast<float>(row.x * of_depth * per_pixel);
+    place.along_y[axis] = static_cast<float>(row.y * of_depth * per_pixel);
+    step.centre[axis] = static_cast<float>(row.z * zone.thickness);
+    step.along_x[axis] = static_cast<float>(row.x * of_step * per_pixel);
+    step.along_y[axis] = static_cast<float>(row.y * of_step * per_pixel);
+    volume_hi[axis] = static_cast<double>(dims[axis]) - 1.5 + ends.part[axis];
+    faces_from[axis] = projector.perspective() ? row.w : from;
+  }
+  eye = static_cast<float>(-depth / zone.thickness);
+  if (projector.perspective()) first = zone.slabFrom(projector.nearDepth());
+  const auto beside = [&](const SlabZone& other) { return static_cast<float>(0.5 * other.thickness / zone.thickness); };
+  before = static_cast<float>(first) - 1 - middle, after = static_cast<float>(end) - middle;
+  if (i > 0 && first == 0) before += 0.5f - beside(zones[i - 1]);
+  if (i + 1 < zones.size()) after += beside(zones[i + 1]) - 0.5f;
+}
+
+}  // namespace kiln

@@ -1,0 +1,118 @@
+#include "engine/pixel/sample_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+
+#include "engine/shared/telling_range.h"
+
+namespace kiln {
+namespace {
+
+// Entries of a table where values are not whole numbers of at most 16 bits.
+constexpr double kTableSteps = 1 << 15;
+
+// What the optical depth of a soft voxel, or its light, changes by over its values, at the most (ARCHITECTURE.md has
+// the figures).
+constexpr double kSoftChange = 1;
+
+// By how much the extinction of two materials, or the light that they give off, differs at the most.
+double changeBetween(const Material& a, const Material& b) {
+  const auto light = [](const Material& m) { return glm::dvec3(m.r, m.g, m.b) * static_cast<double>(m.tau); };
+  const glm::dvec3 change = glm::abs(light(b) - light(a));
+  return std::max({change.r, change.g, change.b, std::abs(static_cast<double>(b.tau) - static_cast<double>(a.tau))});
+}
+
+}  // namespace
+
+SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& all) {
+  const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
+  const ValueRange range = whole ? all : tellingRange(function, all);
+  const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
+  lo_ = lo;
+  if (!function.labels.empty()) {
+    addLabels(function.labels, unit);
+    return;
+  }
+  const double steps = whole ? hi - lo : kTableSteps;
+  const double step = hi > lo ? (hi - lo) / steps : 1;
+  scale_ = static_cast<float>(1 / step);
+  last_ = static_cast<float>(std::max(0.0, std::round((hi - lo) / step)));
+  const auto count = static_cast<std::size_t>(last_) + 2;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Classified c = function.at(std::min(hi, lo + static_cast<double>(i) * step));
+    entries_.push_back({static_cast<float>(c.color.r), static_cast<float>(c.color.g), static_cast<float>(c.color.b),
+                        c.opacity > 0 ? static_cast<float>(extinctionOf(c.opacity, unit)) : 0.0f});
+  }
+  for (const Material& m : entries_) extinctions_.push_back(m.tau);
+  const auto visible = [](float tau) { return tau > 0; };
+  const auto first = std::find_if(extinctions_.begin(), extinctions_.end(), visible);
+  const auto last = std::find_if(extinctions_.rbegin(), extinctions_.rend(), visible);
+  if (first != extinctions_.end()) {
+    visible_after_ = static_cast<float>(first - extinctions_.begin() - 1);
+    visible_before_ = static_cast<float>(extinctions_.rend() - last);
+  }
+  double sum = 0;
+  integral_.assign(1, 0.0f);
+  for (std::size_t i = 1; i < count; ++i) {
+    sum += 0.5 * (static_cast<double>(entries_[i - 1].tau) + static_cast<double>(entries_[i].tau));
+    integral_.push_back(static_cast<float>(sum));
+  }
+  // A float's last digit of the whole sum is then at most a thousandth of the interval's part.
+  least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
+  before_.assign(count + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
+  changes_.assign(1, 0.0);
+  for (std::size_t i = 1; i < count; ++i)
+    changes_.push_back(changes_.back() + changeBetween(entries_[i - 1], entries_[i]));
+}
+
+void SampleTable::addLabels(const std::vector<LabelLook>& looks, double unit) {
+  of_labels_ = true;
+  visible_before_ = std::numeric_limits<float>::max();
+  for (const LabelLook& look : looks) {
+    if (!(look.opacity > 0)) continue;
+    labels_.push_back(static_cast<float>(look.label - lo_));
+    label_opacities_.push_back(static_cast<float>(look.opacity));
+    const glm::vec3 color(look.color);
+    for (const float tau : {0.0f, static_cast<float>(extinctionOf(look.opacity, unit))}) {
+      entries_.push_back({color.r, color.g, color.b, tau});
+      extinctions_.push_back(tau);
+    }
+  }
+  last_ = static_cast<float>(std::max<std::size_t>(entries_.size(), 1) - 1);
+  // One for the last place, and one where nothing is shown.
+  const std::size_t count = static_cast<std::size_t>(last_) + 2;
+  entries_.resize(count, entries_.empty() ? Material{} : entries_.back());
+  extinctions_.resize(count, entries_.back().tau);
+  integral_.assign(count, 0.0f);
+}
+
+bool SampleTable::interesting(const ValueRange& range) const {
+  if (range.empty()) return false;
+  if (of_labels_) {
+    const auto first = std::lower_bound(labels_.begin(), labels_.end(), static_cast<float>(range.lo - lo_));
+    return first != labels_.end() && static_cast<double>(*first) <= range.hi - lo_;
+  }
+  return before_[entryAbove(range.hi) + 1] > before_[entryBelow(range.lo)];
+}
+
+bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothing) const {
+  const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
+  const double most = kSoftChange / length - (changes_[to] - changes_[from]);
+  return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
+}
+
+std::size_t SampleTable::entryBelow(double value) const {
+  return static_cast<std::size_t>(std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_));
+}
+
+std::size_t SampleTable::entryAbove(double value) const {
+  const float place = std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
+  const auto whole = static_cast<std::size_t>(place);
+  return static_cast<float>(whole) < place ? whole + 1 : whole;
+}
+
+}  // namespace kiln

@@ -1,0 +1,148 @@
+// Between which voxels of a cell samples may show something: a sample is interpolated from the eight voxels around it,
+// and where none of them is above where extinction begins, or none below where it ends, it shows nothing. Compiled once
+// for each instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
+#undef KILN_SPLAT_SHOWN_SPACES_INL_H
+#else
+#define KILN_SPLAT_SHOWN_SPACES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "engine/pixel/sample_lattice.h"
+#include "engine/pixel/unit_load.h"
+#include "engine/shared/sample_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// Of the spaces between two voxels each along an axis, from the voxel before a cell on, a bit each: bit x of byte y of
+// number z. There are nine; the last two share a bit, so that eight planes are one vector.
+constexpr int kSpaces = kUnitVoxels;
+using Spaces = std::array<std::uint64_t, kSpaces>;
+
+// Bits x and on of sixteen.
+HWY_INLINE void addBits(M mask, std::size_t x, std::uint8_t* to) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(D(), mask, bits);
+  if constexpr (hn::MaxLanes(D()) >= 8) {
+    to[x / 8] = bits[0], to[x / 8 + 1] |= bits[1];
+  } else {
+    to[x / 8] = static_cast<std::uint8_t>(to[x / 8] | bits[0] << x % 8);
+  }
+}
+
+// The voxels around the spaces, a bit each: bit x of the y-th row of plane z.
+constexpr int kSpaceRows = kSpaces + 2;
+struct VoxelBits {
+  static constexpr std::size_t kBytes = 16;  // of a plane's rows, with some beyond them
+  std::uint16_t rows[kSpaceRows][kBytes] = {};
+};
+// Where a row of them begins. shape: as UnitInput's values.
+constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
+  constexpr int kFirst = kUnitMargin - 1, kEdge = kUnitVoxels + 2 * kUnitMargin;
+  return ((z + kFirst) * kEdge + y + kFirst) * kUnitSamples + kFirst;
+}
+
+// Those that have one of the voxels at a corner: around each space, along x, then along y, then along z.
+HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
+  std::uint64_t planes[kSpaceRows];
+  for (int z = 0; z < kSpaceRows; ++z) {
+    std::uint8_t rows[VoxelBits::kBytes];
+    for (std::size_t y = 0; y < VoxelBits::kBytes; ++y) {
+      const unsigned row = voxels.rows[z][y];
+      rows[y] = static_cast<std::uint8_t>((row | row >> 1) | (row >> 2 & 0x80));
+    }
+    std::uint64_t before, after;
+    std::memcpy(&before, rows, sizeof before);
+    std::memcpy(&after, rows + 1, sizeof after);
+    planes[z] = before | after | std::uint64_t{rows[kSpaceRows - 1]} << 56;
+  }
+  Spaces out;
+  for (std::size_t z = 0; z < kSpaces; ++z)
+    out[z] = planes[z] | planes[z + 1] | planes[z + 1 < kSpaces ? z + 1 : kSpaceRows - 1];
+  return out;
+}
+
+// Those in which samples may show something. shape: `values` as UnitInput's.
+HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
+  const D d;
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  // Of each row of voxels, which are above where extinction begins, and which below where it ends. Values beyond the
+  // table's ends are as those at the ends.
+  const V scale = hn::Set(d, l.table_scale);
+  const V begin = hn::Set(d, l.visible_after < 0 ? -kFar : l.visible_after);
+  const V end = hn::Set(d, l.visible_before > l.table_last ? kFar : l.visible_before);
+  VoxelBits above, below;
+  for (int z = 0; z < kSpaceRows; ++z) {
+    for (int y = 0; y < kSpaceRows; ++y) {
+      const float* const row = values + rowOfVoxels(y, z);
+      std::uint8_t bits[2][8] = {};
+      for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(d)) {
+        const V place = hn::Mul(hn::LoadU(d, row + x), scale);
+        addBits(hn::Gt(place, begin), x, bits[0]);
+        addBits(hn::Lt(place, end), x, bits[1]);
+      }
+      std::memcpy(&above.rows[z][y], bits[0], 2);
+      std::memcpy(&below.rows[z][y], bits[1], 2);
+    }
+  }
+  Spaces out = spacesAround(above);
+  const Spaces also = spacesAround(below);
+  for (std::size_t z = 0; z < kSpaces; ++z) out[z] &= also[z];
+  return out;
+}
+
+// Those beside a voxel of a label that is shown (LabelVoxels::ranks).
+HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
+  const DI di;
+  VoxelBits shown;
+  for (int z = 0; z < kSpaceRows; ++z) {
+    for (int y = 0; y < kSpaceRows; ++y) {
+      const std::int32_t* const row = ranks + rowOfVoxels(y, z);
+      std::uint8_t bits[8] = {};
+      for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(di))
+        addBits(hn::RebindMask(D(), hn::Gt(hn::LoadU(di, row + x), hn::Set(di, -1))), x, bits);
+      std::memcpy(&shown.rows[z][y], bits, 2);
+    }
+  }
+  return spacesAround(shown);
+}
+
+// Along each axis the first and the last of them; false where there are none.
+struct SpaceBox {
+  int first[3], last[3];
+};
+inline bool boxOf(const Spaces& spaces, SpaceBox& out) {
+  std::uint64_t rows = 0;
+  out.first[2] = kSpaces;
+  for (int z = 0; z < kSpaces; ++z) {
+    const std::uint64_t plane = spaces[static_cast<std::size_t>(z)];
+    rows |= plane;
+    if (plane != 0) out.first[2] = std::min(out.first[2], z), out.last[2] = z;
+  }
+  if (rows == 0) return false;
+  out.first[1] = std::countr_zero(rows) / kSpaces, out.last[1] = (63 - std::countl_zero(rows)) / kSpaces;
+  for (int shift = 32; shift >= kSpaces; shift /= 2) rows |= rows >> shift;
+  const auto columns = static_cast<std::uint8_t>(rows);
+  out.first[0] = std::countr_zero(columns), out.last[0] = kSpaces - 1 - std::countl_zero(columns);
+  return true;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

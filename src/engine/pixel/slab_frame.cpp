@@ -1,0 +1,144 @@
+#include "engine/pixel/slab_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "engine/pixel/label_voxels.h"
+#include "engine/shared/view_box.h"
+
+namespace kiln {
+namespace {
+
+int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
+
+// A box is cut off at its zone where it spans more than this of its nearest depth: there it looks much larger than what
+// of it is in the zone.
+constexpr double kDeep = 0.25;
+
+// One sample a voxel shows as much as two of soft voxels (SampleTable::soft) that change by this part of what is soft.
+constexpr double kPairChange = 0.25;
+
+// unit: world.
+double shortestEdge(const Projector& projector) {
+  return std::min({glm::length(projector.axis(0)), glm::length(projector.axis(1)), glm::length(projector.axis(2))});
+}
+SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
+                            const SampleLook& look, bool detailed) {
+  SampleLattice out;
+  out.interpolation = look.interpolation;
+  out.perspective = projector.perspective();
+  out.focal = static_cast<float>(projector.focal());
+  out.thickness = static_cast<float>(zone.thickness);
+  out.table = table.entries();
+  out.table_scale = table.scale();
+  out.table_last = table.last();
+  out.extinctions = table.extinctions();
+  out.visible_after = table.visibleAfter();
+  out.visible_before = table.visibleBefore();
+  if (zone.intervals && !table.ofLabels()) out.integral = table.integral();
+  out.least_interval = table.leastInterval();
+  out.light = plainLight(look.shading, look.gradient_noise, projector);
+  out.light.phong = out.light.phong && !detailed;
+  return out;
+}
+
+// How far the opacities of labels are smoothed: the farther, the larger voxels are in the picture. unit: voxels.
+int labelSmoothing(const SlabZone& zone, const Projector& projector) {
+  const double scale = projector.focal() / (projector.perspective() ? zone.near : 1);
+  return static_cast<int>(std::clamp(std::lround(std::cbrt(projector.voxelVolume()) * scale),
+                                     long{kLeastLabelSmoothing}, long{kMostLabelSmoothing}));
+}
+// The apron holds what smoothing takes, beyond the voxels of samples and of their gradients.
+static_assert(kMostLabelSmoothing + 2 <= kApron);
+
+// What the supports of a cell and of those around it range over.
+ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
+  ValueRange out;
+  const auto last = [&](int cell) { return std::min(cell + 1, supports.edge() - 1); };
+  for (int k = std::max(z - 1, 0); k <= last(z); ++k) {
+    for (int j = std::max(y - 1, 0); j <= last(y); ++j) {
+      for (int i = std::max(x - 1, 0); i <= last(x); ++i) out.include(supports.at(i, j, k));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+                     const SampleTable& table, const SampleLook& look)
+    : zone_(zone),
+      projector_(projector),
+      dims_(dims),
+      ends_(ends),
+      table_(table),
+      look_(look),
+      detailed_(!isPlain(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
+      lattice_(sampleLattice(zone, projector, table, look, detailed_)),
+      voxel_length_(std::cbrt(projector.voxelVolume())),
+      shortest_edge_(shortestEdge(projector)) {
+  lattice_.label_smoothing = labelSmoothing(zone, projector);
+}
+
+// A sample lies across faces, and up to half of it may be inside whose middle is not.
+bool SlabFrame::cutOff(const VoxelBox& samples) const {
+  return !look_.clip->part().touches(samples) ||
+         look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside;
+}
+
+bool SlabFrame::inPairs(const SampledRange& range) const {
+  if (range.gaps || look_.gradient_opacity.active()) return false;
+  // What is not soft has several samples a voxel for a reason.
+  const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
+  return near && table_.soft(range.values, voxel_length_ / kPairChange, false);
+}
+
+PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
+  const ViewBox at(projector_, box);
+  if (at.farthest < zone_.near || at.nearest >= zone_.far) return {};
+  // Beside the eye, what is nearer than the zone would be all over the picture.
+  const bool deep = projector_.perspective() && at.farthest - at.nearest > kDeep * at.nearest;
+  const ViewExtent seen =
+      deep ? at.extentBetween(std::max(zone_.near, 0.5 * projector_.nearDepth()), zone_.far) : at.extent();
+  // Pixels whose centres are in the box. Places of samples are floats, which round.
+  const double wide = std::max(seen.x1 - seen.x0, seen.y1 - seen.y0);
+  const double slack = 0.01 + wide * std::ldexp(static_cast<double>(std::max({dims_.x, dims_.y, dims_.z})), -22);
+  const auto first = [&](double px) { return floorOf(px - 0.5 - slack); };
+  const auto end = [&](double px) { return floorOf(px - 0.5 + slack) + 1; };
+  return {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
+}
+
+std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block) {
+  std::vector<SlabCell> out;
+  const int n = block.supports.edge();
+  // A cubic, and what a sample between the voxels of a coarser level stands for, reach a voxel farther than the
+  // supports that come with a brick.
+  const SampleLattice& l = frame.lattice();
+  const bool farther = l.interpolation != Interpolation::kLinear || l.integral != nullptr;
+  std::array<std::vector<std::uint8_t>, 3> order;
+  for (int a = 0; a < 3; ++a) {
+    std::vector<std::uint8_t>& along = order[static_cast<std::size_t>(a)];
+    along.resize(static_cast<std::size_t>(n));
+    frame.projector().order().axisOrder(a, block.core.lo[a] - kCellSize, n, along.data(), kCellSize);
+  }
+  for (const int z : order[2]) {
+    for (const int y : order[1]) {
+      for (const int x : order[0]) {
+        const bool near = frame.interesting(block.supports.at(x, y, z));
+        if (!near && !(farther && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
+        const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
+                               block.core.lo.z + (z - 1) * kCellSize};
+        SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, block.core), {}};
+        if (cell.box.empty() || frame.cutOff(cell.box)) continue;
+        const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
+        if (!near && !frame.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
+        cell.rect = frame.boundsOf(cell.box);
+        if (!cell.rect.empty()) out.push_back(cell);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace kiln

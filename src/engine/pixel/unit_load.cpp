@@ -1,0 +1,191 @@
+#include "engine/pixel/unit_load.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <type_traits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/pixel/unit_load.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef KILN_SPLAT_UNIT_LOAD_ROWS
+#define KILN_SPLAT_UNIT_LOAD_ROWS
+namespace kiln {
+namespace {
+
+// Where rows of voxels begin: at data + y[j] + z[k] + x[0].
+struct UnitRows {
+  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
+  std::array<std::int64_t, kUnitSamples> x;
+  std::array<std::int64_t, kEdge> y, z;
+  int rim;  // of voxels for gradients only
+  bool inner(int j, int k) const { return j >= rim && j < kEdge - rim && k >= rim && k < kEdge - rim; }
+
+  // Of what is in each column.
+  template <class T>
+  SampledRange rangeOf(const T* least, const T* most, const bool* gaps, double offset) const {
+    const int end = kEdge - rim;
+    const T lo = *std::min_element(least + rim, least + end), hi = *std::max_element(most + rim, most + end);
+    SampledRange out;
+    if (lo <= hi) out.values.include({static_cast<double>(lo) + offset, static_cast<double>(hi) + offset});
+    out.gaps = gaps != nullptr && std::any_of(gaps + rim, gaps + end, [](bool gap) { return gap; });
+    return out;
+  }
+};
+
+}  // namespace
+}  // namespace kiln
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Whole vectors of a row, of voxels that an int holds: it knows their range, column by column. requires: kUnitSamples
+// voxels from a row's first one on may be read.
+template <class T>
+SampledRange loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
+  const hn::CappedTag<std::int32_t, kUnitSamples> di;
+  const hn::RebindToFloat<decltype(di)> d;
+  const hn::Rebind<T, decltype(di)> dt;
+  const auto shift = hn::Set(di, offset);
+  alignas(64) std::int32_t least[kUnitSamples], most[kUnitSamples];
+  for (std::size_t x = 0; x < static_cast<std::size_t>(UnitRows::kEdge); x += hn::Lanes(di)) {
+    auto lo = hn::Set(di, std::numeric_limits<std::int32_t>::max());
+    auto hi = hn::Set(di, std::numeric_limits<std::int32_t>::lowest());
+    float* to = values + x;
+    for (int k = 0; k < UnitRows::kEdge; ++k) {
+      const T* const plane = data + rows.z[static_cast<std::size_t>(k)] + rows.x[0] + x;
+      for (int j = 0; j < UnitRows::kEdge; ++j, to += kUnitSamples) {
+        const auto v = hn::PromoteTo(di, hn::LoadU(dt, plane + rows.y[static_cast<std::size_t>(j)]));
+        hn::Store(hn::ConvertTo(d, hn::Sub(v, shift)), d, to);
+        if (!rows.inner(j, k)) continue;
+        lo = hn::Min(lo, v);
+        hi = hn::Max(hi, v);
+      }
+    }
+    hn::Store(lo, di, least + x);
+    hn::Store(hi, di, most + x);
+  }
+  return rows.rangeOf(least, most, nullptr, 0);
+}
+
+SampledRange loadU8(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+SampledRange loadI8(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+SampledRange loadU16(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+SampledRange loadI16(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+  return loadVectors(rows, data, offset, values);
+}
+
+const char* targetName() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(loadU8);
+HWY_EXPORT(loadI8);
+HWY_EXPORT(loadU16);
+HWY_EXPORT(loadI16);
+HWY_EXPORT(targetName);
+
+const char* instructionSet() { return HWY_DYNAMIC_DISPATCH(targetName)(); }
+
+namespace {
+
+SampledRange loadWhole(const UnitRows& rows, const std::uint8_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadU8)(rows, data, offset, values);
+}
+SampledRange loadWhole(const UnitRows& rows, const std::int8_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadI8)(rows, data, offset, values);
+}
+SampledRange loadWhole(const UnitRows& rows, const std::uint16_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadU16)(rows, data, offset, values);
+}
+SampledRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offset, float* values) {
+  return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
+}
+
+// Where `count` voxels of an axis begin, from the first on; `extent` are there.
+void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t stride, std::int64_t* out) {
+  if (first >= 0 && first + count <= extent) {
+    for (int i = 0; i < count; ++i) out[i] = (first + i) * stride;
+  } else {
+    for (int i = 0; i < count; ++i) out[i] = std::clamp<std::int64_t>(first + i, 0, extent - 1) * stride;
+  }
+}
+
+// Between infinities, and what a float rounds to them, no value is interpolated.
+double withinFloats(double value) {
+  constexpr double kMost = 1e37;
+  return value > kMost ? kMost : value < -kMost ? -kMost : value;
+}
+
+// Voxel by voxel: any type, and at the brick's ends.
+template <class T>
+SampledRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
+  std::array<float, kUnitSamples> least, most;
+  std::array<bool, kUnitSamples> gaps{};
+  least.fill(std::numeric_limits<float>::max()), most.fill(std::numeric_limits<float>::lowest());
+  for (int k = 0; k < UnitRows::kEdge; ++k) {
+    for (int j = 0; j < UnitRows::kEdge; ++j, values += kUnitSamples) {
+      const T* const from = data + rows.z[static_cast<std::size_t>(k)] + rows.y[static_cast<std::size_t>(j)];
+      for (int i = 0; i < UnitRows::kEdge; ++i) {
+        const double value = static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset;
+        values[i] = static_cast<float>(std::is_floating_point_v<T> ? withinFloats(value) : value);
+      }
+      if (!rows.inner(j, k)) continue;
+      for (int i = 0; i < UnitRows::kEdge; ++i) {
+        const auto column = static_cast<std::size_t>(i);
+        least[column] = values[i] < least[column] ? values[i] : least[column];
+        most[column] = values[i] > most[column] ? values[i] : most[column];
+        gaps[column] = gaps[column] || values[i] != values[i];
+      }
+    }
+  }
+  return rows.rangeOf(least.data(), most.data(), gaps.data(), offset);
+}
+
+}  // namespace
+
+SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                      float* values) {
+  const VoxelBox& has = block.extent;
+  UnitRows rows;
+  // The outermost voxels are for linear interpolation's gradients only.
+  rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
+  const Extent3 size = has.extent();
+  const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };
+  placesFrom(from(0), UnitRows::kEdge, size.x, 1, rows.x.data());
+  placesFrom(from(1), UnitRows::kEdge, size.y, block.strideY(), rows.y.data());
+  placesFrom(from(2), UnitRows::kEdge, size.z, block.strideZ(), rows.z.data());
+  const std::int64_t last_x = rows.x[static_cast<std::size_t>(UnitRows::kEdge) - 1];
+  const std::int64_t last_row = rows.x[0] + rows.y[static_cast<std::size_t>(UnitRows::kEdge) - 1] +
+                                rows.z[static_cast<std::size_t>(UnitRows::kEdge) - 1];
+  return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    const T* const data = block.data<T>();
+    if constexpr (sizeof(T) <= 2) {
+      if (last_x - rows.x[0] == UnitRows::kEdge - 1 && last_row + kUnitSamples <= size.x * size.y * size.z)
+        return loadWhole(rows, data, static_cast<int>(offset), values);
+    }
+    return loadVoxels(rows, data, offset, values);
+  });
+}
+
+}  // namespace kiln
+#endif

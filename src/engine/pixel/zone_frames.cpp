@@ -1,0 +1,48 @@
+#include "engine/pixel/zone_frames.h"
+
+namespace kiln {
+
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling) {
+  return {&volume, levels.projector(levels.finest()).nearDepth(), sampling.distance, sampling.quincunx,
+          sampling.finest};
+}
+
+std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+                                     const VolumeLook& look) {
+  const Projector& projector = levels.projector(zone.level);
+  const SampleLook of_sample{look.shading,
+                             Shader(look.shading, look.view, look.gradient_noise, projector),
+                             GradientOpacity(look.transfer_function, look.unit, projector),
+                             &levels.clipRegion(zone.level),
+                             look.gradient_noise,
+                             look.interpolation};
+  return std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), table,
+                                     of_sample);
+}
+
+bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+               const BrickWalk::PartTest& test) {
+  if (!frame.interesting(entry.support)) return false;
+  const auto passes = [&](const VoxelBox& samples) {
+    if (frame.cutOff(samples)) return false;
+    const PixelRect rect = frame.boundsOf(samples);
+    return !rect.empty() && test(rect);
+  };
+  if (!entry.sub_ranges) return passes(core);
+  const SubRanges& ranges = *entry.sub_ranges;
+  return ranges.any([&](std::size_t i, const VoxelCoord& at) {
+    return frame.interesting(ranges.at(i, entry.support)) && passes(subBrickOf(core, brick_size, ranges.along(), at));
+  });
+}
+
+std::vector<TilePixels> squaresOf(const TilePixels& tile) {
+  constexpr int edge = kSquareEdge;
+  std::vector<TilePixels> out;
+  for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
+    for (int x = tile.rect.x0; x < tile.rect.x1; x += edge)
+      out.push_back(tile.of(intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect)));
+  }
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,41 @@
+// What is made of a volume for each zone of slabs, and which bricks show anything there: the same whether a volume is
+// drawn alone or with others.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/pixel/slab_frame.h"
+#include "engine/shared/tile_pixels.h"
+#include "scene/sampling.h"
+#include "scene/transfer/transfer_function.h"
+#include "traverse/brick_walk.h"
+
+namespace kiln {
+
+/// How a volume looks. requires: what it refers to outlives the frames made of it.
+struct VolumeLook {
+  const TransferFunction& transfer_function;
+  const Shading& shading;
+  const View& view;
+  double unit = 1;           // that opacities are per. unit: world
+  float gradient_noise = 0;  // unit: value per voxel
+  Interpolation interpolation = Interpolation::kLinear;
+};
+
+/// The volume as its slabs are decided. requires: the manifest outlives the result.
+ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
+
+/// requires: all outlive the result.
+std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+                                     const VolumeLook& look);
+
+/// As BrickWalk::AnyPart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// (store/ranges/sub_bricks.h).
+bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+               const BrickWalk::PartTest& test);
+
+/// The tile in squares of kSquareEdge pixels: pixels of a tile are closed by one thread at a time.
+std::vector<TilePixels> squaresOf(const TilePixels& tile);
+
+}  // namespace kiln

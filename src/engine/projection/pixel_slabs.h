@@ -1,0 +1,54 @@
+// One pixel's ray through a level's lattice, and which slabs of a zone lie where on it: a slab is where the ray meets
+// its middle. Whoever asks about a plane of the lattice asks in the same words, whatever brick or part of the volume
+// lies beside it, so that every slab of a pixel is on one side of it.
+#pragma once
+
+#include <algorithm>
+
+#include "engine/shared/projector.h"
+#include "engine/shared/slab_grid.h"
+
+namespace kiln {
+
+class PixelRay {
+ public:
+  /// Through the centre of pixel (x, y). requires: `projector` is of the level.
+  PixelRay(const Projector& projector, int x, int y) {
+    const glm::dvec2 across((x + 0.5 - projector.centre().x) / projector.focal(),
+                            (y + 0.5 - projector.centre().y) / projector.focal());
+    for (int axis = 0; axis < 3; ++axis) {
+      const glm::dvec4& row = projector.indexRow(axis);
+      const double lateral = row.x * across.x + row.y * across.y;
+      base_[axis] = projector.perspective() ? row.w : row.w + lateral;
+      slope_[axis] = projector.perspective() ? row.z + lateral : row.z;
+    }
+  }
+  /// A place of the ray in the level's index space is base + slope · depth.
+  const glm::dvec3& base() const { return base_; }
+  const glm::dvec3& slope() const { return slope_; }
+
+ private:
+  glm::dvec3 base_, slope_;
+};
+
+/// Slabs [first, end).
+struct SlabSpan {
+  int first = 0, end = 0;
+  bool empty() const { return first >= end; }
+
+  /// Leaves those of the zone whose index coordinate on the ray is `at` or more (`above`), or less.
+  void cut(const SlabZone& zone, const PixelRay& ray, int axis, double at, bool above) {
+    const double base = ray.base()[axis], slope = ray.slope()[axis];
+    if (slope == 0) {
+      if ((base >= at) != above) end = first;
+      return;
+    }
+    const int slab = zone.slabFrom((at - base) / slope);
+    if ((slope > 0) == above)
+      first = std::max(first, slab);
+    else
+      end = std::min(end, slab);
+  }
+};
+
+}  // namespace kiln

@@ -1,0 +1,66 @@
+#include "engine/projection/projected_values.h"
+
+#include <limits>
+
+namespace kiln {
+namespace {
+
+constexpr double kNothingHeld = -std::numeric_limits<double>::infinity();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+ProjectedValues::ProjectedValues(Mode mode, const PixelRect& rect)
+    : rect_(rect), blocks_(blocksOf(rect)), mean_(mode == Mode::kAverage), sign_(mode == Mode::kMinip ? -1 : 1) {
+  const std::size_t pixels = rect.count();
+  held_.assign(pixels, mean_ ? 0 : kNothingHeld);
+  if (mean_)
+    length_.assign(pixels, 0);
+  else
+    least_.assign(blocks_.count(), kNothingHeld);
+}
+
+PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {
+  return {rect.x0 / kBlock, rect.y0 / kBlock, (rect.x1 - 1) / kBlock + 1, (rect.y1 - 1) / kBlock + 1};
+}
+
+// No comparison with NaN is true: nothing is ever greater, and it is never the least.
+void ProjectedValues::leaveOut(int x, int y) {
+  if (!mean_) *held(x, y) = kNoValue;
+}
+
+void ProjectedValues::update(const PixelRect& rect) {
+  if (mean_) return;
+  const PixelRect blocks = blocksOf(rect);
+  for (int by = blocks.y0; by < blocks.y1; ++by) {
+    for (int bx = blocks.x0; bx < blocks.x1; ++bx) {
+      const PixelRect block = intersection({kBlock * bx, kBlock * by, kBlock * (bx + 1), kBlock * (by + 1)}, rect_);
+      double least = std::numeric_limits<double>::infinity();
+      for (int y = block.y0; y < block.y1; ++y) {
+        const double* const row = held(block.x0, y);
+        for (int i = 0; i < block.width(); ++i) least = row[i] < least ? row[i] : least;
+      }
+      least_[blockAt(bx, by)] = least;
+    }
+  }
+}
+
+double ProjectedValues::least(const PixelRect& rect) const {
+  const PixelRect blocks = blocksOf(rect);
+  double out = std::numeric_limits<double>::infinity();
+  for (int by = blocks.y0; by < blocks.y1; ++by) {
+    for (int bx = blocks.x0; bx < blocks.x1; ++bx) out = std::min(out, least_[blockAt(bx, by)]);
+  }
+  return out;
+}
+
+double ProjectedValues::value(int x, int y) const {
+  const double held = held_[placeOf(x, y)];
+  if (mean_) {
+    const double length = length_[placeOf(x, y)];
+    return length > 0 ? held / length : kNoValue;
+  }
+  return held > kNothingHeld ? sign_ * held : kNoValue;
+}
+
+}  // namespace kiln

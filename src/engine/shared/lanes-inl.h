@@ -1,0 +1,97 @@
+// Lanes of vectors as bits, and moved about where Highway's own words for it are slow: under AVX2 a gather is as slow
+// as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table to the stack at each call, which
+// with AVX2's of 1 KiB took a quarter of a frame of the pixel lattice. Compiled once for each
+// instruction set; hence no #pragma once.
+#if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SPLAT_LANES_INL_H
+#undef KILN_SPLAT_LANES_INL_H
+#else
+#define KILN_SPLAT_LANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+
+#include "engine/shared/sample_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+// A bit a lane. requires: at most 16 lanes.
+template <class Tag>
+HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return static_cast<std::uint32_t>(bytes[0] | bytes[1] << 8);
+}
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
+
+// Of each set of eight lanes, or of four, their numbers one after the other.
+struct LaneOrders {
+  alignas(64) std::uint8_t of[256][8];
+};
+constexpr LaneOrders kLaneOrders = [] {
+  LaneOrders out{};
+  for (int lanes = 0; lanes < 256; ++lanes) {
+    int n = 0;
+    for (int lane = 0; lane < 8; ++lane) {
+      if ((lanes >> lane & 1) != 0) out.of[lanes][n++] = static_cast<std::uint8_t>(lane);
+    }
+  }
+  return out;
+}();
+
+// The lanes that a mask has, moved to the front of any number of vectors. What is behind them is anything.
+class Packing {
+ public:
+  HWY_INLINE explicit Packing(M lanes) {
+    const DI di;
+    order_ = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint8_t, DI>(), kLaneOrders.of[bitsOf(D(), lanes)]));
+  }
+  HWY_INLINE V operator()(V v) const { return hn::TableLookupLanes(v, hn::IndicesFromVec(D(), order_)); }
+  HWY_INLINE VI operator()(VI v) const { return hn::TableLookupLanes(v, hn::IndicesFromVec(DI(), order_)); }
+
+ private:
+  VI order_;
+};
+
+#else
+
+class Packing {
+ public:
+  HWY_INLINE explicit Packing(M lanes) : lanes_(lanes) {}
+  HWY_INLINE V operator()(V v) const { return hn::Compress(v, lanes_); }
+  HWY_INLINE VI operator()(VI v) const { return hn::Compress(v, hn::RebindMask(DI(), lanes_)); }
+
+ private:
+  M lanes_;
+};
+
+#endif
+
+// Entries of a table of sixteen, all of which can be read. requires: 0 <= index < 16.
+template <class DT>
+HWY_INLINE hn::Vec<DT> lookUp(DT d, const hn::TFromD<DT>* HWY_RESTRICT table, VI index) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  return hn::TableLookupLanes(hn::LoadU(d, table), hn::IndicesFromVec(d, index));
+#elif HWY_TARGET == HWY_AVX2
+  const DI di;
+  const auto within = hn::IndicesFromVec(d, hn::And(index, hn::Set(di, 7)));
+  const auto lower = hn::TableLookupLanes(hn::LoadU(d, table), within);
+  const auto upper = hn::TableLookupLanes(hn::LoadU(d, table + 8), within);
+  return hn::IfThenElse(hn::RebindMask(d, hn::Gt(index, hn::Set(di, 7))), upper, lower);
+#else
+  return hn::GatherIndex(d, table, index);
+#endif
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

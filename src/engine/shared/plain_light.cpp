@@ -1,0 +1,49 @@
+#include "engine/shared/plain_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kiln {
+
+namespace {
+
+// The power of two that brings a size near one.
+float factorToOne(float size) { return std::ldexp(1.0f, -std::clamp(std::ilogb(size), -120, 120)); }
+
+}  // namespace
+
+GradientScale::GradientScale(float noise) {
+  // As it is where squares are far from a float's ends.
+  if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
+  const float scaled = noise * factor;
+  least_squared = scaled * scaled;
+}
+
+glm::mat3 withoutLength(const glm::mat3& m) {
+  float most = 0;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) most = std::max(most, std::abs(m[column][row]));
+  }
+  return most > 0 ? m * factorToOne(most) : m;
+}
+
+bool isPlain(const Shading& shading) {
+  if (!shading.phong) return true;
+  return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&
+         shading.lights[0].color == glm::dvec3(1);
+}
+
+PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level) {
+  const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
+  PlainLight out;
+  out.phong = shading.phong && isPlain(shading);
+  out.ambient = static_cast<float>(shading.ambient);
+  out.diffuse = static_cast<float>(intensity * shading.diffuse);
+  out.specular = static_cast<float>(intensity * shading.specular);
+  out.power = static_cast<float>(shading.power);
+  out.gradient = GradientScale(gradient_noise);
+  out.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,284 @@
+#include "engine/voxel/lay_voxels.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/voxel/lay_voxels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "engine/voxel/voxel_weights-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+template <bool kAovs>
+class VoxelLayer {
+ public:
+  VoxelLayer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, TilePlanes& planes,
+             float opaque_at, Visibility& visibility)
+      : w_(view),
+        p_(voxels),
+        s_(shaded),
+        planes_(planes),
+        opaque_at_(opaque_at),
+        visibility_(visibility),
+        v_(view, voxels, shaded) {}
+
+  void run(std::uint32_t drawn) {
+    v_.prepare(drawn);
+    w_.footprint != nullptr ? runOf<true>(drawn) : runOf<false>(drawn);
+  }
+
+ private:
+  // In a pixel, voxels are blended one after the other.
+  template <bool kOfTable>
+  HWY_INLINE void runOf(std::uint32_t drawn) {
+    if constexpr (!kOfTable) v_.weigh(drawn);
+    if constexpr (!kAovs) {
+      if (sharesRows<kOfTable>(drawn)) {
+        layTogether<kOfTable>(drawn);
+        return;
+      }
+    }
+    if constexpr (kOfTable) v_.weighByTable(drawn);
+    forEachBit(drawn, [&](std::size_t n) { lay<kOfTable>(n); });
+  }
+  // Whether so many of a batch touch each row, and so few pixels of it, that it is worth being read and written but
+  // once for all of them. Without a table opacities have been found before, and each row looks for its part of them.
+  template <bool kOfTable>
+  bool sharesRows(std::uint32_t drawn) const {
+    constexpr int kMostColumns = kOfTable ? 6 : 4, kLeastVoxels = 12;
+    return !v_.anyLarge() && std::popcount(drawn) >= kLeastVoxels &&
+           p_.width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
+  }
+
+  // kOfTable: rows are eight pixels, those beyond the footprint with an opacity of zero.
+  template <bool kOfTable>
+  HWY_INLINE void lay(std::size_t n) {
+    const PixelRect within = intersection(p_.rect(n), planes_.rect());
+    if (!kOfTable && v_.opacities(n) == nullptr) return layLarge(n, within);
+    const int columns = p_.width(n), stride = kOfTable ? kWide : columns, x = p_.x0[n];
+    const float* row = v_.opacities(n) + (within.y0 - p_.y0[n]) * stride;
+    if constexpr (kAovs) {
+      for (int y = within.y0; y < within.y1; ++y, row += stride) blendRow(n, row, x, columns, y);
+    } else {
+      const Brush brush(v_, n);
+      const V8 opaque = hn::Set(D8(), opaque_at_);
+      float* pixels = planes_.at(x, within.y0);
+      unsigned closing[kPackedRows], any = 0;
+      for (int y = within.y0; y < within.y1; ++y, row += stride, pixels += 4 * planes_.plane())
+        any |= closing[y - within.y0] = blendEight<!kOfTable>(brush, opaque, row, columns, pixels);
+      if (any == 0) return;
+      for (int y = within.y0; y < within.y1; ++y) close(x, y, closing[y - within.y0]);
+    }
+  }
+
+  // Neighbours' footprints overlap: row by row of all that they touch, pixels stay in registers while one voxel after
+  // the other is blended into them. Voxel by voxel each would wait for the row to be written by the one before, and
+  // most of the work would be to read and to write.
+  template <bool kOfTable>
+  HWY_INLINE void layTogether(std::uint32_t drawn) {
+    const PixelRect all = intersection(rectAround(p_, drawn), planes_.rect());
+    constexpr int kLanes = static_cast<int>(hn::MaxLanes(D8()));
+    const bool is_thin = kOfTable && v_.areThin(drawn);
+    for (int x = all.x0; x < all.x1; x += kLanes) {
+      const std::uint32_t here = all.width() <= kLanes ? drawn : drawn & reaching(p_.x0, p_.x1, x, x + kLanes);
+      for (int y = all.y0; y < all.y1; ++y) {
+        const std::uint32_t of_row = here & reaching(p_.y0, p_.y1, y, y + 1);
+        if (of_row == 0) continue;
+        if (is_thin)
+          layRow<kOfTable, true>(of_row, x, y);
+        else
+          layRow<kOfTable, false>(of_row, x, y);
+      }
+    }
+  }
+
+  // A vector of a row's pixels. A closed one has an alpha of one, and nothing is added to it.
+  struct Pixels {
+    V8 red, green, blue, alpha;
+  };
+  // What all pixels of a footprint share.
+  struct Brush {
+    Brush(const WeighedVoxels& v, std::size_t n)
+        : red(hn::Set(D8(), v.light(0, n))), green(hn::Set(D8(), v.light(1, n))), blue(hn::Set(D8(), v.light(2, n))) {}
+    V8 red, green, blue;
+  };
+  // A pixel that reaches the threshold takes nothing of the voxels behind; what it has is divided by its alpha at the
+  // row's end, so that no branch hangs on which of them it was.
+  template <bool kOfTable, bool kIsThin>
+  HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
+    const D8 d;
+    float* const at = planes_.at(x, y);
+    const std::ptrdiff_t plane = planes_.plane();
+    Pixels pixels = load(at, plane);
+    const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_), one = hn::Set(d, 1.0f);
+    if (hn::AllFalse(d, hn::Lt(held, one))) return;
+    forEachBit(voxels, [&](std::size_t n) {
+      const auto opacity = v_.template opacities<kOfTable, kIsThin>(n, x, y);
+      blend(Brush(v_, n), hn::IfThenElseZero(hn::Lt(pixels.alpha, opaque), opacity), pixels);
+    });
+    const M8 closing = closingOf(held, pixels.alpha, opaque);
+    std::uint32_t closed = bitsOf(d, closing);
+    if (closed != 0) {
+      const V8 full = hn::Div(one, hn::IfThenElse(closing, pixels.alpha, one));
+      pixels = {hn::Mul(pixels.red, full), hn::Mul(pixels.green, full), hn::Mul(pixels.blue, full),
+                hn::IfThenElse(closing, one, pixels.alpha)};
+    }
+    store(pixels, at, plane);
+    for (; closed != 0; closed &= closed - 1) visibility_.close(x + std::countr_zero(closed), y);
+  }
+  HWY_INLINE static M8 closingOf(V8 held, V8 after, V8 opaque) {
+    return hn::And(hn::Lt(held, hn::Set(D8(), 1.0f)), hn::Ge(after, opaque));
+  }
+  HWY_INLINE static Pixels load(const float* at, std::ptrdiff_t plane) {
+    const D8 d;
+    return {hn::LoadU(d, at), hn::LoadU(d, at + plane), hn::LoadU(d, at + 2 * plane), hn::LoadU(d, at + 3 * plane)};
+  }
+  HWY_INLINE static void store(const Pixels& pixels, float* at, std::ptrdiff_t plane) {
+    const D8 d;
+    hn::StoreU(pixels.red, d, at);
+    hn::StoreU(pixels.green, d, at + plane);
+    hn::StoreU(pixels.blue, d, at + 2 * plane);
+    hn::StoreU(pixels.alpha, d, at + 3 * plane);
+  }
+  HWY_INLINE static void blend(const Brush& brush, V8 opacity, Pixels& to) {
+    const V8 added = fusedLess(opacity, to.alpha, opacity);
+    to.alpha = hn::Add(to.alpha, added);
+    to.red = fused(added, brush.red, to.red);
+    to.green = fused(added, brush.green, to.green);
+    to.blue = fused(added, brush.blue, to.blue);
+  }
+
+  // Bits of the voxels that reach into [begin, end), by where their footprints begin and end.
+  HWY_INLINE static std::uint32_t reaching(const std::int32_t* first, const std::int32_t* last, int begin, int end) {
+    const DB d;
+    std::uint32_t out = 0;
+    for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
+      const auto reaches =
+          hn::And(hn::Lt(hn::Load(d, first + n), hn::Set(d, end)), hn::Gt(hn::Load(d, last + n), hn::Set(d, begin)));
+      out |= bitsOf(d, reaches) << n;
+    }
+    return out;
+  }
+
+  // Sixteen pixels of a row at a time.
+  HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
+    alignas(64) float chunk[kChunk];
+    constexpr int kColumns = static_cast<int>(kChunk);
+    const Brush brush(v_, n);
+    const V8 opaque = hn::Set(D8(), opaque_at_);
+    const int first = (within.x0 - p_.x0[n]) / kColumns * kColumns;
+    for (int y = within.y0; y < within.y1; ++y) {
+      for (int i = first; i < within.x1 - p_.x0[n]; i += kColumns) {
+        v_.opacitiesOfChunk(n, i, y - p_.y0[n], chunk);
+        for (int k = 0; k < kColumns; k += kWide) {
+          const int x = p_.x0[n] + i + k;
+          if (x + kWide <= within.x0 || x >= within.x1) continue;
+          if constexpr (kAovs)
+            blendRow(n, chunk + k, x, std::min(kWide, p_.width(n) - i - k), y);
+          else
+            close(x, y, blendEight<false>(brush, opaque, chunk + k, kWide, planes_.at(x, y)));
+        }
+      }
+    }
+  }
+
+  // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold.
+  template <bool kPart>
+  HWY_INLINE unsigned blendEight(const Brush& brush, V8 opaque, const float* opacities, int count, float* at) const {
+    const D8 d;
+    const std::ptrdiff_t plane = planes_.plane();
+    unsigned closing = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
+      V8 opacity = hn::LoadU(d, opacities + i);
+      if constexpr (kPart) {
+        const auto counted = hn::Lt(hn::Iota(d, static_cast<float>(i)), hn::Set(d, static_cast<float>(count)));
+        opacity = hn::IfThenElseZero(counted, opacity);
+      }
+      Pixels pixels = load(at + i, plane);
+      const V8 held = pixels.alpha;
+      blend(brush, opacity, pixels);
+      store(pixels, at + i, plane);
+      closing |= bitsOf(d, closingOf(held, pixels.alpha, opaque)) << i;
+    }
+    return closing;
+  }
+
+  // Those of the pixels from (x, y) on that have their bit set are divided by their alpha, and take nothing more.
+  HWY_INLINE void close(int x, int y, unsigned closing) {
+    for (; closing != 0; closing &= closing - 1) closeOne(x + std::countr_zero(closing), y);
+  }
+  HWY_INLINE void closeOne(int x, int y) {
+    float* const pixel = planes_.at(x, y);
+    const std::ptrdiff_t plane = planes_.plane();
+    const float full = 1.0f / pixel[3 * plane];
+    for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] *= full;
+    pixel[3 * plane] = 1.0f;
+    visibility_.close(x, y);
+  }
+
+  // The same one by one, for what is told beside colours. Pixels beside the tile are left out: they are another
+  // thread's.
+  HWY_NOINLINE void blendRow(std::size_t n, const float* opacities, int x, int columns, int y) {
+    const int end = std::min(planes_.rect().x1 - x, columns);
+    const std::ptrdiff_t plane = planes_.plane();
+    for (int i = std::max(planes_.rect().x0 - x, 0); i < end; ++i) {
+      float* const pixel = planes_.at(x + i, y);
+      const float before = pixel[3 * plane];
+      if (!(before < 1)) continue;
+      const float added = fused(-opacities[i], before, opacities[i]);
+      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = fused(added, v_.light(c, n), pixel[c * plane]);
+      pixel[3 * plane] = before + added;
+      const bool closes = pixel[3 * plane] >= opaque_at_;
+      addAovs(s_.aov[n], planes_.placeOf(x + i, y), before, added, closes);
+      if (closes) closeOne(x + i, y);
+    }
+  }
+
+  // A pixel's alpha was `before` and is more by `added`, not closed yet.
+  void addAovs(const VoxelAov& voxel, std::ptrdiff_t at, float before, float added, bool closes) const {
+    const AovPixels& aovs = planes_.aovs();
+    const float after = before + added;
+    aovs.add(at, added * voxel.depth, added * voxel.normal, closes ? 1 / after : 1);
+    if (aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes)) aovs.first[at] = voxel.depth;
+  }
+
+  const VoxelView& w_;
+  const ProjectedVoxels& p_;
+  const ShadedVoxels& s_;
+  TilePlanes& planes_;
+  const float opaque_at_;
+  Visibility& visibility_;
+  WeighedVoxels v_;
+};
+
+void layVoxelsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
+                 TilePlanes& planes, float opaque_at, Visibility& visibility) {
+  planes.aovs().any() ? VoxelLayer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
+                      : VoxelLayer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(layVoxelsOn);
+
+void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
+               TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
+  HWY_DYNAMIC_DISPATCH(layVoxelsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+}
+
+}  // namespace kiln
+#endif

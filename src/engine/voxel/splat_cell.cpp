@@ -1,0 +1,128 @@
+#include "engine/voxel/splat_cell.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "engine/voxel/gather_voxels.h"
+#include "engine/voxel/lay_voxels.h"
+#include "engine/voxel/project_voxels.h"
+
+namespace kiln {
+namespace {
+
+// The voxels of a cell that are not transparent are found first, front to back, and then go through the kernels batch
+// by batch. Between the kernels each of them is asked about, so that what is hidden costs neither gradient nor light;
+// what a batch's own voxels close of each other is asked of the next one.
+class CellSplatter {
+ public:
+  CellSplatter(const SplatFrame& frame, const BrickBlock& block, TilePlanes& planes, DrawCounts& counts)
+      : frame_(frame), block_(block), planes_(planes), counts_(counts) {}
+
+  void cell(const VoxelBox& box) {
+    lo_ = box.lo;
+    cut_ = frame_.clip->classify(box) == ClipRegion::Overlap::kCut;
+    ends_ = frame_.ends.any() && endsIn(box);
+    more_ = cut_ || ends_ || !frame_.light_is_plain || frame_.gradient_opacity.active() || planes_.aovs().any();
+    findVoxels(*frame_.classifier, frame_.projector->order(), block_, box, found_);
+    for (int n = 0; n < found_.count; n += kVoxelBatch) batch(n);
+  }
+
+ private:
+  bool endsIn(const VoxelBox& box) const {
+    const VoxelCoord& last = frame_.ends.last;
+    return last.x < box.hi.x || last.y < box.hi.y || last.z < box.hi.z;
+  }
+
+  void batch(int first) {
+    const std::int32_t* const codes = found_.codes + first;
+    const int count = std::min(found_.count - first, kVoxelBatch);
+    ProjectedVoxels projected;
+    projectVoxels(frame_.view, lo_, codes, count, planes_.rect(), projected);
+    std::uint32_t drawn = projected.touching;
+    if (cut_) {
+      forEach(projected.touching, [&](std::size_t n) {
+        if (!frame_.clip->contains(indexOf(codes[n]))) drawn &= ~(1u << n);
+      });
+    }
+    counts_.visited += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
+    if (frame_.test_samples && drawn != 0) drawn = openOf(projected, drawn);
+    counts_.splats += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
+    if (drawn == 0) return;
+    counts_.changed = true;
+    ShadedVoxels shaded;
+    takeVoxels(*frame_.classifier, block_, found_, first, drawn, frame_.view.light.phong || more_, shaded);
+    if (more_) forEach(drawn, [&](std::size_t n) { takeMore(codes[n], n, shaded); });
+    layVoxels(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
+  }
+
+  // Those of `asked` that have an open pixel. All of a batch are nearly as large, and where that is large, the
+  // structure knows it in fewer words.
+  std::uint32_t openOf(const ProjectedVoxels& projected, std::uint32_t asked) const {
+    constexpr std::uint64_t kLarge = 1024;  // unit: pixels
+    if (projected.rect(static_cast<std::size_t>(std::countr_zero(asked))).count() <= kLarge)
+      return planes_.open(projected, asked);
+    std::uint32_t out = 0;
+    forEach(asked, [&](std::size_t n) {
+      const bool hidden = frame_.visibility->hidden(intersection(projected.rect(n), planes_.rect()));
+      out |= (hidden ? 0u : 1u) << n;
+    });
+    return out;
+  }
+
+  template <class F>
+  static void forEach(std::uint32_t drawn, F f) {
+    for (; drawn != 0; drawn &= drawn - 1) f(static_cast<std::size_t>(std::countr_zero(drawn)));
+  }
+
+  // What of voxel n is beyond the kernels: colours of other lights and of cuts, opacity by gradient, AOVs, and
+  // voxels that exist in part.
+  void takeMore(std::int32_t code, std::size_t n, ShadedVoxels& shaded) const {
+    const glm::vec3 measured(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);
+    // Beside a NaN or an infinity there is no slope to shade by.
+    const glm::vec3 slope = std::isfinite(measured.x + measured.y + measured.z) ? measured : glm::vec3(0);
+    const Shader& shader = frame_.shader;
+    const glm::dvec3 p = frame_.projector->viewOf(voxelAt(lo_, code));
+    const float* const m = shaded.material + 4 * n;
+    Material material = {m[0], m[1], m[2], m[3]};
+    if (frame_.gradient_opacity.active()) material.tau = frame_.gradient_opacity(material.tau, slope);
+    const glm::vec3* const face = cut_ ? frame_.clip->cutGradient(indexOf(code)) : nullptr;
+    if (face != nullptr || !frame_.light_is_plain) {
+      const Color color = face != nullptr ? shader.onCut(material, *face, p) : shader(material, slope, p);
+      material = {color.r, color.g, color.b, material.tau};
+      for (auto& axis : shaded.slope) axis[n] = 0;
+    }
+    if (planes_.aovs().any())
+      shaded.aov[n] = {static_cast<float>(p.z),
+                       face != nullptr ? shader.normalOnCut(*face, p) : shader.normal(slope, p)};
+    if (ends_) material.tau *= static_cast<float>(frame_.ends.partOf(voxelAt(lo_, code)));
+    std::memcpy(shaded.material + 4 * n, &material, sizeof material);
+  }
+
+  glm::dvec3 indexOf(std::int32_t code) const {
+    const VoxelCoord v = voxelAt(lo_, code);
+    return {v.x, v.y, v.z};
+  }
+
+  const SplatFrame& frame_;
+  const BrickBlock& block_;
+  TilePlanes& planes_;
+  DrawCounts& counts_;
+  // The cell in turn.
+  VoxelCoord lo_;
+  bool cut_ = false;   // by the clip region
+  bool ends_ = false;  // whether some of its voxels exist in part
+  bool more_ = false;  // whether voxels need more than the kernels know
+  FoundVoxels found_;
+};
+
+}  // namespace
+
+void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
+               DrawCounts& counts) noexcept {
+  const VoxelBox drawn = intersection(cell, frame.part);
+  if (!drawn.empty()) CellSplatter(frame, block, planes, counts).cell(drawn);
+}
+
+}  // namespace kiln

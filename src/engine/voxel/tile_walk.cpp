@@ -1,0 +1,96 @@
+#include "engine/voxel/tile_walk.h"
+
+#include "engine/voxel/gather_voxels.h"
+
+namespace kiln {
+namespace {
+
+// Visibility is asked once more for each eighth of a cell, by the cell's own order.
+static_assert(kCellSize / 2 == kSplatCellSize);
+
+struct Walk {
+  const SplatFrame& frame;
+  const BrickBlock& block;
+  const TilePixels& tile;
+  TilePlanes& planes;
+  DrawCounts& counts;
+  NodeLog* log;
+  const PixelRect brick_rect = frame.projector->bounds(block.core);
+  bool taken = false;  // the planes hold the tile's pixels
+
+  // The node of `level` that covers `box`: 0 is a cell, depth-1 the brick.
+  void node(int level, const VoxelBox& box, const PixelRect& rect) noexcept {
+    const auto at = [&](int axis) {
+      return static_cast<int>(((box.lo[axis] - block.core.lo[axis]) >> level) / kCellSize);
+    };
+    if (!frame.classifier->interesting(block.octree.at(level, at(0), at(1), at(2))) || skipped(box, rect, level))
+      return;
+    if (level == 0) fetch(box);
+    const std::int64_t half = kCellSize << level >> 1;
+    const VoxelCoord middle = {box.lo.x + half, box.lo.y + half, box.lo.z + half};
+    Projector::Boxes boxes;
+    for (unsigned child = 0; child < boxes.size(); ++child) {
+      const auto lo = [&](int axis) { return (child >> axis & 1) != 0 ? middle[axis] : box.lo[axis]; };
+      boxes[child] = cube({lo(0), lo(1), lo(2)}, half);
+    }
+    const Projector::Rects rects = frame.projector->bounds(boxes);
+    for (const std::uint8_t child : frame.projector->order().children(middle)) {
+      if (level > 0)
+        node(level - 1, boxes[child], rects[child]);
+      else
+        subCell(boxes[child], rects[child]);
+    }
+  }
+
+  // Asks for all rows of a cell at once: each of them is a line of its own, and in front of it one would wait for it.
+  void fetch(const VoxelBox& box) const noexcept {
+    const std::size_t voxel = sizeOf(block.type);
+    const std::byte* const first = block.voxels.data() + static_cast<std::size_t>(block.offsetOf(box.lo)) * voxel;
+    const Extent3 count = box.extent();
+    for (std::int64_t z = 0; z < count.z; ++z) {
+      for (std::int64_t y = 0; y < count.y; ++y)
+        __builtin_prefetch(first + static_cast<std::size_t>(z * block.strideZ() + y * block.strideY()) * voxel);
+    }
+  }
+
+  void subCell(const VoxelBox& box, const PixelRect& rect) noexcept {
+    if (box.empty() || skipped(box, rect, -1)) return;
+    if (taken || takePixels()) splatCell(frame, block, box, planes, counts);
+  }
+
+  // Takes all that the brick's footprints can touch; whether they touch the tile at all. A node's spheres may reach
+  // farther than they do.
+  bool takePixels() noexcept {
+    const PixelRect touched = intersection(brick_rect, tile.rect);
+    if (touched.empty()) return false;
+    planes.take(tile.of(touched));
+    return taken = true;
+  }
+
+  // Whether nothing of `box`, which is seen within `bounds`, can be seen in this tile.
+  bool skipped(const VoxelBox& box, const PixelRect& bounds, int level) noexcept {
+    if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
+    const PixelRect rect = intersection(bounds, tile.rect);
+    if (rect.empty()) return true;
+    const bool hidden = frame.visibility->hidden(rect);
+    ++counts.nodes_tested;
+    counts.nodes_hidden += hidden ? 1 : 0;
+    if (log != nullptr) log->add(box, level, hidden);
+    return hidden;
+  }
+
+  VoxelBox cube(const VoxelCoord& lo, std::int64_t edge) const noexcept {
+    return intersection({lo, {lo.x + edge, lo.y + edge, lo.z + edge}}, block.core);
+  }
+};
+
+}  // namespace
+
+void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+              DrawCounts& counts, NodeLog* log) noexcept {
+  Walk walk{frame, block, tile, planes, counts, log};
+  walk.node(block.octree.depth() - 1, block.core, walk.brick_rect);
+  if (walk.taken) planes.putBack();
+}
+
+}  // namespace kiln

@@ -1,0 +1,40 @@
+// Finds the reason for an empty frame, or of one colour, and warns: either is legal, but seldom wanted.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "frame/render_frame.h"
+#include "frame/statistics.h"
+#include "job/frame_scene.h"
+
+namespace kiln {
+
+/// Whether a pixel of an image without a background has an alpha that 8 bits do not round to 0.
+bool isVisible(const Image& image);
+
+/// Whether all values of a volume lie beside a transfer function of several colours or opacities.
+bool isOfOneColour(const FrameScene& scene, const std::vector<const Manifest*>& manifests);
+
+/// Returns the reason for an empty frame; kShows if visible samples were drawn. `request` is made of `scene`;
+/// `manifests` are of the scene's volumes.
+EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
+                       const std::vector<const Manifest*>& manifests);
+/// Returns the reason for an empty frame from scene and manifests alone; `draws` if bricks are in view.
+EmptyFrame emptinessOf(bool draws, const FrameScene& scene, const FrameRequest& request,
+                       const std::vector<const Manifest*>& manifests);
+
+/// "the eye looks away from the volume: …". requires: not kShows.
+std::string emptyText(EmptyFrame why);
+
+/// "all values of a volume lie beside …".
+inline constexpr const char* kOneColourText =
+    "all values of a volume lie beside its transfer function or window, and have the colour at the end of these (kiln "
+    "info shows the range of values)";
+
+/// Warns once for each reason, and of frames of one colour that are not empty; if there are `several` frames, with the
+/// numbers of the empty frames.
+void warnOfDoubtfulFrames(const std::vector<FrameStatistics>& frames, bool several, Progress& progress);
+
+}  // namespace kiln

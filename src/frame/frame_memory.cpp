@@ -1,0 +1,307 @@
+#include "frame/frame_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/memory/large_pages.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
+#include "base/thread/trace.h"
+#include "engine/projection/projected_values.h"
+#include "engine/voxel/tile_planes.h"
+#include "frame/aov_planes.h"
+#include "frame/frame_drawing.h"
+#include "frame/make_visibility.h"
+#include "frame/panorama.h"
+#include "frame/part_image.h"
+#include "frame/pixel_filter.h"
+#include "frame/volume_mix.h"
+#include "image/file/exr_cost.h"
+#include "image/file/image_file.h"
+#include "traverse/brick_walk.h"
+
+namespace kiln {
+namespace {
+
+// RGBA in floats, and what goes with it.
+std::uint64_t pixelBytes(const RenderJob& job) {
+  const bool projects = job.picture.mode != Mode::kComposite;
+  return 16 + aovBytes(job.picture.aovs) + (projects ? ProjectedValues::bytesOfPixel(job.picture.mode) : 0);
+}
+
+// Pictures in memory at a time: of both eyes, and as many again while one is put beside the other.
+std::uint64_t picturesHeld(const RenderJob& job) {
+  if (!drawsBothEyes(job.picture.stereo)) return 1;
+  const auto beside = [](const std::filesystem::path& path) {
+    return extensionOf(path) != ".exr" && !hasEyePlace(path);
+  };
+  const std::vector<std::filesystem::path> names = namesOf(job.output);
+  return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
+}
+
+bool castsRays(const RenderJob& job) {
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
+}
+
+// The octree above bricks has some 12 bytes a brick and a seventh.
+constexpr std::uint64_t kWalkBytes = 16;
+// Stacks of threads, and what the allocator and TBB keep for each. Measured: the first few, which decode, take most.
+std::uint64_t threadsBytes() {
+  constexpr std::uint64_t kFirst = 16, kFirstBytes = 384 << 10, kOtherBytes = 128 << 10;
+  const std::uint64_t threads = ThreadLimit::active();
+  return std::min(threads, kFirst) * kFirstBytes + (threads - std::min(threads, kFirst)) * kOtherBytes;
+}
+// Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
+constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
+
+// A cell's voxels and samples.
+constexpr std::uint64_t kCellBytes = 512u << 10;
+
+std::uint64_t slabBytes(const RenderJob& job, int bricks_together, std::int64_t brick_size) {
+  const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
+  const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
+  const std::uint64_t summed = job.volumes.empty() ? 0 : SlabSums::bytesFor(job.picture.aovs.normal);
+  return threads * (summed + kCellBytes) + together * PixelLattice::cellBytes(brick_size);
+}
+
+bool splatsVoxels(const RenderJob& job) {
+  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kVoxel;
+}
+
+// What each thread holds a tile's pixels in while it splats voxels into them. `drawn`: at a time. unit: sub-pixels.
+std::uint64_t planesBytes(const RenderJob& job, const ImageSize& drawn) {
+  const auto width = static_cast<std::size_t>(drawn.width), height = static_cast<std::size_t>(drawn.height);
+  const auto tile = static_cast<std::size_t>(job.speed.tile_px);
+  if (tile == 0) return TilePlanes::bytesFor(width, height);
+  return ThreadLimit::active() * TilePlanes::bytesFor(std::min(tile, width), std::min(tile, height));
+}
+
+// A piece of the picture is drawn as a whole, as the picture is.
+constexpr int kNoBands = 1 << 24;
+
+PixelFilter filterOf(const RenderJob& job) {
+  const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
+  return PixelFilter(job.picture.samples.value_or(1),
+                     castsRays(job) && !panorama && !drawsPart(job.picture) && !drawsDeep(job));
+}
+
+// A partial image is a picture of its samples, each of them a pixel.
+RenderJob ofDrawnPixels(RenderJob job) {
+  if (!drawsPart(job.picture)) return job;
+  const SampleWindow window = sampleWindowOf(job.picture);
+  job.picture.size = window.picture;
+  job.picture.crop = window.samples;
+  job.picture.samples = 1;
+  return job;
+}
+
+// unit: sub-pixels.
+ImageSize bandSize(const PixelRect& drawn, const PixelFilter& filter, int rows) {
+  const int edge = filter.edge(), beside = 2 * filter.reach();
+  return {edge * drawn.width() + beside, std::min(rows, edge * drawn.height()) + beside};
+}
+
+std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
+  return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * pixelBytes(job);
+}
+
+// What visibility is known of, at the most, where a crop is drawn: it begins where a tile does. unit: sub-pixels.
+ImageSize testedSize(const RenderJob& job, const PixelRect& drawn, const PixelFilter& filter) {
+  const int edge = filter.edge(), beside = 2 * filter.reach() + std::max(job.speed.tile_px, kVisibilityTile);
+  const ImageSize& size = job.picture.size;
+  return {std::min(edge * size.width, edge * drawn.width() + beside),
+          std::min(edge * size.height, edge * drawn.height() + beside)};
+}
+
+// What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
+std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
+  return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
+}
+
+// Charges one thing after the other; what may take a share of the rest comes after what must be there.
+class FrameAccount {
+ public:
+  FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+               const std::optional<PixelRect>& written)
+      : stores_(stores),
+        job_(ofDrawnPixels(job)),
+        size_(job_.picture.size),
+        drawn_(drawnPixels(size_, job_.picture.crop)),
+        filter_(filterOf(job_)),
+        pixels_(drawn_.count()),
+        panorama_(job_.picture.camera.projection == Projection::kEquirectangular),
+        banded_(!filter_.inPlace(drawn_, size_)),
+        written_(written.value_or(drawn_)),
+        tested_(testedSize(job_, drawn_, filter_)) {
+    out_.brick = brick_bytes;
+    out_.several = !job.volumes.empty();
+    out_.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
+  }
+
+  FrameMemory charged() {
+    chargePixels();
+    chargeFace();
+    if (job_.picture.mode == Mode::kComposite) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
+    chargeIndex();
+    out_.threads = threadsBytes();
+    chargeFiles(0);
+    out_.least_files = out_.files;
+    if (castsRays(job_)) chargeSlabs();
+    if (splatsVoxels(job_)) chargePlanes();
+    if (banded_) shareWithBand();
+    chargeFiles(shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.files + out_.brick));
+    chooseBricksTogether();
+    return out_;
+  }
+
+ private:
+  void chargePixels() {
+    out_.image = pixels_ * (banded_ ? pixelBytes(job_) : pixelBytes(job_)) * picturesHeld(job_);
+    if (drawsDeep(job_))
+      out_.deep = DeepSamples::bytesFor(pixels_, job_.output.deep_bound) * eyesOf(job_.picture).size();
+    if (!filter_.none() && !banded_) {
+      out_.image += PixelFilter::copiedBytes(size_);
+      out_.band_px = kNoBands;
+    }
+    if (banded_) out_.band = out_.least_band = bandBytes(job_, bandSize(drawn_, filter_, out_.band_px));
+  }
+
+  void chargeFace() {
+    if (!panorama_) return;
+    View view;
+    view.focal_px = size_.height / std::numbers::pi;
+    tested_ = panoramaFaces(view).front().size;
+    out_.face =
+        static_cast<std::uint64_t>(tested_.width) * static_cast<std::uint64_t>(tested_.height) * pixelBytes(job_) +
+        pixels_ * sizeof(float);
+  }
+
+  void chargeIndex() {
+    const std::uint64_t lists = job_.picture.mode == Mode::kComposite ? 1 : 2;
+    const std::uint64_t of_brick = job_.volumes.empty() ? kWalkBytes + lists * sizeof(BrickInView) : kMixBytes;
+    for (const StoreReader* const store : stores_)
+      out_.index += store->index().bytes() + store->index().size() * of_brick;
+  }
+
+  // The largest of the files, which are written one after the other; both eyes may be in one.
+  void chargeFiles(std::uint64_t share) {
+    const std::vector<std::filesystem::path> names = namesOf(job_.output);
+    if (std::none_of(names.begin(), names.end(), isExrPath)) return;
+    const std::uint64_t eyes = eyesOf(job_.picture).size();
+    const auto bytesOf = [&](const ExrShape& shape) {
+      return eyes * exrBytes(shape, exrWorkWithin(shape, share / eyes));
+    };
+    const ExrShape flat{written_.width(), written_.height(), job_.output.exr_float || drawsPart(job_.picture),
+                        aovBytes(job_.picture.aovs), job_.output.exr_compression};
+    out_.files = bytesOf(flat);
+    if (!drawsDeep(job_)) return;
+    constexpr std::uint64_t kDepths = 2 * sizeof(float);
+    const ExrShape deep{written_.width() * std::int64_t{job_.output.deep_bound.samples}, written_.height(),
+                        job_.output.exr_float, kDepths, "zips"};
+    out_.files = std::max(out_.files, exrBytes(deep, exrWork(deep, 0)));
+  }
+
+  // The most bricks at a time that stay little of the budget.
+  void chargeSlabs() {
+    const std::uint64_t budget = job_.speed.memory_bytes;
+    const auto fits = [&] { return out_.slabs <= budget / 8 && out_.besideBricks() + out_.brick <= budget; };
+    std::int64_t brick_size = 0;
+    for (const StoreReader* const store : stores_) brick_size = std::max(brick_size, store->manifest().brick_size);
+    out_.least_slabs = slabBytes(job_, 1, brick_size);
+    const auto charge = [&] { out_.slabs = slabBytes(job_, out_.bricks_together, brick_size); };
+    charge();
+    while (out_.bricks_together > kEnoughBricksTogether && !fits()) out_.bricks_together /= 2, charge();
+    if (!fits()) out_.bricks_together = 1, charge();
+  }
+
+  void chargePlanes() {
+    const ImageSize at_a_time = banded_     ? bandSize(drawn_, filter_, out_.band_px)
+                                : panorama_ ? tested_
+                                            : ImageSize{drawn_.width(), drawn_.height()};
+    out_.slabs = out_.least_slabs = planesBytes(job_, at_a_time);
+  }
+
+  void shareWithBand() {
+    const std::uint64_t planes = splatsVoxels(job_) ? out_.slabs : 0;
+    const std::uint64_t share = shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.band - planes + out_.brick);
+    const auto charge = [&](int rows) {
+      const ImageSize band = bandSize(drawn_, filter_, rows);
+      out_.band = bandBytes(job_, band);
+      if (splatsVoxels(job_)) out_.slabs = planesBytes(job_, band);
+      return out_.band + (splatsVoxels(job_) ? out_.slabs : 0);
+    };
+    while (out_.band_px < filter_.edge() * drawn_.height() && charge(2 * out_.band_px) <= share) out_.band_px *= 2;
+    charge(out_.band_px);
+  }
+
+  // Those that are drawn stay in memory; half of it is for what is read meanwhile.
+  void chooseBricksTogether() {
+    const std::uint64_t rest = job_.speed.memory_bytes - std::min(job_.speed.memory_bytes, out_.besideBricks());
+    const std::uint64_t held = std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out_.brick, 1),
+                                                         kEnoughBricksTogether, kMostBricksTogether);
+    out_.bricks_together = std::min(out_.bricks_together, static_cast<int>(held));
+  }
+
+  const std::vector<const StoreReader*>& stores_;
+  const RenderJob job_;
+  const ImageSize& size_;
+  const PixelRect drawn_;
+  const PixelFilter filter_;
+  const std::uint64_t pixels_;
+  const bool panorama_, banded_;
+  const PixelRect written_;
+  ImageSize tested_;  // what visibility is known of
+  FrameMemory out_;
+};
+
+}  // namespace
+
+FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
+  return frameMemory({&store}, job, store.largestReadBytes());
+}
+
+FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+                        const std::optional<PixelRect>& written) {
+  return FrameAccount(stores, job, brick_bytes, written).charged();
+}
+
+std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job) {
+  // What these hold beside their pictures is large.
+  if (drawsDeep(job) || drawsPart(job.picture)) return 0;
+  const std::uint64_t pixels = drawnPixels(job.picture.size, job.picture.crop).count();
+  const std::uint64_t bytes = 2 * pixels * pixelBytes(job) * picturesHeld(job);
+  return memory.besideBricks() + memory.brick + 4 * bytes <= job.speed.memory_bytes ? bytes : 0;
+}
+
+std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store) {
+  if (memory.smallest() > budget_bytes) {
+    const auto part = [](std::uint64_t bytes, const char* of) {
+      return bytes > 0 ? fmt::format("{} of {}, ", formatBytes(bytes), of) : std::string();
+    };
+    throw Error(ErrorCode::kBudget, store, "--memory",
+                fmt::format("{} is too little: {} is the smallest that works here ({} of image, {}{} of visibility, {} "
+                            "of index, {} to draw with, {}{} {})",
+                            formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
+                            formatBytes(memory.image + memory.face),
+                            part(memory.least_band, "a band of samples (--samples, --crop of rays)") +
+                                part(memory.deep, "deep samples (--deep-samples)"),
+                            formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
+                            part(memory.least_files, "a file's compression (--compression)") +
+                                part(memory.threads, "threads' stacks (--threads)") + part(memory.trace, "the trace"),
+                            formatBytes(memory.brick), memory.brickText()));
+  }
+  return budget_bytes - memory.besideBricks() - sparePagesBytes(memory, budget_bytes);
+}
+
+std::uint64_t sparePagesBytes(const FrameMemory& memory, std::uint64_t budget_bytes) {
+  const std::uint64_t needed_bytes = memory.besideBricks() + memory.brick;
+  if (memory.brick < kLargePage || budget_bytes <= needed_bytes) return 0;
+  // An eighth costs few bricks and keeps the pages of one or two.
+  return std::min({std::uint64_t{kMostSpare}, budget_bytes / 8, budget_bytes - needed_bytes});
+}
+
+}  // namespace kiln

@@ -1,0 +1,250 @@
+#include "frame/pixel_filter.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "base/error.h"
+#include "base/thread/parallel.h"
+#include "base/thread/span.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "frame/pixel_filter.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// to[i] = the sum of weights[k] times what is `stride` k floats on.
+template <class D>
+HWY_INLINE void weigh(D d, const float* const* from, const float* weights, int taps, float* to) {
+  auto sum = hn::Mul(hn::LoadU(d, from[0]), hn::Set(d, weights[0]));
+  for (int k = 1; k < taps; ++k) sum = hn::Add(sum, hn::Mul(hn::LoadU(d, from[k]), hn::Set(d, weights[k])));
+  hn::StoreU(sum, d, to);
+}
+
+// Rows of samples to one, a float of each at a time. requires: `floats` a multiple of four.
+void weighRows(const float* const* rows, const float* weights, int taps, std::size_t floats, float* line) {
+  const hn::CappedTag<float, 16> d;
+  const hn::CappedTag<float, 4> d4;
+  const float* from[4];
+  std::size_t i = 0;
+  const auto step = [&](auto tag) {
+    for (int k = 0; k < taps; ++k) from[k] = rows[k] + i;
+    weigh(tag, from, weights, taps, line + i);
+    i += hn::Lanes(tag);
+  };
+  while (i + hn::Lanes(d) <= floats) step(d);
+  while (i < floats) step(d4);
+}
+
+// A row of samples to one of pixels, which are `edge` samples apart; the first one's first is at `line`.
+void weighColumns(const float* line, const float* weights, int taps, int edge, std::size_t pixels, float* to) {
+  const hn::CappedTag<float, 16> d;
+  const hn::CappedTag<float, 4> d4;
+  const float* from[4];
+  std::size_t i = 0;
+  const std::size_t floats = 4 * pixels;
+  const auto step = [&](auto tag) {
+    // Of a pixel's first channel, and from there on.
+    const float* const first = line + static_cast<std::size_t>(edge) * (i / 4 * 4) + i % 4;
+    for (int k = 0; k < taps; ++k) from[k] = first + 4 * k;
+    weigh(tag, from, weights, taps, to + i);
+    i += hn::Lanes(tag);
+  };
+  // Pixels beside each other are so in memory only where each is a sample.
+  while (edge == 1 && i + hn::Lanes(d) <= floats) step(d);
+  while (i < floats) step(d4);
+}
+
+// Pixels of rays in quincunx: of each one's 4 x 4 sub-pixels, the first of which is at rows[..], those with rays, but
+// for two corners that are farther than a pixel.
+void weighQuincunx(const float* const* rows, std::size_t pixels, float* to) {
+  const hn::CappedTag<float, 4> d;
+  const auto near = hn::Set(d, 10 / 32.0f), far = hn::Set(d, 3 / 32.0f);
+  for (std::size_t n = 0; n < pixels; ++n) {
+    for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+      const auto at = [&](int row, std::size_t column) { return hn::LoadU(d, rows[row] + 8 * n + 4 * column + c); };
+      const auto own = hn::Add(at(1, 1), at(2, 2));
+      const auto beside = hn::Add(hn::Add(at(0, 2), at(1, 3)), hn::Add(at(2, 0), at(3, 1)));
+      hn::StoreU(hn::Add(hn::Mul(own, near), hn::Mul(beside, far)), d, to + 4 * n + c);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kiln {
+
+HWY_EXPORT(weighRows);
+HWY_EXPORT(weighColumns);
+HWY_EXPORT(weighQuincunx);
+
+// Gaussians of 0.48, 0.46 and 0.3 pixels, in parts of a power of two: their sums are 1 in floats, whatever their order.
+// Of 16 rays a pixel the mean is as good.
+PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(samples)) {
+  if (of_rays && samples == 1) {
+    reach_ = 1;
+    weights_ = {3 / 32.0f, 26 / 32.0f, 3 / 32.0f};
+  } else if (samples == 2) {
+    if (!of_rays) throw Error(ErrorCode::kUsage, "--samples 2: only rays are two a pixel; choose 1, 4 or 16");
+    reach_ = 1;
+    quincunx_ = true;
+  } else if (of_rays && samples == 4) {
+    reach_ = 1;
+    weights_ = {1 / 32.0f, 15 / 32.0f, 15 / 32.0f, 1 / 32.0f};
+  } else {
+    std::fill_n(weights_.begin(), edge_, 1 / static_cast<float>(edge_));
+  }
+}
+
+PixelFilter pixelFilterOf(Mode mode, Lattice lattice, int samples) {
+  return PixelFilter(samples, mode == Mode::kComposite && lattice == Lattice::kPixel);
+}
+
+PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size) const {
+  const PixelRect all{0, 0, edge_ * size.width, edge_ * size.height};
+  return intersection(
+      {edge_ * pixels.x0 - reach_, edge_ * pixels.y0 - reach_, edge_ * pixels.x1 + reach_, edge_ * pixels.y1 + reach_},
+      all);
+}
+
+namespace {
+
+// A sample beyond the picture's edge is the one as far within it.
+int mirrored(int i, int samples) { return i < 0 ? -i : i < samples ? i : 2 * samples - 2 - i; }
+
+}  // namespace
+
+// Makes rows of pixels, with a line of its own.
+class PixelFilter::Rows {
+ public:
+  /// `beside` samples of a row are before the first pixel's own.
+  Rows(const PixelFilter& filter, int samples, int beside)
+      : f_(filter), samples_(samples), beside_(beside), line_(4 * static_cast<std::size_t>(samples + 2 * f_.reach_)) {}
+
+  /// rows: the taps'.
+  void make(const float* const* rows, int pixels, float* to) {
+    if (f_.quincunx_) return makeQuincunx(rows, pixels, to);
+    const auto reach = static_cast<std::size_t>(f_.reach_);
+    float* const first = line_.data() + 4 * reach;
+    float* const end = first + 4 * static_cast<std::size_t>(samples_);
+    HWY_DYNAMIC_DISPATCH(weighRows)(rows, f_.weights_.data(), f_.taps(), static_cast<std::size_t>(end - first), first);
+    for (std::size_t i = 0; i < reach; ++i) {
+      std::copy_n(first, 4, line_.data() + 4 * i);
+      std::copy_n(end - 4, 4, end + 4 * i);
+    }
+    HWY_DYNAMIC_DISPATCH(weighColumns)
+    (line_.data() + std::ptrdiff_t{4} * beside_, f_.weights_.data(), f_.taps(), f_.edge_,
+     static_cast<std::size_t>(pixels), to);
+  }
+
+ private:
+  void makeQuincunx(const float* const* rows, int pixels, float* to) const {
+    // Pixels at the picture's sides have samples mirrored into it, so that those with rays stay those.
+    const auto make = [&](int first, int count) {
+      const float* from[kMostTaps];
+      for (int k = 0; k < kMostTaps; ++k) from[k] = rows[k] + 4 * (2 * first + beside_ - 1);
+      HWY_DYNAMIC_DISPATCH(weighQuincunx)(from, static_cast<std::size_t>(count), to + std::ptrdiff_t{4} * first);
+    };
+    const bool at_left = beside_ == 0, at_right = 2 * pixels + beside_ == samples_;
+    const int first = at_left ? 1 : 0, end = pixels - (at_right ? 1 : 0);
+    if (end > first) make(first, end - first);
+    for (const int x : {0, pixels - 1}) {
+      if (x >= first && x < end) continue;
+      float patch[kMostTaps][4 * kMostTaps];
+      const float* from[kMostTaps];
+      for (int k = 0; k < kMostTaps; ++k) {
+        for (int i = 0; i < kMostTaps; ++i)
+          std::copy_n(rows[k] + 4 * mirrored(2 * x + beside_ - 1 + i, samples_), 4, patch[k] + 4 * i);
+        from[k] = patch[k];
+      }
+      HWY_DYNAMIC_DISPATCH(weighQuincunx)(from, 1, to + std::ptrdiff_t{4} * x);
+    }
+  }
+
+  const PixelFilter& f_;
+  const int samples_, beside_;
+  std::vector<float> line_;  // a row of samples, at both ends once more as far as a pixel reaches
+};
+
+void PixelFilter::put(const Image& samples, const PixelRect& shown, const PixelRect& pixels, Image& image,
+                      int row) const {
+  const Span span(Activity::kFinish);
+  if (shown.empty()) return;
+  const int left = std::min(edge_ * pixels.x0, reach_), top = std::min(edge_ * pixels.y0, reach_);
+  constexpr int kRows = 16;  // at a time
+  parallelFor(static_cast<std::size_t>((pixels.height() + kRows - 1) / kRows), [&](std::size_t chunk) {
+    Rows rows(*this, samples.width, left);
+    const int first = kRows * static_cast<int>(chunk);
+    for (int y = first; y < std::min(first + kRows, pixels.height()); ++y) {
+      const int own = edge_ * (pixels.y0 + y);  // its first row of samples
+      if (own + edge_ + reach_ <= shown.y0 || own - reach_ >= shown.y1) continue;
+      const float* from[kMostTaps];
+      for (int k = 0; k < taps(); ++k) {
+        const int at = edge_ * y + top - reach_ + k;
+        from[k] = samples.pixel(0, quincunx_ ? mirrored(at, samples.height) : std::clamp(at, 0, samples.height - 1));
+      }
+      rows.make(from, pixels.width(), image.pixel(0, row + y));
+    }
+  });
+}
+
+int PixelFilter::rowsTogether(int height) {
+  const int chunks = 4 * static_cast<int>(ThreadLimit::active());
+  return std::max(16, (height + chunks - 1) / chunks);
+}
+
+std::uint64_t PixelFilter::copiedBytes(const ImageSize& size) {
+  const int rows = rowsTogether(size.height);
+  const auto chunks = static_cast<std::uint64_t>((size.height + rows - 1) / rows);
+  // Each has two rows of its neighbours', and while it goes on three more.
+  return 5 * chunks * 16 * static_cast<std::uint64_t>(size.width);
+}
+
+void PixelFilter::apply(Image& image, const PixelRect& shown) const {
+  const Span span(Activity::kFinish);
+  if (shown.empty()) return;
+  // Around it samples are zero, or there are none.
+  const PixelRect made =
+      intersection(PixelRect{shown.x0 - reach_, shown.y0 - reach_, shown.x1 + reach_, shown.y1 + reach_},
+                   {0, 0, image.width, image.height});
+  const auto rowOf = [&](int y) { return image.pixel(made.x0, made.y0 + y); };
+  const int kept = rowsTogether(made.height());
+  const int chunks = (made.height() + kept - 1) / kept;
+  const auto floats = 4 * static_cast<std::size_t>(made.width());
+  const auto at = [&](std::vector<float>& rows, int i) { return rows.data() + static_cast<std::size_t>(i) * floats; };
+  // What a chunk changes that the next one, and the one before, still need.
+  std::vector<float> last(floats * static_cast<std::size_t>(chunks)), first(last.size());
+  for (int i = 0; i < chunks; ++i) {
+    std::copy_n(rowOf(kept * i), floats, at(first, i));
+    std::copy_n(rowOf(std::min(kept * (i + 1), made.height()) - 1), floats, at(last, i));
+  }
+  parallelFor(static_cast<std::size_t>(chunks), [&](std::size_t chunk) {
+    const int i = static_cast<int>(chunk), end = std::min(kept * (i + 1), made.height());
+    Rows rows(*this, made.width(), 0);
+    std::vector<float> before(at(last, std::max(i - 1, 0)), at(last, std::max(i - 1, 0)) + floats), here(floats);
+    if (i == 0) std::copy_n(at(first, 0), floats, before.data());
+    for (int y = kept * i; y < end; ++y) {
+      float* const row = rowOf(y);
+      std::copy_n(row, floats, here.data());
+      const bool is_last = y + 1 == end;
+      const float* const after = !is_last ? rowOf(y + 1) : i + 1 < chunks ? at(first, i + 1) : here.data();
+      const float* const from[kMostTaps] = {before.data(), here.data(), after};
+      rows.make(from, made.width(), row);
+      before.swap(here);
+    }
+  });
+}
+
+}  // namespace kiln
+#endif

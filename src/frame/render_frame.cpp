@@ -1,0 +1,270 @@
+#include "frame/render_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "base/elapsed.h"
+#include "base/thread/parallel.h"
+#include "base/thread/span.h"
+#include "frame/aov_planes.h"
+#include "frame/background.h"
+#include "frame/empty_frame.h"
+#include "frame/frame_drawing.h"
+#include "frame/panorama.h"
+#include "frame/part_image.h"
+#include "frame/pixel_filter.h"
+#include "scene/camera/framing.h"
+
+namespace kiln {
+namespace {
+
+void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  for (const StoreReader* const store : stores) {
+    if (request.level) store->requireLevel(*request.level);
+  }
+  requireInterpolation(request.lattice, request.interpolation);
+  requireSamples(request.lattice, request.samples);
+  requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
+  requireSampleDistance(request.lattice, request.mode, request.sample_distance);
+  const int tile_px = request.tile_px;
+  if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
+    throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "
+                                               "whole frame",
+                                               tile_px, kVisibilityTile));
+  }
+}
+
+// But for what writes another frame's files meanwhile.
+BusyTimes busySince(const BusyTimes& before) {
+  BusyTimes out = BusyTimes::now().since(before);
+  out.seconds[static_cast<std::size_t>(Activity::kWrite)] = 0;
+  return out;
+}
+
+PixelFilter filterOf(const FrameRequest& request) {
+  return request.filters_rays && !request.deep ? pixelFilterOf(request.mode, request.lattice, request.samples)
+                                               : PixelFilter(request.samples, false);
+}
+
+// The origin of several volumes' view space is near the box around all, whatever their order.
+View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores) {
+  if (stores.size() == 1) return drawnView(view, stores.front()->manifest().geometry());
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  glm::dvec3 lo(kFar), hi(-kFar);
+  for (const StoreReader* const store : stores) {
+    for (const glm::dvec3& corner : store->manifest().geometry().corners())
+      lo = glm::min(lo, corner), hi = glm::max(hi, corner);
+  }
+  const glm::dvec3 centre = 0.5 * (lo + hi);
+  return nearVolume(view, centre, glm::distance(hi, centre));
+}
+
+// The frame whose pixels are the sub-pixels of the request's.
+FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const StoreReader*>& stores) {
+  request.view = enlarged(drawnViewOf(request.view, stores), edge);
+  return request;
+}
+
+// Bands of rows, in pixels, that are drawn one after the other. Those of sub-pixels end at borders of tiles, which are
+// borders of pixels, too.
+std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px) {
+  if (filter.inPlace(pixels, size)) return {pixels};
+  const int tile = kVisibilityTile / filter.edge();
+  const int step = std::max(band_px / kVisibilityTile, 1) * tile;
+  std::vector<PixelRect> out;
+  PixelRect band = pixels;
+  for (; band.y0 < pixels.y1; band.y0 = band.y1) {
+    band.y1 = std::min(pixels.y1, band.y0 / tile * tile + step);
+    out.push_back(band);
+  }
+  return out;
+}
+
+Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
+                   const FrameRequest& request, const View& drawn_view) {
+  Image image(pixels.width(), pixels.height());
+  addAovPlanes(request.aovs, image);
+  for (const PixelRect& band : bandsOf(pixels, request.view.size, filter, request.band_px)) {
+    const PixelRect drawn = filter.samplesOf(band, request.view.size);
+    Image samples = drawing.draw(drawn);
+    const int row = band.y0 - pixels.y0, edge = filter.edge();
+    filter.put(samples, drawing.shown(), band, image, row);
+    const Span span(Activity::kFinish);
+    const SubPixels from{samples, edge, edge * band.x0 - drawn.x0, edge * band.y0 - drawn.y0, band.height()};
+    putAovs(request.aovs, drawn_view, from, image, row);
+  }
+  return image;
+}
+
+Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
+                  const FrameRequest& request, const View& drawn_view) {
+  Image image = drawing.draw(pixels);
+  const Span span(Activity::kFinish);
+  putAovs(request.aovs, drawn_view, {image, 1, 0, 0, image.height}, image, 0);
+  if (filter.none()) return image;
+  const PixelRect& shown = drawing.shown();
+  filter.apply(image, {shown.x0 - pixels.x0, shown.y0 - pixels.y0, shown.x1 - pixels.x0, shown.y1 - pixels.y0});
+  return image;
+}
+
+// What is projected onto a plane, in sub-pixels, and what of them is drawn at a time.
+struct DrawnPlane {
+  FrameRequest request;
+  PixelRect pixels;
+  std::vector<PixelRect> bands;
+};
+
+// A frame that is one plane.
+DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores,
+                   const PixelRect& pixels) {
+  const PixelFilter filter = filterOf(request);
+  const ImageSize& size = request.view.size;
+  DrawnPlane out{ofSubPixels(request, filter.edge(), stores), filter.samplesOf(pixels, size),
+                 request.clipping.part ? std::vector{pixels} : bandsOf(pixels, size, filter, request.band_px)};
+  for (PixelRect& band : out.bands) band = filter.samplesOf(band, size);
+  return out;
+}
+
+// Of a frame: itself; of a panorama, the faces that it is made of.
+std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores) {
+  const PixelRect pixels = drawnPixels(request.view.size, request.crop);
+  if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};
+  const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
+  const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
+  std::vector<DrawnPlane> out;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), stores, drawn[i]));
+  }
+  return out;
+}
+
+}  // namespace
+
+View drawnView(const View& view, const VolumeGeometry& volume) {
+  const glm::dvec3 centre = centreOf(volume);
+  return nearVolume(view, centre, glm::distance(volume.worldOf(glm::dvec3(-0.5)), centre));
+}
+
+std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
+                                      BrickWalkCounts& counts) {
+  requireRequest(stores, request);
+  std::vector<StoredBrick> out;
+  for (const DrawnPlane& plane : planesOf(request, stores)) {
+    const FramePlan plan(stores, plane.request);
+    if (plan.mix) {
+      counts = plan.mix->counts();
+      const std::vector<StoredBrick> seen = plan.mix->inView(plane.pixels);
+      out.insert(out.end(), seen.begin(), seen.end());
+    } else {
+      for (const BrickInView& brick : plan.bricks->inView(plane.pixels, counts)) out.push_back({brick.key});
+    }
+  }
+  return out;
+}
+
+std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes) {
+  std::vector<DrawnPlane> planes;
+  for (const FrameRequest& eye : eyes) {
+    requireRequest(stores, eye);
+    for (DrawnPlane& plane : planesOf(eye, stores)) planes.push_back(std::move(plane));
+  }
+  std::uint64_t out = 0;
+  for (const DrawnPlane& plane : planes) {
+    if (planes.size() == 1 && plane.bands.size() == 1) return 0;
+    const FramePlan plan(stores, plane.request);
+    for (const PixelRect& band : plane.bands) out += plan.stepsOf(band, plane.request.tile_px);
+  }
+  return out;
+}
+
+std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
+  requireRequest({&store}, request);
+  const DrawnPlane plane = planeOf(request, {&store}, drawnPixels(request.view.size, request.crop));
+  BrickWalkCounts ignored;
+  return FramePlan({&store}, plane.request).bricks->inView(plane.pixels, ignored);
+}
+
+std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  requireRequest(stores, request);
+  std::uint64_t out = 0;
+  for (const DrawnPlane& plane : planesOf(request, stores)) {
+    const FramePlan plan(stores, plane.request);
+    out = std::max(out, plan.mix->mostBytes(tilesOf(request.tile_px, plane.pixels, plane.pixels)));
+  }
+  return out;
+}
+
+FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
+    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), cache.stores())) {
+  const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
+  requireRequest(cache.stores(), request);
+  drawnPixels(request.view.size, request.crop);
+  drawing_ = std::make_unique<FrameDrawing>(store, cache, of_sub_pixels_, progress);
+  count(begin, before);
+}
+
+void FramePainter::count(std::chrono::steady_clock::time_point begin, const BusyTimes& before) {
+  cost_.wall_s += secondsSince(begin);
+  cost_.busy.add(busySince(before));
+}
+
+FramePainter::~FramePainter() = default;
+
+Image FramePainter::draw(const PixelRect& pixels) {
+  const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
+  const PixelFilter filter = filterOf(request_);
+  const View& view = of_sub_pixels_.view;
+  Image image;
+  if (request_.clipping.part) {
+    image = drawing_->draw(filter.samplesOf(pixels, request_.view.size));
+    premultiplyPlanes(request_.aovs, view, image);
+  } else {
+    image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_, view)
+                                                       : drawFiltered(*drawing_, pixels, filter, request_, view);
+    const Span span(Activity::kFinish);
+    cost_.visible = cost_.visible || isVisible(image);
+    layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);
+  }
+  count(begin, before);
+  return image;
+}
+
+FrameStatistics FramePainter::finish() {
+  const auto begin = std::chrono::steady_clock::now();
+  const BusyTimes before = BusyTimes::now();
+  FrameStatistics out = drawing_->finish();
+  count(begin, before);
+  out.visible = cost_.visible;
+  out.wall_s = cost_.wall_s;
+  out.busy = cost_.busy;
+  out.threads = ThreadLimit::active();
+  out.samples = static_cast<unsigned>(request_.samples);
+  return out;
+}
+
+Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+                  FrameStatistics& statistics) {
+  if (request.view.projection == Projection::kEquirectangular) {
+    const auto begin = std::chrono::steady_clock::now();
+    const BusyTimes before = BusyTimes::now();
+    requireRequest(cache.stores(), request);
+    Image panorama = renderPanorama(store, cache, request, progress, statistics);
+    statistics.wall_s = secondsSince(begin);
+    statistics.busy = busySince(before);
+    return panorama;
+  }
+  FramePainter painter(store, cache, request, progress);
+  Image image = painter.draw(drawnPixels(request.view.size, request.crop));
+  statistics = painter.finish();
+  return image;
+}
+
+}  // namespace kiln

@@ -1,0 +1,157 @@
+#include "frame/slice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+#include "base/memory/memory.h"
+#include "image/srgb.h"
+
+namespace kiln {
+namespace {
+
+constexpr std::int64_t kLargestSide = 65535;
+
+// The value below which `part` of all voxels lie.
+double quantile(const ValueHistogram& histogram, double part) {
+  double total = 0;
+  for (const std::uint64_t count : histogram.counts) total += static_cast<double>(count);
+  double below = 0;
+  for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
+    below += static_cast<double>(histogram.counts[bin]);
+    if (below >= part * total) {
+      return histogram.lo + (histogram.hi - histogram.lo) * (static_cast<double>(bin) + 0.5) /
+                                static_cast<double>(histogram.counts.size());
+    }
+  }
+  return histogram.hi;
+}
+
+Window defaultWindow(const ValueHistogram& histogram) {
+  const double lo = quantile(histogram, 0.005);
+  const double hi = quantile(histogram, 0.995);
+  return {(lo + hi) / 2, hi > lo ? hi - lo : 1};
+}
+
+// Which axes of the volume run along the picture's columns and rows.
+struct Layout {
+  int axis, right, down;
+  bool flip_rows;
+  double voxels_per_column, voxels_per_row;
+  std::int64_t width, height;
+};
+
+Layout layoutOf(const VolumeGeometry& volume, int axis) {
+  Layout out{};
+  out.axis = axis;
+  out.right = axis == 0 ? 1 : 0;
+  out.down = axis == 2 ? 1 : 2;
+  out.flip_rows = axis != 2;
+  const glm::dvec3 spacing = volume.spacing();
+  const double pixel = std::min(spacing[out.right], spacing[out.down]);
+  out.voxels_per_column = pixel / spacing[out.right];
+  out.voxels_per_row = pixel / spacing[out.down];
+  out.width =
+      std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.right]) / out.voxels_per_column), 1);
+  out.height = std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.down]) / out.voxels_per_row), 1);
+  return out;
+}
+
+// The voxel of each of a line of pixels.
+std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pixel, std::int64_t voxels) {
+  std::vector<std::int64_t> out;
+  for (std::int64_t i = 0; i < pixels; ++i)
+    // Of a side that is rounded up, the last pixel's middle may be beyond.
+    out.push_back(std::min(static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * voxels_per_pixel), voxels - 1));
+  return out;
+}
+
+// Those of a line whose voxels are in [lo, hi).
+struct Pixels {
+  std::int64_t begin, end;
+};
+Pixels pixelsIn(const std::vector<std::int64_t>& voxels, std::int64_t lo, std::int64_t hi) {
+  const auto at = [&](std::int64_t voxel) { return std::lower_bound(voxels.begin(), voxels.end(), voxel); };
+  return {at(lo) - voxels.begin(), at(hi) - voxels.begin()};
+}
+
+// Draws the pixels whose voxels are in the brick; `columns` and `rows` are the voxels along the picture's sides.
+void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<std::int64_t>& columns,
+               const std::vector<std::int64_t>& rows, std::int64_t index, const Window& window, Image& image) {
+  const VoxelBox& core = block.core;
+  const Pixels across = pixelsIn(columns, core.lo[layout.right], core.hi[layout.right]);
+  const Pixels along = pixelsIn(rows, core.lo[layout.down], core.hi[layout.down]);
+  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    const T* const voxels = block.data<T>();
+    VoxelCoord v;
+    v[layout.axis] = index;
+    for (std::int64_t row = along.begin; row < along.end; ++row) {
+      v[layout.down] = rows[static_cast<std::size_t>(row)];
+      const auto y = static_cast<int>(layout.flip_rows ? image.height - 1 - row : row);
+      for (std::int64_t x = across.begin; x < across.end; ++x) {
+        v[layout.right] = columns[static_cast<std::size_t>(x)];
+        const double value = static_cast<double>(voxels[block.offsetOf(v)]);
+        if (std::isnan(value)) continue;
+        const double grey = std::clamp((value - window.centre) / window.width + 0.5, 0.0, 1.0);
+        float* const pixel = image.pixel(static_cast<int>(x), y);
+        // The grey is meant as display value; pictures in memory are linear light.
+        pixel[0] = pixel[1] = pixel[2] = static_cast<float>(linearFromSrgb(grey));
+        pixel[3] = 1;
+      }
+    }
+  });
+}
+
+}  // namespace
+
+Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress) {
+  if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
+  store.requireLevel(request.level);
+  const VolumeGeometry& volume = store.level(request.level).geometry;
+  const std::int64_t count = volume.dims[request.axis];
+  const std::int64_t index = request.index.value_or(count / 2);
+  if (index < 0 || index >= count)
+    throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
+  const Window window = request.window.value_or(defaultWindow(store.manifest().histogram));
+  if (!(window.width > 0) || !std::isfinite(window.centre))
+    throw Error(ErrorCode::kUsage, "--window: the width must be positive");
+  const Layout layout = layoutOf(volume, request.axis);
+  if (layout.width > kLargestSide || layout.height > kLargestSide) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
+  }
+  const std::uint64_t bytes = 4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) +
+                              store.largestReadBytes() + store.index().bytes();
+  if (bytes > request.memory_bytes) {
+    throw Error(
+        ErrorCode::kBudget, store.path(), "--memory",
+        fmt::format(
+            "{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one (--level) "
+            "takes less",
+            formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
+  }
+  Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
+  const std::vector<std::int64_t> columns =
+      voxelsAlong(layout.width, layout.voxels_per_column, volume.dims[layout.right]);
+  const std::vector<std::int64_t> rows = voxelsAlong(layout.height, layout.voxels_per_row, volume.dims[layout.down]);
+  const Extent3& lattice = store.index().lattice(request.level);
+  const std::int64_t row = index / store.manifest().brick_size;
+  const std::int64_t bricks = lattice[layout.right] * lattice[layout.down];
+  for (std::int64_t i = 0; i < bricks; ++i) {
+    progress.throwIfCancelled("drawing a slice");
+    VoxelCoord brick;
+    brick[layout.axis] = row;
+    brick[layout.right] = i % lattice[layout.right];
+    brick[layout.down] = i / lattice[layout.right];
+    const BrickCoord coord{static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
+                           static_cast<std::int32_t>(brick.z)};
+    drawBrick(store.read({request.level, coord}), layout, columns, rows, index, window, image);
+    progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(bricks));
+  }
+  return image;
+}
+
+}  // namespace kiln

@@ -1,0 +1,26 @@
+// One slice of the volume as a grey picture: the first look after converting. Reads only the bricks that it crosses.
+#pragma once
+
+#include <optional>
+
+#include "base/progress.h"
+#include "image/image.h"
+#include "job/transfer_function_choice.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+
+struct SliceRequest {
+  int axis = 2;                       // 0 x, 1 y, 2 z
+  int level = 0;                      // 0 is finest
+  std::optional<std::int64_t> index;  // in voxels of the level; the middle where not given
+  std::optional<Window> window;       // black to white; the middle 99 % of the values where not given
+  std::uint64_t memory_bytes = std::uint64_t{2} << 30;
+};
+
+/// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice
+/// along z has y down; the others have z up. NaN is transparent. memory: 16 bytes a pixel and one brick. throws: Error
+/// kUsage (axis, level, index, window), kBudget, and what StoreReader::read throws.
+Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
+
+}  // namespace kiln

@@ -1,0 +1,204 @@
+#include "frame/statistics.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace kiln {
+namespace {
+
+nlohmann::ordered_json levelsOf(const FrameStatistics& frame) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (std::size_t level = 0; level < frame.levels.size(); ++level) {
+    const LevelStatistics& drawn = frame.levels[level];
+    out.push_back({{"level", level},
+                   {"bricks", drawn.bricks},
+                   {"visited", drawn.voxels_visited},
+                   {"splats", drawn.voxels_splats}});
+  }
+  return out;
+}
+
+// 1 is a frame from nothing that reads what it draws; null where nothing was drawn from a file.
+nlohmann::ordered_json readToContributing(const FrameStatistics& frame) {
+  if (frame.bricks_contributing_bytes == 0) return nullptr;
+  return static_cast<double>(frame.bricks_read_bytes) / static_cast<double>(frame.bricks_contributing_bytes);
+}
+
+nlohmann::ordered_json threadsOf(const FrameStatistics& frame) {
+  const BusyTimes& busy = frame.busy;
+  const double rest = busy.of(Activity::kPlan) + busy.of(Activity::kFinish);
+  return {{"threads", frame.threads},
+          {"utilisation", frame.utilisation()},
+          {"busy",
+           {{"read_s", busy.of(Activity::kRead)},
+            {"decode_s", busy.of(Activity::kDecode)},
+            {"walk_s", busy.of(Activity::kWalk) + busy.of(Activity::kCells)},
+            {"draw_s", busy.of(Activity::kTile)},
+            {"other_s", rest}}}};
+}
+
+nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
+  return {{"voxels", {{"visited", frame.voxels_visited}, {"splats", frame.voxels_splats}}},
+          {"nodes", {{"tested", frame.nodes_tested}, {"hidden", frame.nodes_hidden}}},
+          {"bricks",
+           {{"total", frame.bricks_total},
+            {"interesting", frame.bricks_interesting},
+            {"read", frame.bricks_read},
+            {"hidden", frame.bricks_hidden},
+            {"unused", frame.bricks_unused},
+            {"damaged", frame.bricks_damaged},
+            {"read_bytes", frame.bricks_read_bytes},
+            {"shared", frame.bricks_shared},
+            {"shared_bytes", frame.bricks_shared_bytes},
+            {"contributing", frame.bricks_contributing},
+            {"contributing_bytes", frame.bricks_contributing_bytes},
+            {"read_to_contributing", readToContributing(frame)}}},
+          {"levels", levelsOf(frame)}};
+}
+
+nlohmann::ordered_json ranksOf(const RenderStatistics& s) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const RankStatistics& rank : s.ranks)
+    out.push_back({{"rank", rank.rank},
+                   {"busy_s", rank.busy_s},
+                   {"idle_s", rank.idle_s},
+                   {"tiles", rank.tiles},
+                   {"frames_written", rank.frames_written},
+                   {"sent_bytes", rank.sent_bytes},
+                   {"received_bytes", rank.received_bytes},
+                   {"bricks",
+                    {{"read", rank.bricks_read},
+                     {"read_bytes", rank.bricks_read_bytes},
+                     {"received", rank.bricks_received},
+                     {"received_bytes", rank.bricks_received_bytes},
+                     {"sent", rank.bricks_sent},
+                     {"sent_bytes", rank.bricks_sent_bytes}}},
+                   {"voxels", {{"visited", rank.voxels_visited}, {"splats", rank.voxels_splats}}},
+                   {"memory", {{"peak_cache_bytes", rank.peak_cache_bytes}, {"peak_rss_bytes", rank.peak_rss_bytes}}}});
+  return out;
+}
+
+// The greatest busy time over the mean: 1 is even.
+double imbalanceOf(const std::vector<RankStatistics>& ranks) {
+  double sum = 0, greatest = 0;
+  for (const RankStatistics& rank : ranks) {
+    sum += rank.busy_s;
+    greatest = std::max(greatest, rank.busy_s);
+  }
+  return sum > 0 ? greatest * static_cast<double>(ranks.size()) / sum : 1;
+}
+
+}  // namespace
+
+void FrameStatistics::addView(const FrameStatistics& view) {
+  const std::uint64_t interesting = bricks_interesting + view.bricks_interesting;
+  merge(view);
+  wall_s += view.wall_s, output_s += view.output_s;
+  bricks_interesting = interesting;
+}
+
+void FrameStatistics::addContributing(const StoredBrick& brick, std::uint64_t file_bytes) {
+  if (!contributing.emplace(brick, file_bytes).second) return;
+  ++bricks_contributing;
+  bricks_contributing_bytes += file_bytes;
+}
+
+void FrameStatistics::merge(const FrameStatistics& other) {
+  load_s += other.load_s;
+  visible = visible || other.visible;
+  voxels_visited += other.voxels_visited;
+  voxels_splats += other.voxels_splats;
+  nodes_tested += other.nodes_tested;
+  nodes_hidden += other.nodes_hidden;
+  bricks_read += other.bricks_read;
+  bricks_read_bytes += other.bricks_read_bytes;
+  bricks_shared += other.bricks_shared;
+  bricks_shared_bytes += other.bricks_shared_bytes;
+  bricks_hidden += other.bricks_hidden;
+  bricks_unused += other.bricks_unused;
+  bricks_total = std::max(bricks_total, other.bricks_total);
+  bricks_interesting = std::max(bricks_interesting, other.bricks_interesting);
+  slab_bytes = std::max(slab_bytes, other.slab_bytes);
+  busy.add(other.busy);
+  threads = std::max(threads, other.threads);
+  samples = std::max(samples, other.samples);
+  peak_cache_bytes = std::max(peak_cache_bytes, other.peak_cache_bytes);
+  peak_rss_bytes = std::max(peak_rss_bytes, other.peak_rss_bytes);
+  levels.resize(std::max(levels.size(), other.levels.size()));
+  for (std::size_t i = 0; i < other.levels.size(); ++i) {
+    levels[i].bricks += other.levels[i].bricks;
+    levels[i].voxels_visited += other.levels[i].voxels_visited;
+    levels[i].voxels_splats += other.levels[i].voxels_splats;
+  }
+  for (const auto& [brick, file_bytes] : other.contributing) addContributing(brick, file_bytes);
+  damaged.insert(other.damaged.begin(), other.damaged.end());
+  bricks_damaged = damaged.size();
+}
+
+void RankStatistics::add(const FrameStatistics& share) {
+  bricks_read += share.bricks_read;
+  bricks_read_bytes += share.bricks_read_bytes;
+  voxels_visited += share.voxels_visited;
+  voxels_splats += share.voxels_splats;
+  peak_cache_bytes = std::max(peak_cache_bytes, share.peak_cache_bytes);
+  peak_rss_bytes = std::max(peak_rss_bytes, share.peak_rss_bytes);
+}
+
+void RankStatistics::setReads(const SharedReadCounts& shared) {
+  bricks_read = shared.read;
+  bricks_read_bytes = shared.read_bytes;
+  bricks_received = shared.received;
+  bricks_received_bytes = shared.received_bytes;
+  bricks_sent = shared.sent;
+  bricks_sent_bytes = shared.sent_bytes;
+}
+
+void RenderStatistics::add(const FrameStatistics& frame) {
+  frames.push_back(frame);
+  load_s += frame.load_s;
+  render_s += frame.wall_s - frame.load_s;
+  output_s += frame.output_s;
+  peak_slabs_bytes = std::max(peak_slabs_bytes, frame.slab_bytes);
+}
+
+std::string statisticsText(const RenderStatistics& s) {
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  for (const FrameStatistics& frame : s.frames) {
+    nlohmann::ordered_json entry = {{"frame", frame.frame},
+                                    {"samples", frame.samples},
+                                    {"wall_s", frame.wall_s},
+                                    {"load_s", frame.load_s},
+                                    {"output_s", frame.output_s}};
+    entry.update(threadsOf(frame));
+    entry.update(countsOf(frame));
+    entry["memory"] = {{"peak_cache_bytes", frame.peak_cache_bytes}, {"peak_rss_bytes", frame.peak_rss_bytes}};
+    frames.push_back(entry);
+  }
+  nlohmann::ordered_json out = {{"frames", frames}};
+  if (!s.kept.empty()) out["kept"] = s.kept;
+  if (!s.failed.empty()) out["failed"] = s.failed;
+  if (!s.frames.empty()) out.update(threadsOf(s.frames.back()));
+  if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
+  out["memory"] = {{"budget_bytes", s.budget_bytes},
+                   {"cache_bytes", s.cache_bytes},
+                   {"peak_cache_bytes", s.peak_cache_bytes},
+                   {"framebuffer_bytes", s.framebuffer_bytes},
+                   {"visibility_bytes", s.visibility_bytes},
+                   {"index_bytes", s.index_bytes},
+                   {"files_bytes", s.files_bytes},
+                   {"threads_bytes", s.threads_bytes},
+                   {"slabs_bytes", s.slabs_bytes},
+                   {"peak_slabs_bytes", s.peak_slabs_bytes},
+                   {"shared_reads_bytes", s.shared_reads_bytes},
+                   {"trace_bytes", s.trace_bytes},
+                   {"peak_rss_bytes", s.peak_rss_bytes}};
+  out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};
+  if (!s.ranks.empty()) {
+    out["shared_by"] = s.shared_by;
+    out["ranks"] = ranksOf(s);
+    out["imbalance"] = imbalanceOf(s.ranks);
+  }
+  return out.dump(1) + "\n";
+}
+
+}  // namespace kiln

@@ -1,0 +1,118 @@
+// Between two depths a sample is evenly filled, as compositing programs take it that cut one: of a sample of alpha a,
+// the front part t of its depth has alpha 1 - (1 - a)^t, and colours in proportion. Where two samples are told as one,
+// what lies in front of a cut changes most at a border of theirs, for the logarithm of what light passes is straight
+// between borders, before and after. So the errors of all mergings that made a sample bound its error by their sum.
+#include "image/deep_samples.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace kiln {
+namespace {
+
+constexpr std::size_t kAlpha = 3;
+
+// Of the sample's light, what comes from the front part t of its depth.
+float partInFront(float alpha, float t) {
+  if (t >= 1 || alpha >= 1) return 1;
+  return alpha < 1e-4f ? t : -std::expm1(t * std::log1p(-alpha)) / alpha;
+}
+
+}  // namespace
+
+DeepSamples::Rounded DeepSamples::rounded(float v) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(v);
+  return static_cast<Rounded>((bits >> 16) + ((bits & 0xffff) != 0 ? 1 : 0));
+}
+
+float DeepSamples::valueOf(Rounded v) { return std::bit_cast<float>(static_cast<std::uint32_t>(v) << 16); }
+
+DeepSamples::Kept DeepSamples::joined(const Kept& a, const Kept& b) {
+  Kept out = a;
+  const float open = 1 - a.sample.rgba[kAlpha];
+  out.sample.z_back = b.sample.z_back;
+  for (std::size_t c = 0; c < 4; ++c) out.sample.rgba[c] += open * b.sample.rgba[c];
+  // An opaque layer stays one, whatever rounding says.
+  if (b.sample.rgba[kAlpha] == 1) out.sample.rgba[kAlpha] = 1;
+  out.error = a.joint;
+  out.joint = b.joint;
+  return out;
+}
+
+// `in_front`: what passes all that is in front of `a`.
+DeepSamples::Rounded DeepSamples::jointError(const Kept& a, const Kept& b, float in_front) {
+  const DeepSample both = joined(a, b).sample;
+  const float depth = both.z_back - both.z;
+  float most = 0;
+  for (const float border : {a.sample.z_back, b.sample.z}) {
+    const float part = partInFront(both.rgba[kAlpha], depth > 0 ? (border - both.z) / depth : 1);
+    for (std::size_t c = 0; c < 4; ++c) most = std::max(most, std::abs(a.sample.rgba[c] - part * both.rgba[c]));
+  }
+  return rounded(valueOf(a.error) + valueOf(b.error) + in_front * most);
+}
+
+DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound, double origin_depth)
+    : bound_(bound), origin_depth_(origin_depth), lists_(rect) {}
+
+std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound) {
+  return PixelLists<Kept>::bytesFor(pixels, bound.samples);
+}
+
+// `sample` comes behind a full pixel: of all neighbours, those become one whose error is least. `open`: what passes all
+// that is in front of the sample.
+void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
+  std::array<Kept*, DeepBound::kMostSamples + 1> all{};
+  std::size_t count = 0;
+  lists_.forEach(x, y, [&](Kept& kept) { all[count++] = &kept; });
+  Kept last = sample;
+  all[count] = &last;
+  const auto least =
+      static_cast<std::size_t>(std::min_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
+                                                [](const Kept* a, const Kept* b) { return a->joint < b->joint; }) -
+                               all.begin());
+  // What passes those in front of each that is looked at, counted from the back.
+  for (std::size_t i = count; i-- > (least > 0 ? least - 1 : 0);) open /= 1 - all[i]->sample.rgba[kAlpha];
+  *all[least] = joined(*all[least], *all[least + 1]);
+  for (std::size_t i = least + 1; i < count; ++i) *all[i] = *all[i + 1];
+  for (std::size_t i = least > 0 ? least - 1 : 0; i <= least && i + 1 < count; ++i) {
+    all[i]->joint = jointError(*all[i], *all[i + 1], open);
+    open *= 1 - all[i]->sample.rgba[kAlpha];
+  }
+}
+
+void DeepSamples::add(int x, int y, float z, float z_back, const float* before, const float* after) {
+  const float open = 1 - before[kAlpha];
+  if (!(open > 0) || std::equal(before, before + 4, after)) return;
+  const int count = lists_.count(x, y);
+  Kept sample{{z, z_back, {}}, 0, 0};
+  for (std::size_t c = 0; c < 4; ++c) sample.sample.rgba[c] = std::max(after[c] - before[c], 0.0f) / open;
+  float& alpha = sample.sample.rgba[kAlpha];
+  alpha = after[kAlpha] >= 1 ? 1 : std::min(alpha, 1.0f);
+  if (count > 0) {
+    Kept& last = lists_.last(x, y);
+    // Rounding does not put a slab into the one before.
+    sample.sample.z = std::max(z, last.sample.z_back);
+    sample.sample.z_back = std::max(z_back, sample.sample.z);
+    last.joint = jointError(last, sample, open / (1 - last.sample.rgba[kAlpha]));
+    if (valueOf(last.joint) <= bound_.error && bound_.error > 0) {
+      last = joined(last, sample);
+      return;
+    }
+  }
+  if (count < bound_.samples)
+    lists_.append(x, y, sample);
+  else
+    joinLeast(x, y, sample, open);
+}
+
+void DeepSamples::copy(int x, int y, DeepSample* out) const {
+  lists_.forEach(x, y, [&](const Kept& kept) {
+    *out = kept.sample;
+    out->z = static_cast<float>(out->z + origin_depth_);
+    out->z_back = static_cast<float>(out->z_back + origin_depth_);
+    ++out;
+  });
+}
+
+}  // namespace kiln

@@ -1,0 +1,351 @@
+// Both ways go through memory: a file is written whole or not at all (FileSystem::writeAtomic), and a reader's bytes
+// are bounded before OpenEXR sees them. Pixels go some rows at a time, so that beside the image there are these and the
+// compressed file; and a header that claims more rows than the file has costs no memory, for the picture grows as rows
+// arrive.
+#include "image/file/exr_file.h"
+
+#include <ImathBox.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/thread/parallel.h"
+#include "image/file/exr_cost.h"
+#include "image/file/exr_deep_check.h"
+#include "image/file/exr_head.h"
+#include "image/file/exr_parts.h"
+#include "image/image_memory.h"
+
+namespace kiln {
+namespace {
+
+class MemoryReader : public Imf::IStream {
+ public:
+  explicit MemoryReader(std::span<const std::byte> data) : Imf::IStream("memory"), data_(data) {}
+  bool read(char out[], int count) override {
+    const std::size_t left = place_ < data_.size() ? data_.size() - place_ : 0;
+    if (count < 0 || static_cast<std::size_t>(count) > left) throw std::runtime_error("the file ends too early");
+    std::memcpy(out, data_.data() + place_, static_cast<std::size_t>(count));
+    place_ += static_cast<std::size_t>(count);
+    return place_ < data_.size();
+  }
+  std::uint64_t tellg() override { return place_; }
+  void seekg(std::uint64_t place) override { place_ = place; }
+
+ private:
+  std::span<const std::byte> data_;
+  std::uint64_t place_ = 0;
+};
+
+// RGBA of scanlines that begin at pixel `first`, `row_bytes` apart; where that is 0, every scanline of the file is the
+// same row.
+template <class T>
+Imf::FrameBuffer rowsFrom(std::vector<T>& values, Imf::PixelType type, const Imath::V2i& first, std::size_t row_bytes) {
+  Imf::FrameBuffer buffer;
+  char* const base = reinterpret_cast<char*>(values.data()) -
+                     static_cast<std::ptrdiff_t>(first.x) * static_cast<std::ptrdiff_t>(4 * sizeof(T)) -
+                     static_cast<std::ptrdiff_t>(first.y) * static_cast<std::ptrdiff_t>(row_bytes);
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    const double fill = channel == 3 ? 1 : 0;
+    buffer.insert(kExrChannelNames[channel],
+                  Imf::Slice(type, base + channel * sizeof(T), 4 * sizeof(T), row_bytes, 1, 1, fill));
+  }
+  return buffer;
+}
+
+// `image` has the picture's channels and may be a band of it.
+Imf::Header headerOf(const Image& image, int height, const ImageMetadata& metadata, Imf::PixelType type,
+                     Imf::Compression compression) {
+  Imf::Header header = exrHeader(image.width, height, metadata, compression);
+  for (const char* name : kExrChannelNames) {
+    if (!image.rgba.empty()) header.channels().insert(name, Imf::Channel(type));
+  }
+  for (const Plane& plane : image.planes) header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
+  return header;
+}
+
+// OpenEXR counts pixels from the display window's corner, and never writes to what it reads.
+Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
+  constexpr std::ptrdiff_t kBytes = sizeof(float);
+  const std::ptrdiff_t before = kBytes * (std::ptrdiff_t{first.y} * width + first.x);
+  char* const values = reinterpret_cast<char*>(const_cast<float*>(plane.values.data()));
+  return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
+}
+
+// How a picture of these channels is written in the memory that the options leave for it.
+ExrWork workOf(const Image& image, int height, const ImageFileOptions& options) {
+  const ExrShape shape{image.width, height, options.exr_float, sizeof(float) * image.planes.size(),
+                       options.exr_compression};
+  return exrWorkWithin(shape, options.writer_bytes);
+}
+
+// `File` is a file of one part, or a part.
+template <class T, class File, class Convert>
+void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, Convert convert) {
+  const std::size_t row = static_cast<std::size_t>(picture.width) * 4;
+  std::vector<T> values(row * static_cast<std::size_t>(most));
+  const Imath::V2i& first = file.header().dataWindow().min;
+  for (int y = 0; y < picture.height;) {
+    const ImageRows::Band band = picture.bandAt(y);
+    const Image& image = *band.image;
+    const int rows = std::min(most, band.end() - y);
+    if (!image.rgba.empty()) {
+      parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
+        const float* const from = image.pixel(0, y - band.first_row + static_cast<int>(i));
+        std::transform(from, from + row, values.begin() + static_cast<std::ptrdiff_t>(i * row), convert);
+      });
+    }
+    // A slice of no channel of the file is passed over.
+    Imf::FrameBuffer buffer = rowsFrom(values, type, {first.x, first.y + y}, row * sizeof(T));
+    for (const Plane& plane : image.planes)
+      buffer.insert(plane.name, wholePlane(plane, image.width, {first.x, first.y + band.first_row}));
+    file.setFrameBuffer(buffer);
+    file.writePixels(rows);
+    y += rows;
+  }
+}
+
+// `most`: rows at a time.
+template <class File>
+void writeRows(File& file, ImageRows& picture, Imf::PixelType type, int most) {
+  if (type == Imf::FLOAT)
+    writeRowsAs<float>(file, picture, type, most, [](float v) { return v; });
+  else
+    writeRowsAs<half>(file, picture, type, most, clampedHalf);
+}
+
+void writePicture(Imf::OStream& stream, ImageRows& rows, const ImageMetadata& metadata,
+                  const ImageFileOptions& options) {
+  const Image& first = *rows.bandAt(0).image;
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  const ExrWork work = workOf(first, rows.height, options);
+  // The file's destructor writes the table of scanline offsets.
+  Imf::OutputFile file(stream, headerOf(first, rows.height, metadata, type, exrCompression(options.exr_compression)),
+                       compressingThreads(work.threads));
+  writeRows(file, rows, type, work.rows);
+}
+
+// Runs what reads a hostile file; whatever OpenEXR throws becomes an error of the file.
+template <class Read>
+auto reading(const std::filesystem::path& path, Read read) {
+  try {
+    return read();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kFormat, path, "", std::string("cannot be read as OpenEXR: ") + error.what());
+  }
+}
+
+void requireChannels(const Imf::ChannelList& channels, bool grey, const std::filesystem::path& path) {
+  if (!grey && !channels.findChannel("R") && !channels.findChannel("G") && !channels.findChannel("B")) {
+    throw Error(ErrorCode::kUnsupported, path, "channels", "the file has none of R, G, B and Y");
+  }
+  for (const char* name : {"R", "G", "B", "A", "Y"}) {
+    const Imf::Channel* channel = channels.findChannel(name);
+    if (channel && (channel->xSampling != 1 || channel->ySampling != 1)) {
+      throw Error(ErrorCode::kUnsupported, path, std::string("channel ") + name, "subsampled channels are not read");
+    }
+  }
+}
+
+Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesystem::path& path) {
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kLargestSide_px || height > kLargestSide_px) {
+    throw Error(ErrorCode::kUnsupported, path, "dataWindow",
+                std::to_string(width) + "x" + std::to_string(height) + " pixels; each side must be from 1 to 65536");
+  }
+  const Imf::ChannelList& channels = file.header().channels();
+  const bool grey = channels.findChannel("Y") && !channels.findChannel("R");
+  requireChannels(channels, grey, path);
+
+  std::vector<float> row(static_cast<std::size_t>(width) * 4);
+  Imf::FrameBuffer buffer = rowsFrom(row, Imf::FLOAT, {window.min.x, 0}, 0);
+  if (grey) buffer.insert("Y", buffer["R"]);
+  file.setFrameBuffer(buffer);
+  Image image;
+  image.width = static_cast<int>(width);
+  image.height = static_cast<int>(height);
+  // A header may say more than its file has: there is room for rows that were read.
+  const std::size_t all = static_cast<std::size_t>(width * height) * 4;
+  image.rgba.resize(std::clamp(file_bytes * 64, row.size(), all));
+  for (int y = window.min.y; y <= window.max.y; ++y) {
+    file.readPixels(y);
+    for (std::size_t x = 0; grey && x < row.size(); x += 4) row[x + 1] = row[x + 2] = row[x];
+    const std::size_t at = row.size() * static_cast<std::size_t>(y - window.min.y);
+    const std::size_t end = at + row.size();
+    if (end > image.rgba.size()) image.rgba.resize(std::min(2 * end, all));
+    std::copy(row.begin(), row.end(), image.rgba.begin() + at);
+  }
+  return image;
+}
+
+// Of a file whose rows were read already.
+void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const std::filesystem::path& path,
+                Image& image) {
+  const Imath::Box2i window = file.header().dataWindow();
+  for (const std::string& name : names) {
+    const Imf::Channel* const channel = file.header().channels().findChannel(name);
+    if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)
+      throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing, or is not of every pixel");
+    image.planes.push_back({name, ZeroPages<float>(image.rgba.size() / 4)});
+  }
+  Imf::FrameBuffer buffer;
+  const std::size_t row = static_cast<std::size_t>(image.width) * sizeof(float);
+  for (Plane& plane : image.planes) {
+    char* const base = reinterpret_cast<char*>(plane.values.data()) - std::ptrdiff_t{window.min.x} * 4 -
+                       std::ptrdiff_t{window.min.y} * static_cast<std::ptrdiff_t>(row);
+    buffer.insert(plane.name, Imf::Slice(Imf::FLOAT, base, sizeof(float), row));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+}
+
+// Every channel of every row. `File` is a file of one part, or a part.
+template <class File>
+void readAll(File& file) {
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  if (width < 1 || width > kLargestSide_px) throw std::runtime_error("its data window is no picture's");
+  std::vector<float> row(static_cast<std::size_t>(width));
+  char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
+  Imf::FrameBuffer buffer;
+  for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
+    buffer.insert(channel.name(),
+                  Imf::Slice(Imf::FLOAT, base, 4, 0, channel.channel().xSampling, channel.channel().ySampling));
+  file.setFrameBuffer(buffer);
+  for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
+}
+
+// The buffers of all parts, which OpenEXR may make at once.
+std::uint64_t bytesOfParts(const std::vector<ExrPart>& head) {
+  std::uint64_t out = 0;
+  for (const ExrPart& part : head) out += part.buffer_bytes;
+  return out;
+}
+
+// The picture of a part with so many planes.
+std::uint64_t bytesOfImage(const ExrPart& part, std::size_t planes) {
+  return static_cast<std::uint64_t>(part.width * part.height) * sizeof(float) * (4 + planes);
+}
+
+// A deep file is read as a flat picture, and OpenEXR holds all samples of a row.
+void requireDeepRows(std::span<const std::byte> data, std::uint64_t memory_bytes) {
+  MemoryReader stream(data);
+  Imf::MultiPartInputFile parts(stream, 0);
+  if (parts.header(0).hasType() && parts.header(0).type() == Imf::DEEPSCANLINE)
+    requireRowsWithin(parts, 0, memory_bytes);
+}
+
+}  // namespace
+
+bool looksLikeExr(std::span<const std::byte> data) {
+  static constexpr unsigned char kMagic[] = {0x76, 0x2f, 0x31, 0x01};
+  return data.size() >= sizeof kMagic && std::memcmp(data.data(), kMagic, sizeof kMagic) == 0;
+}
+
+std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+                                 const std::filesystem::path& path) {
+  RowsOfImage rows(image);
+  ExrWriter stream;
+  try {
+    writePicture(stream, rows, metadata, options);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
+  }
+  return stream.take();
+}
+
+void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
+               const std::filesystem::path& path, ScratchOutput& out) {
+  writeExr(out, path, [&](Imf::OStream& stream) { writePicture(stream, rows, metadata, options); });
+}
+
+void encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                    const std::filesystem::path& path, ScratchOutput& out) {
+  const Imf::Compression compression = exrCompression(options.exr_compression);
+  const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
+  writeExr(out, path, [&](Imf::OStream& stream) {
+    std::vector<Imf::Header> headers;
+    for (const ImageView& view : views) {
+      Imf::Header& header =
+          headers.emplace_back(headerOf(*view.image, view.image->height, view.metadata, type, compression));
+      header.setType(Imf::SCANLINEIMAGE);
+      header.setName(view.name);
+      header.setView(view.name);
+    }
+    // The parts' buffers are there together.
+    ImageFileOptions of_part = options;
+    of_part.writer_bytes /= views.size();
+    const ExrWork work = workOf(*views.front().image, views.front().image->height, of_part);
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false,
+                                  compressingThreads(work.threads));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      Imf::OutputPart part(file, static_cast<int>(i));
+      RowsOfImage rows(*views[i].image);
+      writeRows(part, rows, type, work.rows);
+    }
+  });
+}
+
+Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path, std::span<const std::string> planes,
+                std::uint64_t memory_bytes) {
+  const std::vector<ExrPart> head = readExrHead(exrBytesOf(data), path);
+  const std::uint64_t needed = bytesOfParts(head) + bytesOfImage(head.front(), planes.size());
+  requireMemory(needed, memory_bytes, path);
+  return reading(path, [&] {
+    requireDeepRows(data, memory_bytes - needed);
+    MemoryReader stream(data);
+    Imf::InputFile file(stream, 0);
+    Image image = readRows(file, data.size(), path);
+    if (!planes.empty()) readPlanes(file, planes, path, image);
+    return image;
+  });
+}
+
+void checkExr(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const std::uint64_t needed = bytesOfParts(readExrHead(exrBytesOf(data), path));
+  requireMemory(needed, memory_bytes, path);
+  reading(path, [&] {
+    MemoryReader stream(data);
+    Imf::MultiPartInputFile parts(stream, 0);
+    if (parts.parts() > 1) {
+      for (int i = 0; i < parts.parts(); ++i) {
+        if (parts.header(i).type() == Imf::DEEPSCANLINE) {
+          checkDeepPart(parts, i, memory_bytes - needed);
+          continue;
+        }
+        Imf::InputPart part(parts, i);
+        readAll(part);
+      }
+      return;
+    }
+    requireDeepRows(data, memory_bytes - needed);
+    MemoryReader again(data);
+    Imf::InputFile file(again, 0);
+    readAll(file);
+  });
+}
+
+ExrPart readExrPart(const File& file) {
+  const ExrBytes bytes = {file.size(), [&file](std::uint64_t at, std::span<std::byte> out) { file.readAt(at, out); }};
+  return readExrHead(bytes, file.path()).front();
+}
+
+}  // namespace kiln

@@ -1,0 +1,152 @@
+#include "image/file/image_file.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/memory/memory.h"
+#include "image/file/exr_deep.h"
+#include "image/file/exr_file.h"
+#include "image/file/png_file.h"
+#include "image/image_memory.h"
+
+namespace kiln {
+namespace {
+
+// A file of a larger picture is not held in memory while it is encoded: beside a budget it may be as large as the
+// picture. unit: bytes of pixels.
+constexpr std::size_t kEncodedInMemory = std::size_t{1} << 20;
+
+std::size_t pixelBytes(const Image& image) {
+  return sizeof(float) * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+         (4 + image.planes.size());
+}
+
+}  // namespace
+
+bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
+
+void requireImagePath(const std::filesystem::path& path, bool with_planes) {
+  const std::string extension = extensionOf(path);
+  if (extension == ".png" && with_planes)
+    throw Error(ErrorCode::kUsage, path, "",
+                "a PNG holds colours only; what is beside them (--aov) needs a name in .exr");
+  if (extension == ".exr" || extension == ".png") return;
+  throw Error(ErrorCode::kUsage, path, "", "is not a name for a picture; it must end in .exr or .png");
+}
+
+void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk) {
+  assert(image.width > 0 && image.height > 0);
+  assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
+  assert(options.png_bits == 8 || options.png_bits == 16);
+  requireImagePath(path, !image.planes.empty());
+  if (pixelBytes(image) > kEncodedInMemory) {
+    RowsOfImage rows(image);
+    return writeImage(rows, metadata, options, path, disk);
+  }
+  disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options, path)
+                                         : encodePng(image, options.png_bits, path, metadata.text));
+}
+
+void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
+                const std::filesystem::path& path, FileSystem& disk) {
+  requireImagePath(path, !rows.bandAt(0).image->planes.empty());
+  ScratchOutput out(path, disk);
+  if (isExrPath(path))
+    encodeExr(rows, metadata, options, path, out);
+  else
+    encodePng(rows, options.png_bits, path, metadata.text,
+              [&](std::span<const std::byte> bytes) { out.write(out.size(), bytes); });
+  out.publish();
+}
+
+void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
+                     const std::filesystem::path& path, FileSystem& disk) {
+  ScratchOutput out(path, disk);
+  encodeExrViews(views, options, path, out);
+  out.publish();
+}
+
+void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
+                    const std::filesystem::path& path, FileSystem& disk) {
+  ScratchOutput out(path, disk);
+  encodeDeepExr(samples, metadata, options, path, out);
+  out.publish();
+}
+
+namespace {
+
+Error notAPicture(const std::filesystem::path& path) {
+  return Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+}
+
+// The whole file, which must leave memory for its picture.
+std::vector<std::byte> readWithin(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  requireMemory(File(path).size(), memory_bytes, path);
+  return readFile(path);
+}
+
+}  // namespace
+
+void requireMemory(std::uint64_t needed, std::uint64_t allowed, const std::filesystem::path& path) {
+  if (needed <= allowed) return;
+  throw Error(ErrorCode::kBudget, path, "",
+              fmt::format("reading it takes {} of memory, and {} are left; give --memory {} more", formatBytes(needed),
+                          formatBytes(allowed), roundedUpBytes(needed - allowed)));
+}
+
+Image readImage(const std::filesystem::path& path, std::span<const std::string> planes, std::uint64_t memory_bytes) {
+  const std::vector<std::byte> data = readWithin(path, memory_bytes);
+  const std::uint64_t left = memory_bytes - data.size();
+  if (looksLikeExr(data)) return decodeExr(data, path, planes, left);
+  if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
+  if (looksLikePng(data)) return decodePng(data, path, left);
+  throw notAPicture(path);
+}
+
+void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const std::vector<std::byte> data = readWithin(path, memory_bytes);
+  const std::uint64_t left = memory_bytes - data.size();
+  if (looksLikeExr(data)) return checkExr(data, path, left);
+  if (looksLikePng(data)) return checkPng(data, path, left);
+  throw notAPicture(path);
+}
+
+std::map<std::string, std::string> readImageText(const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  const File file(path);
+  std::vector<std::byte> first(8);
+  first.resize(file.readSomeAt(0, first));
+  if (looksLikeExr(first)) return readExrPart(file).text;
+  if (looksLikePng(first)) return decodePngText(readWithin(path, memory_bytes), path, memory_bytes - file.size());
+  throw notAPicture(path);
+}
+
+PixelLayout readPixelLayout(const std::filesystem::path& path) {
+  const File file(path);
+  // A PNG begins with its width, height and bits: 25 bytes.
+  std::vector<std::byte> first(25);
+  first.resize(file.readSomeAt(0, first));
+  PixelLayout out;
+  if (looksLikeExr(first)) {
+    ExrPart part = readExrPart(file);
+    out.x = part.x, out.y = part.y, out.width = part.width, out.height = part.height;
+    out.deep = part.deep;
+    out.compression = std::move(part.compression);
+    out.channels = std::move(part.channels);
+    return out;
+  }
+  if (!looksLikePng(first) || first.size() < 25) throw notAPicture(path);
+  const auto number = [&](std::size_t at) {
+    std::int64_t value = 0;
+    for (std::size_t i = at; i < at + 4; ++i) value = value << 8 | std::to_integer<std::int64_t>(first[i]);
+    return value;
+  };
+  out.width = number(16), out.height = number(20);
+  out.png_bits = std::to_integer<int>(first[24]);
+  return out;
+}
+
+}  // namespace kiln

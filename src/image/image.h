@@ -1,0 +1,34 @@
+// A finished picture in memory: linear light, premultiplied alpha, and whatever else is known of each pixel.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/memory/zero_pages.h"
+#include "image/deep_samples.h"
+
+namespace kiln {
+
+/// One more number a pixel. shape: height rows of width floats, row 0 at the top.
+struct Plane {
+  std::string name;  // of its channel in an EXR
+  ZeroPages<float> values;
+};
+
+/// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top; empty where only planes are told. unit:
+/// linear, premultiplied.
+struct Image {
+  int width = 0, height = 0;
+  ZeroPages<float> rgba;
+  std::vector<Plane> planes;
+  std::shared_ptr<DeepSamples> deep;  // of the same pixels, counted as in the whole picture; null where not asked for
+
+  Image() = default;
+  Image(int w, int h) : width(w), height(h), rgba(static_cast<std::size_t>(w) * h * 4) {}
+  float* pixel(int x, int y) { return rgba.data() + (static_cast<std::size_t>(y) * width + x) * 4; }
+  const float* pixel(int x, int y) const { return rgba.data() + (static_cast<std::size_t>(y) * width + x) * 4; }
+};
+
+}  // namespace kiln

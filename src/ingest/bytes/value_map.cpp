@@ -1,0 +1,59 @@
+#include "ingest/bytes/value_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace kiln {
+namespace {
+
+template <class T>
+T rounded(double value) noexcept {
+  if constexpr (std::is_floating_point_v<T>) {
+    return static_cast<T>(value);
+  } else {
+    if (std::isnan(value)) return 0;
+    constexpr double kLo = std::numeric_limits<T>::min(), kHi = std::numeric_limits<T>::max();
+    return static_cast<T>(std::clamp(std::nearbyint(value), kLo, kHi));
+  }
+}
+
+}  // namespace
+
+void swapBytes(std::byte* data, std::size_t count, std::size_t size) noexcept {
+  for (std::size_t i = 0; i < count; ++i, data += size) std::reverse(data, data + size);
+}
+
+bool ValueMap::leavesFloat() const {
+  const double most = withVoxelType(from, []<class T>(std::type_identity<T>) {
+    if constexpr (std::is_floating_point_v<T>) return 1e8;
+    return std::max(-static_cast<double>(std::numeric_limits<T>::lowest()),
+                    static_cast<double>(std::numeric_limits<T>::max()));
+  });
+  return most * std::abs(slope) + std::abs(intercept) > std::numeric_limits<float>::max() ||
+         std::abs(slope) < std::numeric_limits<float>::min();
+}
+
+bool ValueMap::mergesInFloat() const {
+  // 24 bits of a float: a distance of two stored values should be two of its last places at least.
+  constexpr double kLastPlace = 0x1p-23;
+  return std::abs(intercept) * kLastPlace > std::abs(slope) / 2;
+}
+
+void ValueMap::apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {
+  withVoxelType(from, [&](auto from_type) {
+    withVoxelType(to, [&](auto to_type) {
+      using From = typename decltype(from_type)::type;
+      using To = typename decltype(to_type)::type;
+      for (std::size_t i = 0; i < count; ++i) {
+        From stored;
+        std::memcpy(&stored, in + i * sizeof(From), sizeof(From));
+        const To value = rounded<To>(static_cast<double>(stored) * slope + intercept);
+        std::memcpy(out + i * sizeof(To), &value, sizeof(To));
+      }
+    });
+  });
+}
+
+}  // namespace kiln

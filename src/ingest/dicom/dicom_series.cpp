@@ -1,0 +1,225 @@
+// People export whole examinations into one directory: scouts, reconstructions, reports. A series is one volume or
+// none, so its unique identifier decides, and where there are several the user does.
+#include "ingest/dicom/dicom_series.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+struct Series {
+  const DicomHeader* first = nullptr;
+  std::int64_t slices = 0;
+};
+
+std::string listOf(const std::map<std::string, Series>& series) {
+  constexpr std::size_t kMost = 12;
+  std::string out;
+  std::size_t listed = 0;
+  for (const auto& [uid, s] : series) {
+    if (listed++ == kMost) return out + fmt::format(", and {} more", series.size() - kMost);
+    out += fmt::format("{}{} ({} {}, {} {})", listed == 1 ? "" : ", ", uid.empty() ? "none" : uid, s.first->modality,
+                       inQuotes(s.first->description), s.slices, s.slices == 1 ? "slice" : "slices");
+  }
+  return out;
+}
+
+std::string theSeries(const fs::path& input, const std::map<std::string, Series>& series,
+                      const SourceOptions& options) {
+  if (options.series) {
+    if (series.contains(*options.series)) return *options.series;
+    throw Error(ErrorCode::kUsage, input, "",
+                fmt::format("--series {}: is not among the series here: {}", *options.series, listOf(series)));
+  }
+  if (series.size() == 1) return series.begin()->first;
+  throw Error(ErrorCode::kUsage, input, "",
+              fmt::format("holds {} series; choose one with --series: {}", series.size(), listOf(series)));
+}
+
+std::string extentOf(const DicomPixels& p) { return fmt::format("{} x {}", p.columns, p.rows); }
+
+// The pixels of most slices of a series.
+struct Majority {
+  std::string extent;  // "512 x 512"
+  std::int64_t slices = 0;
+  bool readable = false;
+};
+
+// Why the object is none of these slices; empty where it is one.
+std::string reasonAgainst(const DicomHeader& header, const Majority& most) {
+  if (!header.has_pixels) return "has no pixel data";
+  if (extentOf(header.pixels) != most.extent)
+    return fmt::format("is {} pixels where {} slices of its series are {}", extentOf(header.pixels), most.slices,
+                       most.extent);
+  return most.readable ? header.refusal : "";
+}
+
+// Finds one file of the rarest kind and one of the most frequent, where `kind` differs among the files.
+template <class Kind>
+std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(const std::vector<DicomHeader>& files,
+                                                                             const Kind& kind) {
+  std::map<decltype(kind(files.front())), std::vector<const DicomHeader*>> kinds;
+  for (const DicomHeader& file : files) kinds[kind(file)].push_back(&file);
+  if (kinds.size() < 2) return std::nullopt;
+  // The later one is odd where both are as many.
+  const auto rarer = [](const auto& a, const auto& b) {
+    const auto &x = a.second, &y = b.second;
+    return x.size() != y.size() ? x.size() < y.size() : x.front() > y.front();
+  };
+  const auto [odd, usual] = std::minmax_element(kinds.begin(), kinds.end(), rarer);
+  return std::pair(odd->second.front(), usual->second.front());
+}
+
+// Slices of one size are of one type, and can be read.
+void requireAlike(const std::vector<DicomHeader>& files) {
+  for (const DicomHeader& file : files)
+    if (!file.refusal.empty()) throw Error(ErrorCode::kUnsupported, file.path, "", file.refusal);
+  const auto type = [](const DicomHeader& file) { return std::string(nameOf(file.pixels.storedType())); };
+  const auto white = [](const DicomHeader& file) {
+    return std::string(file.pixels.smallest_is_white ? "shows its smallest values white (MONOCHROME1)"
+                                                     : "shows its smallest values black (MONOCHROME2)");
+  };
+  const auto fail = [](const DicomHeader& odd, const std::string& what, const DicomHeader& usual,
+                       const std::string& is) {
+    throw Error(ErrorCode::kFormat, odd.path, "",
+                fmt::format("{}, but {} {}; slices of one volume are alike, so mend or remove it", what,
+                            inQuotes(usual.path.filename().string()), is));
+  };
+  if (const auto found = oddAndUsual(files, type)) {
+    const auto [odd, usual] = *found;
+    const std::string extent = extentOf(odd->pixels);
+    fail(*odd, fmt::format("is {} of {}", extent, type(*odd)), *usual,
+         fmt::format("is {} of {}", extent, type(*usual)));
+  }
+  if (const auto found = oddAndUsual(files, white))
+    fail(*found->first, white(*found->first), *found->second, white(*found->second));
+}
+
+// Refuses a number that some frames are rescaled by and others leave out, as values would be off by it. A number that
+// changes nothing is as good as none.
+void requireSaid(const std::vector<DicomHeader>& files, const char* name, std::optional<double> DicomFrame::*number,
+                 double otherwise, const SourceOptions& options, std::vector<std::string>& notes) {
+  const auto says = [&](const DicomHeader& file, bool said) {
+    return std::any_of(file.frames.begin(), file.frames.end(), [&](const DicomFrame& frame) {
+      return said ? (frame.*number).value_or(otherwise) != otherwise : !(frame.*number).has_value();
+    });
+  };
+  const auto with = std::find_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, true); });
+  const auto without = std::find_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, false); });
+  if (with == files.end() || without == files.end()) return;
+  const auto found = std::find_if(with->frames.begin(), with->frames.end(), [&](const DicomFrame& frame) {
+    return (frame.*number).value_or(otherwise) != otherwise;
+  });
+  const auto count = std::count_if(files.begin(), files.end(), [&](const DicomHeader& f) { return says(f, false); });
+  const std::string what = fmt::format(
+      "has no {}{}, but {} has {:g}", name, count == 1 ? "" : fmt::format(" (nor have {} others)", count - 1),
+      with == without ? "another frame of it" : inQuotes(with->path.filename().string()), *((*found).*number));
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, without->path, "",
+                fmt::format("{}; mend or remove it, or --allow-irregular takes {:g} there", what, otherwise));
+  notes.push_back(fmt::format("{} {}; took {:g} there", inQuotes(without->path.filename().string()), what, otherwise));
+}
+
+void requireScaledAlike(const std::vector<DicomHeader>& files, const SourceOptions& options,
+                        std::vector<std::string>& notes) {
+  requireSaid(files, "RescaleIntercept (0028,1052)", &DicomFrame::intercept, 0, options, notes);
+  requireSaid(files, "RescaleSlope (0028,1053), or one of 0", &DicomFrame::slope, 1, options, notes);
+  const auto zero = std::find_if(files.begin(), files.end(), [](const DicomHeader& file) {
+    return std::any_of(file.frames.begin(), file.frames.end(), [](const DicomFrame& f) { return f.slope_is_zero; });
+  });
+  if (zero != files.end())
+    notes.push_back(fmt::format("{}: RescaleSlope (0028,1053) is 0, which no value survives; 1 is taken",
+                                inQuotes(zero->path.filename().string())));
+}
+
+// The extent that most slices have that can be read, or, where none can be read, most of all. throws: Error kFormat
+// where two extents are equally frequent.
+Majority majorityOf(const std::vector<DicomHeader>& all, const std::string& series, const fs::path& input) {
+  std::map<std::string, std::int64_t> readable, refused;
+  std::map<std::string, std::string> first;
+  for (const DicomHeader& header : all) {
+    if (header.series != series || !header.has_pixels) continue;
+    (header.refusal.empty() ? readable : refused)[extentOf(header.pixels)] += header.pixels.frames;
+    first.emplace(extentOf(header.pixels), inQuotes(header.path.filename().string()));
+  }
+  const auto& extents = readable.empty() ? refused : readable;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto most = std::max_element(extents.begin(), extents.end(), fewer);
+  for (const auto& [extent, slices] : extents) {
+    if (extent != most->first && slices == most->second)
+      throw Error(
+          ErrorCode::kFormat, input, "",
+          fmt::format("its series has {} slice{} of {} pixels (as {}) and as many of {} (as {}); put them apart",
+                      slices, slices == 1 ? "" : "s", most->first, first[most->first], extent, first[extent]));
+  }
+  return {most->first, most->second, !readable.empty()};
+}
+
+// Objects that are no slices, by their reasons.
+class PassedOver {
+ public:
+  void add(const DicomHeader& header, const std::string& reason) { files_[reason].push_back(&header); }
+  void note(std::vector<std::string>& notes) const {
+    for (const auto& [reason, files] : files_) {
+      const std::string modality = files.front()->modality.empty() ? "" : " (" + files.front()->modality + ")";
+      const std::string more = files.size() == 1 ? "" : fmt::format(" and {} more", files.size() - 1);
+      notes.push_back(fmt::format("passed over {}{}{}: {}", inQuotes(files.front()->path.filename().string()), modality,
+                                  more, reason));
+    }
+  }
+
+ private:
+  std::map<std::string, std::vector<const DicomHeader*>> files_;
+};
+
+}  // namespace
+
+std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions& options,
+                                    std::vector<std::string>& notes) {
+  std::vector<DicomHeader> all;
+  all.reserve(input.files.size());
+  for (const fs::path& path : input.files) all.push_back(readDicomHeader(path));
+  std::map<std::string, Series> series;
+  for (const DicomHeader& header : all) {
+    if (!header.has_pixels) continue;
+    Series& entry = series[header.series];
+    if (entry.first == nullptr) entry.first = &header;
+    entry.slices += header.pixels.frames;
+  }
+  if (series.empty()) {
+    throw Error(ErrorCode::kUnsupported, all.front().path, "",
+                "has no pixel data; it is a DICOM file of another kind than an image");
+  }
+  const std::string chosen = theSeries(input.input, series, options);
+  const Majority most = majorityOf(all, chosen, input.input);
+  PassedOver passed_over;
+  std::vector<std::size_t> taken;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const DicomHeader& header = all[i];
+    const bool of_series = header.series == chosen;
+    if (!of_series && header.has_pixels) continue;
+    // A slice that is cut short in front of its pixels.
+    if (of_series && header.is_image && !header.has_pixels)
+      throw Error(ErrorCode::kFormat, header.path, "", "has no pixel data, but is of the series");
+    if (const std::string reason = reasonAgainst(header, most); !reason.empty())
+      passed_over.add(header, reason);
+    else
+      taken.push_back(i);
+  }
+  passed_over.note(notes);
+  std::vector<DicomHeader> out;
+  for (const std::size_t i : taken) out.push_back(std::move(all[i]));
+  requireAlike(out);
+  requireScaledAlike(out, options, notes);
+  if (series.size() > 1) notes.push_back(fmt::format("passed over {} other series", series.size() - 1));
+  return out;
+}
+
+}  // namespace kiln

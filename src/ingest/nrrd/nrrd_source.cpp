@@ -1,0 +1,205 @@
+// NRRD 1 to 5, attached (.nrrd) or with the data beside the header (.nhdr): which scalar the voxels are, and which
+// bytes of which file. Source: teem.sourceforge.net/nrrd/format.html.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/nrrd/nrrd_geometry.h"
+#include "ingest/nrrd/nrrd_header.h"
+#include "ingest/source/formats.h"
+
+namespace kiln {
+namespace {
+
+VoxelType typeOf(const HeaderFields& fields) {
+  static const std::map<std::string, VoxelType> kTypes = [] {
+    std::map<std::string, VoxelType> types = {{"float", VoxelType::f32}, {"double", VoxelType::f64}};
+    const auto name = [&](VoxelType type, std::initializer_list<const char*> spellings) {
+      for (const char* spelling : spellings) types[spelling] = type;
+    };
+    name(VoxelType::i8, {"signed char", "int8", "int8_t"});
+    name(VoxelType::u8, {"uchar", "unsigned char", "uint8", "uint8_t"});
+    name(VoxelType::i16, {"short", "short int", "signed short", "signed short int", "int16", "int16_t"});
+    name(VoxelType::u16, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
+    name(VoxelType::i32, {"int", "signed int", "int32", "int32_t"});
+    name(VoxelType::u32, {"uint", "unsigned int", "uint32", "uint32_t"});
+    return types;
+  }();
+  static const char* const kWide[] = {
+      "longlong", "long long", "long long int", "signed long long",   "signed long long int",
+      "int64",    "int64_t",   "ulonglong",     "unsigned long long", "unsigned long long int",
+      "uint64",   "uint64_t"};
+  const HeaderField& field = fields.require("type");
+  const std::string type = lowered(field.value);
+  const auto found = kTypes.find(type);
+  if (found != kTypes.end()) return found->second;
+  if (type == "block") fields.unsupported(field, "opaque blocks ('block') have no scalar value; give a scalar volume");
+  if (std::find(std::begin(kWide), std::end(kWide), type) != std::end(kWide)) {
+    fields.unsupported(field,
+                       "64-bit integers (" + inQuotes(type) + ") are not read; convert them to double or 32 bits");
+  }
+  fields.fail(field, inQuotes(field.value) + " is not a NRRD type");
+}
+
+// Whether a NRRD axis of this kind and direction is not one of space; empty where the header has no such field.
+bool isOutsideSpace(const std::string& kind, const std::string& direction) {
+  return direction == "none" ||
+         !(kind.empty() || kind == "domain" || kind == "space" || kind == "???" || kind == "none");
+}
+
+// Takes axes of length 1 out of a header of more than three dimensions: one component or one time. Axes that are not of
+// space go first, then the last ones; more dimensions than three stay where other lengths do.
+void dropUnitNrrdAxes(HeaderFields& fields) {
+  constexpr std::int64_t kMostAxes = 16;  // NRRD_DIM_MAX of the format's own library
+  const std::int64_t axes = fields.integers(fields.require("dimension"), 1)[0];
+  if (axes <= 3 || axes > kMostAxes) return;
+  const auto count = static_cast<std::size_t>(axes);
+  const std::vector<std::int64_t> sizes = fields.integers(fields.require("sizes"), count);
+  const auto valuesOf = [&](const char* key) {
+    const HeaderField* field = fields.find(key);
+    std::vector<std::string> out = field ? axisValues(lowered(field->value)) : std::vector<std::string>();
+    out.resize(count);
+    return out;
+  };
+  const std::vector<std::string> kinds = valuesOf("kinds"), directions = valuesOf("space directions");
+  std::vector<bool> dropped(count, false);
+  std::size_t left = count;
+  for (const bool in_space : {false, true}) {
+    for (std::size_t i = count; i-- > 0 && left > 3;) {
+      if (dropped[i] || sizes[i] != 1 || isOutsideSpace(kinds[i], directions[i]) == in_space) continue;
+      dropped[i] = true;
+      --left;
+    }
+  }
+  if (left > 3) return;
+  for (const char* key : {"sizes", "spacings", "thicknesses", "axis mins", "axis maxs", "centers", "kinds", "labels",
+                          "units", "space directions"})
+    fields.dropAxes(key, dropped);
+  fields.replace("dimension", "3");
+}
+
+// Colours without kinds look like a volume a few voxels wide.
+std::string noteOfNarrow(const HeaderFields& fields, const Extent3& dims) {
+  const bool narrow = dims.x >= 2 && dims.x <= 4 && dims.y >= 16 && dims.z >= 16;
+  if (!narrow || fields.find("kinds") || fields.find("space directions")) return "";
+  return fmt::format(
+      "the first axis is taken as {} voxels of space; if it holds colours or vectors, its header lacks the "
+      "field kinds, and the volume is wrong",
+      dims.x);
+}
+
+void requireScalarNrrd(const HeaderFields& fields) {
+  if (const HeaderField* kinds = fields.find("kinds")) {
+    for (const std::string& kind : words(lowered(kinds->value))) {
+      if (kind == "domain" || kind == "space" || kind == "???" || kind == "none") continue;
+      if (kind == "time") fields.unsupported(*kinds, "a series over time; give one volume of it");
+      fields.unsupported(*kinds, "vector, tensor or colour data (" + inQuotes(kind) + "); give a scalar volume");
+    }
+  }
+  const HeaderField* directions = fields.find("space directions");
+  if (directions) {
+    for (const std::string& word : words(lowered(directions->value))) {
+      if (word == "none") fields.unsupported(*directions, "vector, tensor or colour data (an axis has no direction)");
+    }
+  }
+  const HeaderField& dimension = fields.require("dimension");
+  if (fields.integers(dimension, 1)[0] != 3) {
+    fields.unsupported(dimension, dimension.value + "-D data; give a volume of three dimensions");
+  }
+}
+
+DataEncoding encodingOf(const HeaderFields& fields) {
+  const HeaderField& field = fields.require("encoding");
+  const std::string name = lowered(field.value);
+  if (name == "raw") return DataEncoding::kRaw;
+  if (name == "gzip" || name == "gz") return DataEncoding::kGzip;
+  for (const char* other : {"txt", "text", "ascii", "hex", "bz2", "bzip2"}) {
+    if (name == other) fields.unsupported(field, inQuotes(field.value) + " is not read; write the file as raw or gzip");
+  }
+  fields.fail(field, inQuotes(field.value) + " is not an encoding of NRRD");
+}
+
+bool bigEndian(const HeaderFields& fields, VoxelType type) {
+  if (sizeOf(type) == 1 && !fields.find("endian")) return false;
+  const HeaderField& field = fields.require("endian");
+  const std::string name = lowered(field.value);
+  if (name != "big" && name != "little") fields.fail(field, inQuotes(field.value) + " is neither big nor little");
+  return name == "big";
+}
+
+std::filesystem::path dataFileOf(const NrrdHeader& header) {
+  const HeaderField* field = header.fields.find("data file");
+  if (!field) {
+    if (header.closed) return header.fields.path();
+    throw Error(ErrorCode::kFormat, header.fields.path(), "end of the file",
+                "the header ends without the empty line before the data, and names no data file");
+  }
+  return header.fields.dataFile(*field);
+}
+
+// The byte after `lines` ends of line.
+std::uint64_t afterLines(const File& file, std::uint64_t offset, std::int64_t lines) {
+  std::vector<std::byte> chunk(lines > 0 ? 1 << 16 : 0);
+  while (lines > 0) {
+    const std::size_t got = file.readSomeAt(offset, chunk);
+    if (got == 0) throw Error(ErrorCode::kFormat, file.path(), "", "the file ends within the lines to skip");
+    std::size_t i = 0;
+    while (i < got && lines > 0) lines -= chunk[i++] == std::byte{'\n'};
+    offset += i;
+  }
+  return offset;
+}
+
+LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type) {
+  const HeaderFields& fields = header.fields;
+  LinearData data;
+  data.file = dataFileOf(header);
+  data.encoding = encodingOf(fields);
+  data.stored_type = type;
+  data.big_endian = bigEndian(fields, type);
+  const File file(data.file);
+  const auto skip = [&](const char* key, std::int64_t least) {
+    const HeaderField* field = fields.find(key);
+    const std::int64_t count = field ? fields.integers(*field, 1)[0] : 0;
+    if (count < least) fields.fail(*field, inQuotes(field->value) + " is not legal here");
+    return count;
+  };
+  const std::int64_t byte_skip = skip("byte skip", data.encoding == DataEncoding::kRaw ? -1 : 0);
+  const std::uint64_t first = fields.find("data file") ? 0 : header.end_offset;
+  data.offset_bytes = afterLines(file, first, skip("line skip", 0));
+  if (byte_skip >= 0) {
+    // In a compressed stream the lines are skipped before decompression and the bytes after it.
+    data.skip_decompressed_bytes = static_cast<std::uint64_t>(byte_skip);
+    return data;
+  }
+  const std::uint64_t bytes = checkedBytes(dims, type, fields.path());
+  if (file.size() < data.offset_bytes || bytes > file.size() - data.offset_bytes) {
+    fields.fail(*fields.find("byte skip"), "the data file has " + std::to_string(file.size()) +
+                                               " bytes, too few for the " + std::to_string(bytes) +
+                                               " that the dimensions need");
+  }
+  data.offset_bytes = file.size() - bytes;
+  return data;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
+  NrrdHeader header = readNrrdHeader(File(input));
+  dropUnitNrrdAxes(header.fields);
+  requireScalarNrrd(header.fields);
+  SourceInfo info;
+  info.format = "NRRD";
+  info.type = typeOf(header.fields);
+  info.geometry = nrrdGeometry(header.fields, options);
+  if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
+    info.notes.push_back(std::move(note));
+  const LinearData data = dataOf(header, info.geometry.dims, info.type);
+  return openDescribed(input, std::move(info), data);
+}
+
+}  // namespace kiln

@@ -1,0 +1,242 @@
+// Header bytes are hostile: a line is limited before it is stored, a number must use up its word, and std::from_chars
+// keeps the decimal point a point whatever the locale.
+#include "ingest/source/header_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include "base/text.h"
+
+namespace kiln {
+namespace {
+
+constexpr std::size_t kHeaderStepBytes = 1 << 14;
+constexpr std::size_t kMaxLineBytes = 1 << 20;
+constexpr std::uint64_t kMaxHeaderBytes = 16u << 20;
+
+template <class T>
+std::optional<T> numberOf(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+template <class T>
+std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std::size_t count) {
+  const std::vector<std::string> parts = words(field.value);
+  if (parts.size() != count) {
+    fields.fail(field, std::to_string(parts.size()) + " values, " + std::to_string(count) + " are expected");
+  }
+  std::vector<T> out;
+  for (const std::string& part : parts) {
+    const std::optional<T> value = numberOf<T>(part);
+    if (!value) fields.fail(field, inQuotes(part) + " is not a number that is legal here");
+    out.push_back(*value);
+  }
+  return out;
+}
+
+// "LIST", or a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
+bool namesSeveral(const std::string& name) {
+  const std::vector<std::string> parts = words(name);
+  if (parts[0] == "LIST") return true;
+  return parts.size() >= 4 && name.find('%') != std::string::npos && integerOf(parts[1]) && integerOf(parts[2]) &&
+         integerOf(parts[3]);
+}
+
+}  // namespace
+
+bool HeaderLines::refill() {
+  if (offset_ + (buffer_.size() - used_) > kMaxHeaderBytes || buffer_.size() - used_ > kMaxLineBytes) {
+    throw Error(ErrorCode::kFormat, file_.path(), "line " + std::to_string(number_),
+                "the text header does not end; the file is not what its first line says");
+  }
+  buffer_.erase(0, std::exchange(used_, 0));
+  const std::size_t held = buffer_.size();
+  buffer_.resize(held + kHeaderStepBytes);
+  const std::size_t got =
+      file_.readSomeAt(offset_ + held, std::as_writable_bytes(std::span(buffer_.data() + held, kHeaderStepBytes)));
+  buffer_.resize(held + got);
+  return got > 0;
+}
+
+std::optional<std::string> HeaderLines::next() {
+  ++number_;
+  std::size_t end;
+  while ((end = buffer_.find('\n', used_)) == std::string::npos) {
+    if (refill()) continue;
+    if (used_ == buffer_.size()) return std::nullopt;
+    end = buffer_.size();
+    break;
+  }
+  std::string line = buffer_.substr(used_, end - used_);
+  const std::size_t after = std::min(end + 1, buffer_.size());
+  offset_ += after - used_;
+  used_ = after;
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  return line;
+}
+
+void HeaderFields::add(HeaderField field, bool same_again) {
+  if (const HeaderField* first = find(field.key)) {
+    const bool spelling = first->written != field.written;
+    if (!(same_again && spelling && first->value == field.value)) {
+      fail(field, (spelling ? "contradicts " + inQuotes(first->written) + " in line " : "is given already in line ") +
+                      std::to_string(first->line));
+    }
+    return;
+  }
+  fields_.push_back(std::move(field));
+}
+
+const HeaderField* HeaderFields::find(std::string_view key) const {
+  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const HeaderField& f) { return f.key == key; });
+  return found == fields_.end() ? nullptr : &*found;
+}
+
+const HeaderField& HeaderFields::require(std::string_view key) const {
+  if (const HeaderField* field = find(key)) return *field;
+  throw Error(ErrorCode::kFormat, path_, "header", "the field '" + std::string(key) + "' is missing");
+}
+
+void HeaderFields::fail(const HeaderField& field, const std::string& what, ErrorCode code) const {
+  throw Error(code, path_, "line " + std::to_string(field.line), field.written + ": " + what);
+}
+
+std::vector<double> HeaderFields::doubles(const HeaderField& field, std::size_t count) const {
+  return numbers<double>(*this, field, count);
+}
+
+std::vector<std::int64_t> HeaderFields::integers(const HeaderField& field, std::size_t count) const {
+  return numbers<std::int64_t>(*this, field, count);
+}
+
+Extent3 HeaderFields::extent(const HeaderField& field) const {
+  const std::vector<std::int64_t> n = integers(field, 3);
+  return {n[0], n[1], n[2]};
+}
+
+glm::dvec3 HeaderFields::vector(const HeaderField& field) const {
+  const std::vector<double> v = doubles(field, 3);
+  return {v[0], v[1], v[2]};
+}
+
+void HeaderFields::dropAxes(std::string_view key, const std::vector<bool>& dropped) {
+  const HeaderField* field = find(key);
+  if (field == nullptr) return;
+  const std::vector<std::string> values = axisValues(field->value);
+  if (values.size() != dropped.size())
+    fail(*field, std::to_string(values.size()) + " values, " + std::to_string(dropped.size()) + " are expected");
+  std::string kept;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!dropped[i]) kept += (kept.empty() ? "" : " ") + values[i];
+  replace(key, std::move(kept));
+}
+
+void HeaderFields::replace(std::string_view key, std::string value) {
+  const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const HeaderField& f) { return f.key == key; });
+  found->value = std::move(value);
+}
+
+std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
+  const std::string& name = field.value;
+  if (words(name).empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
+  if (namesSeveral(name)) {
+    unsupported(field, "data spread over several files (" + inQuotes(name) + ") are not read; join them");
+  }
+  const std::filesystem::path file = path_.parent_path() / name;
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    fail(field, "the data file " + inQuotes(name) + " is not there; put it where the header says",
+         ErrorCode::kNotFound);
+  }
+  if (status.type() == std::filesystem::file_type::none) {
+    fail(field, "the data file " + inQuotes(name) + " cannot be looked at: " + error.message(), ErrorCode::kIo);
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    const bool folder = std::filesystem::is_directory(status);
+    fail(field, inQuotes(name) + (folder ? " is a folder" : " is a pipe or a device") +
+                    "; name the regular file that holds the voxels");
+  }
+  if (std::filesystem::equivalent(file, path_, error))
+    fail(field, inQuotes(name) + " is this header itself; name the file that holds the voxels");
+  return file;
+}
+
+std::string trimmed(std::string_view text) {
+  const auto space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  while (!text.empty() && space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && space(text.back())) text.remove_suffix(1);
+  return std::string(text);
+}
+
+std::vector<std::string> words(std::string_view text) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t first = text.find_first_not_of(" \t\r\v\f", i);
+    if (first == std::string_view::npos) break;
+    const std::size_t end = std::min(text.find_first_of(" \t\r\v\f", first), text.size());
+    out.emplace_back(text.substr(first, end - first));
+    i = end;
+  }
+  return out;
+}
+
+std::vector<std::string> axisValues(std::string_view text) {
+  constexpr const char* kSpace = " \t\r\v\f";
+  std::vector<std::string> out;
+  for (std::size_t i = 0; (i = text.find_first_not_of(kSpace, i)) != std::string_view::npos;) {
+    const char first = text[i];
+    const std::size_t closing = first == '"'   ? text.find('"', i + 1)
+                                : first == '(' ? text.find(')', i + 1)
+                                               : text.find_first_of(kSpace, i);
+    const bool marked = first == '"' || first == '(';
+    const std::size_t end = std::min(marked && closing != std::string_view::npos ? closing + 1 : closing, text.size());
+    out.emplace_back(text.substr(i, end - i));
+    i = end;
+  }
+  return out;
+}
+
+std::optional<double> doubleOf(std::string_view text) { return numberOf<double>(text); }
+std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<std::int64_t>(text); }
+
+namespace {
+
+// Of a character at the front of a text that a terminal shows, its bytes; 0 where there is none, or an order to it.
+std::size_t shownBytes(std::string_view text) {
+  const std::size_t bytes = bytesOfCharacter(text);
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const bool control = bytes == 1 ? byte(0) < 0x20 || byte(0) == 0x7f : bytes == 2 && byte(0) == 0xc2 && byte(1) < 0xa0;
+  return control ? 0 : bytes;
+}
+
+}  // namespace
+
+std::string inQuotes(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  std::string out = "'";
+  std::string_view rest = text;
+  while (!rest.empty() && text.size() - rest.size() < kMost) {
+    const std::size_t count = shownBytes(rest);
+    out += count == 0 ? "?" : rest.substr(0, count);
+    rest.remove_prefix(std::max<std::size_t>(count, 1));
+  }
+  return out + (rest.empty() ? "'" : "...'");
+}
+
+glm::dmat4 axesAffine(const glm::dvec3& spacing, const glm::dvec3& origin) {
+  return directionsAffine({glm::dvec3(spacing.x, 0, 0), glm::dvec3(0, spacing.y, 0), glm::dvec3(0, 0, spacing.z)},
+                          origin);
+}
+
+glm::dmat4 directionsAffine(const std::array<glm::dvec3, 3>& directions, const glm::dvec3& origin) {
+  return {glm::dvec4(directions[0], 0), glm::dvec4(directions[1], 0), glm::dvec4(directions[2], 0),
+          glm::dvec4(origin, 1)};
+}
+
+}  // namespace kiln

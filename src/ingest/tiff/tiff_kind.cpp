@@ -1,0 +1,110 @@
+// One value a pixel of 8 to 64 bits, by a codec that libtiff has and that people use. The values are taken as they are
+// stored: where zero is white they are not turned around, as they are measurements here and not greys; a note says so.
+#include "ingest/tiff/tiff_kind.h"
+
+#include <fmt/format.h>
+#include <tiffio.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace kiln {
+namespace {
+
+struct Compression {
+  int code;
+  const char* name;
+  bool read;
+};
+// What is not read is not known well enough, or only with formats of pixel that are not read.
+constexpr Compression kCompressions[] = {
+    {COMPRESSION_NONE, "none", true},
+    {COMPRESSION_LZW, "LZW", true},
+    {COMPRESSION_ADOBE_DEFLATE, "Deflate", true},
+    {COMPRESSION_DEFLATE, "Deflate", true},
+    {COMPRESSION_PACKBITS, "PackBits", true},
+    {COMPRESSION_JPEG, "JPEG", true},
+    {COMPRESSION_LZMA, "LZMA", true},
+    {COMPRESSION_ZSTD, "Zstandard", true},
+    {COMPRESSION_LERC, "LERC", true},
+    {COMPRESSION_OJPEG, "JPEG, the old style", false},
+    {COMPRESSION_CCITTRLE, "CCITT run length", false},
+    {COMPRESSION_CCITTFAX3, "CCITT fax 3", false},
+    {COMPRESSION_CCITTFAX4, "CCITT fax 4", false},
+    {COMPRESSION_JP2000, "JPEG 2000", false},
+    {COMPRESSION_WEBP, "WebP", false},
+    {COMPRESSION_JXL, "JPEG XL", false},
+    {COMPRESSION_SGILOG, "SGI LogL", false},
+    {COMPRESSION_PIXARLOG, "PixarLog", false},
+};
+
+const char* colourName(int photometric) {
+  switch (photometric) {
+    case PHOTOMETRIC_RGB:
+      return "RGB colours";
+    case PHOTOMETRIC_PALETTE:
+      return "indices into a palette of colours";
+    case PHOTOMETRIC_SEPARATED:
+      return "CMYK inks";
+    case PHOTOMETRIC_YCBCR:
+      return "YCbCr colours";
+    case PHOTOMETRIC_CIELAB:
+    case PHOTOMETRIC_ICCLAB:
+    case PHOTOMETRIC_ITULAB:
+      return "L*a*b* colours";
+    case PHOTOMETRIC_CFA:
+      return "a camera's colour mosaic";
+    case PHOTOMETRIC_LOGL:
+    case PHOTOMETRIC_LOGLUV:
+      return "logarithmic luminances";
+    default:
+      return nullptr;
+  }
+}
+
+const char* formatName(int format) {
+  switch (format) {
+    case SAMPLEFORMAT_INT:
+      return "signed integers";
+    case SAMPLEFORMAT_IEEEFP:
+      return "floating-point numbers";
+    case SAMPLEFORMAT_COMPLEXINT:
+    case SAMPLEFORMAT_COMPLEXIEEEFP:
+      return "complex numbers";
+    default:
+      return "integers";
+  }
+}
+
+}  // namespace
+
+std::optional<VoxelType> voxelTypeOf(const TiffKind& kind) {
+  const bool plain = kind.sample_format == SAMPLEFORMAT_UINT || kind.sample_format == SAMPLEFORMAT_VOID;
+  const bool is_signed = kind.sample_format == SAMPLEFORMAT_INT, real = kind.sample_format == SAMPLEFORMAT_IEEEFP;
+  if (kind.bits == 8 && (plain || is_signed)) return plain ? VoxelType::u8 : VoxelType::i8;
+  if (kind.bits == 16 && (plain || is_signed)) return plain ? VoxelType::u16 : VoxelType::i16;
+  if (kind.bits == 32 && (plain || is_signed)) return plain ? VoxelType::u32 : VoxelType::i32;
+  if (kind.bits == 32 && real) return VoxelType::f32;
+  if (kind.bits == 64 && real) return VoxelType::f64;
+  return std::nullopt;
+}
+
+std::string refusalOf(const TiffKind& kind) {
+  if (const char* colour = colourName(kind.photometric)) return fmt::format("holds {}, not one value a pixel", colour);
+  if (kind.samples != 1) return fmt::format("holds {} samples a pixel; Kiln reads one", kind.samples);
+  if (kind.depth != 1) return "is a page with a depth of its own; save its slices as pages";
+  const auto known = std::find_if(std::begin(kCompressions), std::end(kCompressions),
+                                  [&](const Compression& c) { return c.code == kind.compression; });
+  const bool named = known != std::end(kCompressions);
+  if (!named || !known->read || TIFFIsCODECConfigured(static_cast<std::uint16_t>(kind.compression)) == 0) {
+    return fmt::format("is compressed with {}{}, which is not read; save it with LZW, Deflate or none",
+                       named ? std::string(known->name) + " " : "", fmt::format("(scheme {})", kind.compression));
+  }
+  if (!voxelTypeOf(kind)) {
+    return fmt::format("holds {}-bit {}; 8, 16 and 32-bit integers, float and double are read", kind.bits,
+                       formatName(kind.sample_format));
+  }
+  return "";
+}
+
+}  // namespace kiln

@@ -1,0 +1,267 @@
+// A stack of TIFF pages: one file a slice, one file with many pages, or several of those, in natural order of their
+// names. Boxes in any order: rows of pages that are not compressed are read from where they lie, whatever the size of a
+// strip; strips and tiles that are compressed are decoded one by one and kept while neighbouring boxes ask for them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include "base/error.h"
+#include "ingest/bytes/block_cache.h"
+#include "ingest/bytes/gather_rows.h"
+#include "ingest/bytes/handle_pool.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/bytes/value_map.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
+#include "ingest/tiff/tiff_file.h"
+#include "ingest/tiff/tiff_spacing.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+struct Slice {
+  std::size_t file = 0;
+  int page = 0;
+  std::uint64_t directory = 0;
+  /// Of an image that follows the page without a directory of its own. unit: bytes behind the page's first.
+  std::uint64_t behind = 0;
+};
+
+struct Stack {
+  std::vector<Slice> slices;
+  TiffPage first;
+  std::optional<StackNotes> notes;
+  /// The number of pages of each file.
+  std::vector<std::size_t> pages;
+  std::uint64_t largest_packed_block_bytes = 0;
+  /// Sentences for the user.
+  std::vector<std::string> remarks;
+
+  /// As ImageJ writes signed numbers, which TIFF has had for longer than ImageJ.
+  bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
+};
+
+// All that pages of one volume have in common.
+std::string describe(const TiffPage& page) {
+  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type),
+                     page.smallest_is_white ? ", its smallest value white" : "",
+                     page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
+}
+
+// `index` is the file's among `files`. A third file decides which of two that differ is named.
+void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std::size_t index, const TiffFile& file,
+                  std::size_t slice) {
+  const TiffPage& page = file.page();
+  if (describe(page) == describe(first)) return;
+  const auto fail = [](const fs::path& path, int number, const std::string& what) {
+    throw Error(ErrorCode::kFormat, path, fmt::format("page {}", number), what + "; slices of one volume are alike");
+  };
+  if (index == 1 && files.size() > 2 && describe(TiffFile(files[2]).page()) == describe(page))
+    fail(files[0], first.number,
+         fmt::format("slice 0 is {}, but the next, in {}, is {}", describe(first), files[1].filename().string(),
+                     describe(page)));
+  fail(files[index], page.number,
+       fmt::format("slice {} is {}, but the first, in {}, is {}", slice, describe(page), files[0].filename().string(),
+                   describe(first)));
+}
+
+// A file of several pages among files of one is another thing than a slice, and would move those above it.
+void requirePagesAlike(Stack& stack, const std::vector<fs::path>& files, const SourceOptions& options) {
+  const auto several = std::find_if(stack.pages.begin(), stack.pages.end(), [](std::size_t n) { return n > 1; });
+  const auto single = std::find(stack.pages.begin(), stack.pages.end(), 1u);
+  if (several == stack.pages.end() || single == stack.pages.end()) return;
+  const auto file = [&](auto at) { return files[static_cast<std::size_t>(at - stack.pages.begin())]; };
+  const std::string what =
+      fmt::format("has {} pages, but {} has 1; slices are files of one page each, or of several each", *several,
+                  inQuotes(file(single).filename().string()));
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, file(several), "", what + "; --allow-irregular takes every page as a slice");
+  stack.remarks.push_back(inQuotes(file(several).filename().string()) + " " + what + "; took every page as a slice");
+}
+
+void noteForViewers(const TiffPage& page, std::vector<std::string>& notes) {
+  if (page.smallest_is_white)
+    notes.push_back(
+        "the TIFF files show their smallest values white (WhiteIsZero); the values are taken as stored, and a transfer "
+        "function decides what is bright");
+  if (page.orientation != 1)
+    notes.push_back(fmt::format(
+        "the TIFF files have Orientation {}, by which viewers turn or mirror them; the rows and columns are "
+        "taken as stored",
+        page.orientation));
+}
+
+void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
+  if (notes.channels == 1 && notes.frames == 1) return;
+  throw Error(ErrorCode::kUnsupported, path, "",
+              fmt::format("is {} stacks (channels, times or positions), by {}'s description; save one of them",
+                          notes.channels * notes.frames, notes.writer));
+}
+
+// Beyond 4 GB ImageJ writes one directory, and the other images behind the first.
+std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
+  const TiffPage& page = file.page();
+  if (notes.counts_all_files || notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
+  const std::uint64_t room = file.file().size() - file.blockOffset(0);
+  if (static_cast<std::uint64_t>(notes.images) > room / page.bytes()) {
+    file.fail(fmt::format("ImageJ's description says {} images, but the file ends after {}", notes.images,
+                          room / page.bytes()));
+  }
+  return notes.images - 1;
+}
+
+// A link to the next page that was overwritten with zero ends the file; only the description still has the number.
+void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, const fs::path& path,
+                   const SourceOptions& options) {
+  if (static_cast<std::uint64_t>(notes.images) <= found) return;
+  const std::string what = fmt::format("{}'s description says {} images, but {} {} found; slices are missing",
+                                       notes.writer, notes.images, found, found == 1 ? "is" : "are");
+  if (!options.allow_irregular)
+    throw Error(ErrorCode::kFormat, path, "", what + "; --allow-irregular takes the images that are there");
+  stack.remarks.push_back(what);
+}
+
+void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index, const SourceOptions& options) {
+  TiffFile file(files[index]);
+  const std::optional<StackNotes> notes = stackNotes(file.description());
+  if (notes) refuseHyperstack(*notes, files[index]);
+  if (index == 0) {
+    stack.first = file.page();
+    stack.notes = notes;
+  }
+  if ((notes && notes->offset_signed) != (stack.notes && stack.notes->offset_signed))
+    throw Error(ErrorCode::kFormat, files[index], "",
+                "says another thing of its sign than the first file; slices of one volume are alike");
+  const std::size_t before = stack.slices.size();
+  do {
+    const TiffPage& page = file.page();
+    requireAlike(stack.first, files, index, file, stack.slices.size());
+    if (page.packed) stack.largest_packed_block_bytes = std::max(stack.largest_packed_block_bytes, page.blockBytes());
+    stack.slices.push_back({index, page.number, page.directory, 0});
+  } while (file.next());
+  stack.pages.push_back(stack.slices.size() - before);
+  if (!notes) return;
+  const Slice last = stack.slices.back();
+  const std::int64_t behind = stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
+  for (std::int64_t k = 1; k <= behind; ++k) {
+    stack.slices.push_back({last.file, last.page, last.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
+  }
+  if (!notes->counts_all_files) requireImages(stack, *notes, stack.slices.size() - before, files[index], options);
+}
+
+class TiffSource : public VolumeSource {
+ public:
+  TiffSource(SourceInfo info, std::vector<fs::path> files, Stack stack)
+      : info_(std::move(info)), files_(std::move(files)), stack_(std::move(stack)) {}
+
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return ReadOrder::kAnyBox; }
+  void read(const VoxelBox& box, std::span<std::byte> out) override;
+  // Packed and decoded; what is packed is hardly longer.
+  std::uint64_t decodeBytes() const override { return 2 * stack_.largest_packed_block_bytes; }
+  void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
+
+ private:
+  void readSlice(const VoxelBox& box, std::byte* out);
+  void readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part, std::byte* out);
+
+  SourceInfo info_;
+  std::vector<fs::path> files_;
+  Stack stack_;
+  HandlePool<TiffFile> open_;
+  BlockCache cache_;
+};
+
+void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
+  assert(intersection(box, boxOf(info_.geometry.dims)) == box);
+  assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
+  if (box.empty()) return;
+  const std::size_t slice_bytes = out.size() / static_cast<std::size_t>(box.extent().z);
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
+    readSlice(in_slice, out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes);
+  }
+  if (!stack_.storesLargerBy32768()) return;
+  for (std::size_t i = 0; i < out.size(); i += sizeof(std::uint16_t)) {
+    std::uint16_t value;
+    std::memcpy(&value, &out[i], sizeof(value));
+    value ^= 0x8000;
+    std::memcpy(&out[i], &value, sizeof(value));
+  }
+}
+
+// By the blocks of the page that the box touches.
+void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
+  const Slice& slice = stack_.slices[static_cast<std::size_t>(box.lo.z)];
+  const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
+  file->select(slice.page, slice.directory);
+  const std::int64_t bw = file->page().block_width, bh = file->page().block_height;
+  const std::size_t size = sizeOf(info_.type), line = static_cast<std::size_t>(box.extent().x) * size;
+  std::vector<std::byte> packed;
+  for (std::int64_t y = box.lo.y / bh * bh; y < box.hi.y; y += bh) {
+    for (std::int64_t x = box.lo.x / bw * bw; x < box.hi.x; x += bw) {
+      const VoxelBox block = {{x, y, box.lo.z}, {x + bw, y + bh, box.hi.z}};
+      const VoxelBox part = intersection(block, box);
+      std::byte* to = out + static_cast<std::size_t>(part.lo.y - box.lo.y) * line +
+                      static_cast<std::size_t>(part.lo.x - box.lo.x) * size;
+      const std::size_t row = static_cast<std::size_t>(part.extent().x) * size;
+      if (row == line) {
+        readPart(*file, slice, block, part, to);
+        continue;
+      }
+      packed.resize(static_cast<std::size_t>(part.count()) * size);
+      readPart(*file, slice, block, part, packed.data());
+      for (std::size_t y0 = 0; y0 * row < packed.size(); ++y0) std::memcpy(to + y0 * line, &packed[y0 * row], row);
+    }
+  }
+}
+
+// The rows of `part`, densely.
+void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part,
+                          std::byte* out) {
+  const TiffPage& page = file.page();
+  const std::uint64_t size = sizeOf(page.type), stride = static_cast<std::uint64_t>(page.block_width) * size;
+  const std::uint64_t row = static_cast<std::uint64_t>(part.extent().x) * size;
+  const std::uint64_t rows = static_cast<std::uint64_t>(part.extent().y);
+  const std::uint64_t first = static_cast<std::uint64_t>(part.lo.y - block.lo.y) * stride +
+                              static_cast<std::uint64_t>(part.lo.x - block.lo.x) * size;
+  const std::int64_t index = block.lo.y / page.block_height * page.blocksAcross() + block.lo.x / page.block_width;
+  if (page.packed) {
+    const auto bytes = cache_.get({block.lo.z, index}, [&] { return file.decodeBlock(index); });
+    for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, bytes->data() + first + y * stride, row);
+    return;
+  }
+  gatherRows(file.file(), file.blockOffset(index) + slice.behind + first, rows, row, stride, out);
+  if (page.swapped) swapBytes(out, static_cast<std::size_t>(part.count()), static_cast<std::size_t>(size));
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options) {
+  Stack stack;
+  for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i, options);
+  if (stack.notes && stack.notes->counts_all_files)
+    requireImages(stack, *stack.notes, stack.slices.size(), input.input, options);
+  else
+    requirePagesAlike(stack, input.files, options);
+  SourceInfo info;
+  info.notes = input.notes;
+  noteForViewers(stack.first, info.notes);
+  info.notes.insert(info.notes.end(), stack.remarks.begin(), stack.remarks.end());
+  info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type;
+  const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
+  checkedBytes(dims, info.type, input.input);
+  info.geometry = tiffGeometry(dims, stack.first, stack.notes, options, info.notes);
+  if (stack.notes && !stack.notes->line.empty())
+    info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
+                                     stack.notes->writer, stack.notes->line));
+  info.format = fmt::format("TIFF, {} {}", dims.z, dims.z == 1 ? "slice" : "slices");
+  if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
+  info.files.insert(info.files.end(), input.files.begin(), input.files.end());
+  return std::make_unique<TiffSource>(std::move(info), input.files, std::move(stack));
+}
+
+}  // namespace kiln

@@ -1,0 +1,266 @@
+// TIFF has a resolution for printing, and most programs write the printer's or the screen's into it whatever the image
+// is. So the tags count only with a unit and a number that no screen or printer has. They do not reach across pages:
+// what they say of the pixel is taken for the distance of slices, too, and the user is told.
+#include "ingest/tiff/tiff_spacing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace {
+
+constexpr int kInch = 2, kCentimetre = 3;
+
+bool usable(double spacing) { return std::isfinite(spacing) && spacing > 1e-12 && spacing < 1e12; }
+
+struct LengthUnit {
+  const char* name;
+  std::int64_t picometres;
+  /// Spellings besides the name, with a space between two.
+  std::string_view others;
+};
+
+// ImageJ writes the micro sign as \u00B5, and older versions as the byte of Latin-1; XML may write it as an entity.
+constexpr std::array<LengthUnit, 12> kUnits = {{
+    {"pm", 1, "picometer picometre"},
+    {"angstrom", 100, "angstroms Angstrom A \xc3\x85 \xe2\x84\xab &#197; &#xC5; &#8491; &#x212B; \\u00C5"},
+    {"nm", 1'000, "nanometer nanometre nanometers nanometres"},
+    {"um", 1'000'000,
+     "micron microns micrometer micrometre micrometers micrometres \\u00B5m \xb5m \xc2\xb5m \xce\xbcm &#181;m &#xB5;m "
+     "&#xb5;m &#956;m &#x3BC;m &#x3bc;m &micro;m"},
+    {"mm", 1'000'000'000, "millimeter millimetre millimeters millimetres"},
+    {"cm", 10'000'000'000, "centimeter centimetre centimeters centimetres"},
+    {"in", 25'400'000'000, "inch inches"},
+    {"dm", 100'000'000'000, "decimeter decimetre"},
+    {"ft", 304'800'000'000, "foot feet"},
+    {"yd", 914'400'000'000, "yard yards"},
+    {"m", 1'000'000'000'000, "meter metre meters metres"},
+    {"km", 1'000'000'000'000'000, "kilometer kilometre kilometers kilometres"},
+}};
+
+const LengthUnit* unitNamed(std::string_view text) {
+  const std::string spaced = " " + std::string(text) + " ";
+  for (const LengthUnit& unit : kUnits) {
+    if (text == unit.name || (" " + std::string(unit.others) + " ").find(spaced) != std::string::npos) return &unit;
+  }
+  return nullptr;
+}
+
+std::string nameOf(std::string_view unit) {
+  const LengthUnit* const known = unitNamed(unit);
+  return known ? known->name : "";
+}
+
+// The number of `to` in one `from`; nothing where they differ and one is unknown. Powers of ten stay exact in x * n /
+// d.
+struct Ratio {
+  double numerator = 1, denominator = 1;
+  double of(double length) const { return length * numerator / denominator; }
+};
+std::optional<Ratio> ratioOf(std::string_view from, std::string_view to) {
+  if (from == to) return Ratio();
+  const LengthUnit *const a = unitNamed(from), *const b = unitNamed(to);
+  if (!a || !b) return std::nullopt;
+  const std::int64_t common = std::gcd(a->picometres, b->picometres);
+  return Ratio{static_cast<double>(a->picometres / common), static_cast<double>(b->picometres / common)};
+}
+
+std::string unknownUnit(const char* writer, std::string_view unit) {
+  return fmt::format("{}'s description gives lengths in {}, which is no known unit; they are taken without a unit",
+                     writer, inQuotes(unit));
+}
+
+std::string unlikeUnit(const char* writer, char axis, std::string_view unit, std::string_view of_x) {
+  return fmt::format(
+      "{}'s description gives the length along {} in {} and along x in {}, of which one is unknown; the "
+      "length along {} is not used; set --spacing",
+      writer, axis, inQuotes(unit), inQuotes(of_x), axis);
+}
+
+// Dots per inch of screens, printers and scanners' menus.
+bool isPrinters(double per_inch) {
+  constexpr std::array kUsual = {72.0,  75.0,  90.0,  96.0,  100.0, 120.0,  150.0, 200.0,
+                                 240.0, 300.0, 360.0, 400.0, 600.0, 1200.0, 2400.0};
+  return std::any_of(kUsual.begin(), kUsual.end(), [&](double dpi) { return std::abs(per_inch / dpi - 1) < 0.005; });
+}
+
+// unit: mm; zero where the tags do not say.
+glm::dvec2 pixelByTags(const TiffPage& page) {
+  const double unit_mm = page.resolution_unit == kInch ? 25.4 : page.resolution_unit == kCentimetre ? 10 : 0;
+  const glm::dvec2 pixel(unit_mm / page.x_resolution, unit_mm / page.y_resolution);
+  if (unit_mm == 0 || !usable(pixel.x) || !usable(pixel.y)) return glm::dvec2(0);
+  return isPrinters(25.4 / pixel.x) ? glm::dvec2(0) : pixel;
+}
+
+// More than any file has are as good as many.
+std::int64_t stacksFrom(std::string_view text) {
+  return std::clamp<std::int64_t>(integerOf(text).value_or(1), 1, 1'000'000);
+}
+
+// ImageJ leaves the distance of a stack's slices out where it is exactly 1. y and z may have units of their own.
+void useUnits(StackNotes& out, const std::string& x, const std::string& y, const std::string& z) {
+  out.unit = nameOf(x);
+  if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, x));
+  if (out.spacing == 0 && out.images > 1) out.spacing = 1;
+  const std::optional<Ratio> from_y = ratioOf(y, x), from_z = ratioOf(z, x);
+  if (from_y) out.y_scale = from_y->of(1);
+  if (!from_y) out.remarks.push_back(unlikeUnit(out.writer, 'y', y, x));
+  if (!from_z) out.remarks.push_back(unlikeUnit(out.writer, 'z', z, x));
+  out.spacing = from_z ? from_z->of(out.spacing) : 0;
+}
+
+std::optional<StackNotes> imageJNotes(std::string_view description) {
+  if (!description.starts_with("ImageJ=")) return std::nullopt;
+  StackNotes out;
+  out.writer = "ImageJ";
+  std::string fit, c0, c1, unit, unit_y, unit_z;
+  while (!description.empty()) {
+    const std::string_view line = description.substr(0, description.find('\n'));
+    description.remove_prefix(std::min(line.size() + 1, description.size()));
+    const std::size_t equals = line.find('=');
+    if (equals == std::string_view::npos) continue;
+    const std::string key = trimmed(line.substr(0, equals)), value = trimmed(line.substr(equals + 1));
+    if (key == "images") out.images = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
+    if (key == "channels") out.channels = stacksFrom(value);
+    if (key == "frames") out.frames = stacksFrom(value);
+    // Stacks whose order was turned around have a negative one.
+    if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
+    if (key == "unit") unit = value;
+    if (key == "yunit") unit_y = value;
+    if (key == "zunit") unit_z = value;
+    // A calibration, of which 0 is a straight line.
+    if (key == "cf") fit = value;
+    if (key == "c0") c0 = value;
+    if (key == "c1") c1 = value;
+  }
+  out.in_unit = !unit.empty() && unit != "pixel" && unit != "pixels";
+  if (out.in_unit) useUnits(out, unit, unit_y.empty() ? unit : unit_y, unit_z.empty() ? unit : unit_z);
+  const std::optional<double> at_zero = doubleOf(c0), slope = doubleOf(c1);
+  if (fit.empty() || !at_zero || !slope) return out;
+  out.offset_signed = fit == "0" && *at_zero == -32768 && *slope == 1;
+  if (!out.offset_signed && !(fit == "0" && *at_zero == 0 && *slope == 1))
+    out.line = fit == "0" ? fmt::format("{:.9g} + {:.9g} times", *at_zero, *slope) : "a curve (calibration) of";
+  return out;
+}
+
+// Of an element of XML, <Name a="1" b="2"; empty where it has none of that name.
+std::string attributeOf(std::string_view element, const std::string& name) {
+  const std::size_t at = element.find(" " + name + "=");
+  if (at == std::string_view::npos || at + name.size() + 2 >= element.size()) return "";
+  const std::size_t first = at + name.size() + 2;  // the quote
+  const std::size_t last = element.find(element[first], first + 1);
+  return last == std::string_view::npos ? "" : std::string(element.substr(first + 1, last - first - 1));
+}
+
+// Source: the OME data model of 2016-06, Pixels.
+std::optional<StackNotes> omeNotes(std::string_view description) {
+  if (description.find("<OME ") == std::string_view::npos) return std::nullopt;
+  description.remove_prefix(std::min(description.find("<Pixels "), description.size()));
+  const std::string_view pixels = description.substr(0, description.find('>'));
+  const auto of = [&](const std::string& name) { return attributeOf(pixels, name); };
+  StackNotes out;
+  out.writer = "OME";
+  out.channels = stacksFrom(of("SizeC"));
+  out.frames = stacksFrom(of("SizeT"));
+  out.images = stacksFrom(of("SizeZ"));
+  out.counts_all_files = true;
+  // Micrometres are OME's default for each axis.
+  const auto unit = [&](const std::string& axis) {
+    const std::string text = of("PhysicalSize" + axis + "Unit");
+    return text.empty() ? std::string("um") : text;
+  };
+  const std::string of_x = unit("X");
+  if (doubleOf(of("PhysicalSizeX"))) {
+    out.unit = nameOf(of_x);
+    if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, of_x));
+  }
+  const auto length = [&](const std::string& axis) {
+    const double number = doubleOf(of("PhysicalSize" + axis)).value_or(0);
+    const std::optional<Ratio> ratio = ratioOf(unit(axis), of_x);
+    if (!ratio && number != 0) out.remarks.push_back(unlikeUnit(out.writer, axis == "Y" ? 'y' : 'z', unit(axis), of_x));
+    return ratio ? ratio->of(number) : 0;
+  };
+  out.pixel = {length("X"), length("Y")};
+  if (out.pixel.y == 0) out.pixel.y = out.pixel.x;
+  out.spacing = length("Z");
+  return out;
+}
+
+// {"shape": [2, 5, 64, 64]}: beyond three dimensions that are no 1, they are channels, times or positions.
+std::optional<StackNotes> tifffileNotes(std::string_view description) {
+  constexpr std::string_view kBegin = "{\"shape\": [";
+  if (!description.starts_with(kBegin)) return std::nullopt;
+  description.remove_prefix(kBegin.size());
+  const std::string shape(description.substr(0, description.find(']')));
+  std::vector<std::int64_t> dims;
+  for (std::size_t at = 0; at < shape.size();) {
+    const std::size_t end = std::min(shape.find(',', at), shape.size());
+    if (const auto dim = integerOf(trimmed(std::string_view(shape).substr(at, end - at))); dim && *dim != 1)
+      dims.push_back(*dim);
+    at = end + 1;
+  }
+  StackNotes out;
+  out.writer = "tifffile";
+  for (std::size_t i = 0; i + 3 < dims.size(); ++i)
+    out.channels = std::min<std::int64_t>(out.channels * std::clamp<std::int64_t>(dims[i], 1, 1000), 1'000'000);
+  return out;
+}
+
+}  // namespace
+
+std::optional<StackNotes> stackNotes(std::string_view description) {
+  for (const auto& read : {imageJNotes, omeNotes, tifffileNotes}) {
+    if (std::optional<StackNotes> out = read(description)) return out;
+  }
+  return std::nullopt;
+}
+
+VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<StackNotes>& stack,
+                            const SourceOptions& options, std::vector<std::string>& notes) {
+  VolumeGeometry out;
+  out.dims = dims;
+  glm::dvec3 spacing(1);
+  const glm::dvec2 tags = pixelByTags(page);
+  const bool told = stack && usable(stack->pixel.x) && usable(stack->pixel.y);
+  std::string choice;
+  const auto sameDistance = [&](const std::string& who) {
+    if (dims.z > 1)
+      choice = fmt::format(
+          "{} {:.6g}{} a pixel and nothing of the distance of slices, which is taken to be the same; "
+          "--spacing says otherwise",
+          who, spacing.x, out.unit.empty() ? "" : " " + out.unit);
+  };
+  if (stack && (usable(stack->spacing) || stack->in_unit || told)) {
+    const glm::dvec2 pixel =
+        told ? stack->pixel : glm::dvec2(1 / page.x_resolution, stack->y_scale / page.y_resolution);
+    const bool sized = told || (stack->in_unit && usable(pixel.x) && usable(pixel.y));
+    if (sized) spacing = glm::dvec3(pixel, pixel.x);
+    if (sized) out.unit = stack->unit;
+    if (usable(stack->spacing))
+      spacing.z = stack->spacing;
+    else
+      sameDistance(fmt::format("{}'s description says", stack->writer));
+  } else if (tags.x > 0) {
+    spacing = glm::dvec3(tags, tags.x);
+    out.unit = "mm";
+    sameDistance("the TIFF files say");
+  } else {
+    choice = "the TIFF files do not say how large a voxel is, which is taken to be 1 x 1 x 1; --spacing says otherwise";
+  }
+  if (options.spacing) {
+    spacing = *options.spacing;
+  } else {
+    if (stack) notes.insert(notes.end(), stack->remarks.begin(), stack->remarks.end());
+    if (!choice.empty()) notes.push_back(choice);
+  }
+  out.world_from_index = axesAffine(spacing, glm::dvec3(0));
+  return out;
+}
+
+}  // namespace kiln

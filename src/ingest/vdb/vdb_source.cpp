@@ -1,0 +1,308 @@
+// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they
+// are. Only the grid that is read is held in memory, in its sparse form. OpenVDB trusts the bytes of a file;
+// vdb_bytes.h says what is checked before. OpenVDB loses the node that it was reading when it throws.
+#include <fmt/format.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
+#include <openvdb/tools/Dense.h>
+
+#include <algorithm>
+#include <glm/ext/matrix_transform.hpp>
+#include <istream>
+#include <limits>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/memory/memory.h"
+#include "grid/openvdb_glue.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/source/formats.h"
+#include "ingest/vdb/vdb_bytes.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+struct GridEntry {
+  openvdb::io::GridDescriptor descriptor;
+  openvdb::GridBase::Ptr grid;  // empty of voxels until it is loaded
+  std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
+  const std::string& type() const { return descriptor.gridType(); }
+};
+
+// What io::File does, on our stream: a directory of grids, of which one is read. Nothing is loaded later.
+class GridFile : public openvdb::io::Archive {
+ public:
+  /// throws: Error kBudget where the grids that must be read take more than `memory_bytes`.
+  GridFile(const fs::path& path, std::uint64_t memory_bytes)
+      : file_(path), memory_bytes_(memory_bytes), lengths_(vdbLengths(file_)), buffer_(file_), in_(&buffer_) {
+    lengths_.fileHead(openvdb::OPENVDB_FILE_VERSION);
+    in_.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(in_);
+    openvdb::io::setStreamMetadataPtr(in_, stream_metadata_, /*transfer=*/false);
+    openvdb::io::setVersion(in_, libraryVersion(), fileVersion());
+    openvdb::io::setDataCompression(in_, compression());
+    openvdb::MetaMap().readMeta(in_);
+    const std::int32_t count = readGridCount(in_);
+    for (std::int32_t i = 0; i < count; ++i) {
+      GridEntry entry;
+      lengths_.descriptor(position());
+      entry.grid = entry.descriptor.read(in_);
+      if (inputHasGridOffsets()) {
+        entry.descriptor.seekToEnd(in_);
+      } else {
+        fill(entry);  // a file written to a pipe knows no places: all of it must be read
+      }
+      entries_.push_back(std::move(entry));
+    }
+  }
+
+  const std::vector<GridEntry>& entries() const { return entries_; }
+  /// What the grids take that were read. unit: bytes.
+  std::uint64_t heldBytes() const { return held_bytes_; }
+
+  openvdb::GridBase::Ptr load(const GridEntry& entry) {
+    if (!inputHasGridOffsets() && !entry.descriptor.isInstance()) return entry.grid;
+    NamedGridMap named;
+    for (const GridEntry& other : entries_) {
+      const bool parent = other.descriptor.uniqueName() == entry.descriptor.instanceParentName();
+      if (&other != &entry && !parent) continue;
+      if (inputHasGridOffsets()) {
+        other.descriptor.seekToGrid(in_);
+        fill(other);
+      }
+      named[other.descriptor.uniqueName()] = other.grid;
+    }
+    connectInstance(entry.descriptor, named);
+    return entry.grid;
+  }
+
+ private:
+  std::uint64_t position() { return static_cast<std::uint64_t>(std::streamoff(in_.tellg())); }
+  void fill(const GridEntry& entry) {
+    const std::uint64_t tree_at = lengths_.gridHead(position());
+    if (!entry.descriptor.isInstance()) {
+      requireKnownMemory(entry);
+      charge(entry, lengths_.treeMemory(tree_at,
+                                        {entry.grid->valueType(), entry.descriptor.saveFloatAsHalf(), compression()}));
+    }
+    readGrid(entry.grid, entry.descriptor, in_);
+  }
+
+  // A file without places of its grids is read whole, points and texts included.
+  void requireKnownMemory(const GridEntry& entry) const {
+    if (VdbLengths::knowsMemoryOf(entry.grid->valueType())) return;
+    throw Error(ErrorCode::kUnsupported, file_.path(), fmt::format("grid '{}' ({})", entry.name(), entry.type()),
+                "must be read to reach the other grids of a file that was written to a pipe, and needs memory of "
+                "unknown amount; write the file to a disk, or without this grid");
+  }
+
+  void charge(const GridEntry& entry, std::uint64_t bytes) {
+    held_bytes_ += bytes;
+    if (held_bytes_ <= memory_bytes_) return;
+    throw Error(
+        ErrorCode::kBudget, file_.path(), "--memory",
+        fmt::format("{} is too little: grid '{}' is read whole, which takes {}, and the buffers of a conversion "
+                    "come on top",
+                    formatBytes(memory_bytes_), entry.name(), formatBytes(held_bytes_)));
+  }
+
+  File file_;
+  const std::uint64_t memory_bytes_;
+  std::uint64_t held_bytes_ = 0;
+  VdbLengths lengths_;
+  VdbBytes buffer_;
+  // The stream keeps the address of this pointer, so it must live as long.
+  std::shared_ptr<openvdb::io::StreamMetadata> stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
+  std::istream in_;
+  std::vector<GridEntry> entries_;
+};
+
+bool isWide(const openvdb::GridBase& grid) { return grid.isType<openvdb::Int64Grid>(); }
+
+// Whether the grid has one number a voxel.
+bool scalarOf(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>() ||
+         isWide(grid);
+}
+
+std::string reasonAgainst(const openvdb::GridBase& grid) {
+  const std::string type = grid.valueType();
+  if (type.starts_with("ptdata") || type.starts_with("ptidx")) return "holds points, not a value a voxel";
+  if (type.starts_with("vec")) return "holds vectors, not one value a voxel";
+  if (type == "bool" || type == "mask") return "holds a mask without values";
+  if (type == "string") return "holds text";
+  return "has a type that Kiln does not read";
+}
+
+[[noreturn]] void refuse(const fs::path& path, const GridEntry& entry, const std::string& why) {
+  throw Error(ErrorCode::kUnsupported, path, fmt::format("grid '{}' ({})", entry.name(), entry.type()), why);
+}
+
+std::string listOf(const std::vector<GridEntry>& entries) {
+  std::string out;
+  for (const GridEntry& entry : entries)
+    out += fmt::format("{}'{}' ({})", out.empty() ? "" : ", ", entry.name(), entry.type());
+  return out.empty() ? "none" : out;
+}
+
+const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& entries, const SourceOptions& options) {
+  if (options.grid_name) {
+    const auto named = [&](const GridEntry& entry) { return entry.name() == *options.grid_name; };
+    const auto found = std::find_if(entries.begin(), entries.end(), named);
+    if (found == entries.end()) {
+      throw Error(ErrorCode::kUsage, path, "",
+                  fmt::format("has no grid '{}'; it has {}", *options.grid_name, listOf(entries)));
+    }
+    return *found;
+  }
+  std::vector<const GridEntry*> scalar;
+  // Grids of 64-bit integers are often identifiers beside the volume.
+  for (const bool wide : {false, true}) {
+    for (const GridEntry& entry : entries) {
+      if (scalarOf(*entry.grid) && isWide(*entry.grid) == wide) scalar.push_back(&entry);
+    }
+    if (!scalar.empty()) break;
+  }
+  if (scalar.size() == 1) return *scalar.front();
+  for (const GridEntry* entry : scalar) {
+    if (entry->name() == "density") return *entry;
+  }
+  if (entries.size() == 1) return entries.front();  // its own reason against it follows
+  if (scalar.empty()) {
+    throw Error(ErrorCode::kUnsupported, path, "",
+                fmt::format("has no grid that Kiln reads; it has {}", listOf(entries)));
+  }
+  throw Error(ErrorCode::kUsage, path, "",
+              fmt::format("has several grids; choose one with --grid NAME; it has {}", listOf(entries)));
+}
+
+// OpenVDB's loops over a tree count to the end of a root's child and one farther, in 32 bits: the outermost children of
+// 4096 voxels would overflow.
+constexpr int kFirstIndex = std::numeric_limits<int>::min() + openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
+constexpr int kLastIndex = std::numeric_limits<int>::max() - openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
+
+VoxelBox activeBox(const openvdb::GridBase& grid, const fs::path& path, const GridEntry& entry) {
+  const std::string place = fmt::format("grid '{}'", entry.name());
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (grid.empty() || box.empty())
+    throw Error(ErrorCode::kFormat, path, place, "has no active voxel: there is nothing to read");
+  for (int axis = 0; axis < 3; ++axis) {
+    const int lo = box.min()[axis], hi = box.max()[axis];
+    if (lo < kFirstIndex || hi > kLastIndex)
+      throw Error(ErrorCode::kUnsupported, path, place,
+                  fmt::format("has active voxels from {} to {} along axis {}; {} to {} are read: move the grid", lo, hi,
+                              axis, kFirstIndex, kLastIndex));
+  }
+  return {{box.min().x(), box.min().y(), box.min().z()},
+          {std::int64_t{box.max().x()} + 1, std::int64_t{box.max().y()} + 1, std::int64_t{box.max().z()} + 1}};
+}
+
+SourceInfo infoOf(const openvdb::GridBase& grid, VoxelType type, const fs::path& path, const GridEntry& entry) {
+  if (!grid.transform().isLinear()) {
+    refuse(path, entry, fmt::format("has a transform that is not affine ({}, a frustum)", grid.transform().mapType()));
+  }
+  const VoxelBox box = activeBox(grid, path, entry);
+  SourceInfo info;
+  info.format = "OpenVDB";
+  info.files = {path};
+  info.type = type;
+  info.volume_class = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? VolumeClass::kLevelSet : VolumeClass::kFog;
+  info.vdb = VdbOrigin{entry.name(), box.lo, affineOf(grid.transform())};
+  info.geometry.dims = box.extent();
+  const glm::dvec3 origin(static_cast<double>(box.lo.x), static_cast<double>(box.lo.y), static_cast<double>(box.lo.z));
+  info.geometry.world_from_index = glm::translate(info.vdb->world_from_grid, origin);
+  requireInvertible(info.vdb->world_from_grid, path.string());
+  requireInvertible(info.geometry.world_from_index, path.string());
+  checkedBytes(info.geometry.dims, info.type, path);
+  return info;
+}
+
+// `T` holds all values of the grid.
+template <class Grid, class T>
+class VdbSource : public VolumeSource {
+ public:
+  VdbSource(SourceInfo info, typename Grid::ConstPtr grid, std::uint64_t held_bytes)
+      : info_(std::move(info)), grid_(std::move(grid)), held_bytes_(held_bytes) {
+    info_.background = static_cast<double>(grid_->background());
+  }
+
+  const SourceInfo& info() const override { return info_; }
+  ReadOrder order() const override { return ReadOrder::kAnyBox; }
+  std::uint64_t heldBytes() const override { return held_bytes_; }
+
+  void read(const VoxelBox& box, std::span<std::byte> out) override {
+    const VoxelCoord& at = info_.vdb->index_origin;
+    if (box.empty()) return;
+    const openvdb::CoordBBox voxels(coordOf({box.lo.x + at.x, box.lo.y + at.y, box.lo.z + at.z}),
+                                    coordOf({box.hi.x + at.x - 1, box.hi.y + at.y - 1, box.hi.z + at.z - 1}));
+    openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(voxels, reinterpret_cast<T*>(out.data()));
+    // OpenVDB divides a box among threads at half the sum of its ends, which overflows beyond 2^30; and a conversion
+    // reads from all threads already.
+    openvdb::tools::copyToDense(*grid_, dense, /*serial=*/true);
+  }
+
+ private:
+  SourceInfo info_;
+  typename Grid::ConstPtr grid_;
+  std::uint64_t held_bytes_;
+};
+
+// The type of 32 bits that holds every value of a grid of 64 bits, inactive values and the background included.
+VoxelType narrowTypeOf(const openvdb::Int64Grid& grid, const fs::path& path, const GridEntry& entry) {
+  std::int64_t lo = grid.background(), hi = lo;
+  for (auto value = grid.cbeginValueAll(); value; ++value) {
+    lo = std::min<std::int64_t>(lo, *value);
+    hi = std::max<std::int64_t>(hi, *value);
+  }
+  if (lo >= 0 && hi <= std::numeric_limits<std::uint32_t>::max()) return VoxelType::u32;
+  if (lo >= std::numeric_limits<std::int32_t>::min() && hi <= std::numeric_limits<std::int32_t>::max())
+    return VoxelType::i32;
+  refuse(path, entry, fmt::format("holds 64-bit integers from {} to {}; values that fit in 32 bits are read", lo, hi));
+}
+
+std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOptions& options) {
+  if (options.spacing)
+    throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
+  initializeOpenVdb();
+  GridFile file(path, options.memory_bytes);
+  const GridEntry& entry = chooseGrid(path, file.entries(), options);
+  if (!scalarOf(*entry.grid)) refuse(path, entry, reasonAgainst(*entry.grid));
+  const openvdb::GridBase::Ptr grid = file.load(entry);
+  const auto open = [&]<class Grid, class T>(const std::shared_ptr<Grid>& typed, VoxelType type,
+                                             std::type_identity<T>) -> std::unique_ptr<VolumeSource> {
+    return std::make_unique<VdbSource<Grid, T>>(infoOf(*grid, type, path, entry), typed, file.heldBytes());
+  };
+  if (const auto f32 = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+    return open(f32, VoxelType::f32, std::type_identity<float>());
+  if (const auto f64 = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid))
+    return open(f64, VoxelType::f64, std::type_identity<double>());
+  if (const auto i32 = openvdb::gridPtrCast<openvdb::Int32Grid>(grid))
+    return open(i32, VoxelType::i32, std::type_identity<std::int32_t>());
+  const auto wide = openvdb::gridPtrCast<openvdb::Int64Grid>(grid);
+  const VoxelType narrow = narrowTypeOf(*wide, path, entry);
+  if (narrow == VoxelType::u32) return open(wide, narrow, std::type_identity<std::uint32_t>());
+  return open(wide, narrow, std::type_identity<std::int32_t>());
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions& options) {
+  try {
+    return openChecked(input, options);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kFormat, input, "OpenVDB",
+                "asks for more memory than there is: the file is damaged, or its grid too large to be held");
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kFormat, input, "OpenVDB",
+                std::string(error.what()) + "; the file is damaged, or newer than this OpenVDB reads");
+  }
+}
+
+}  // namespace kiln

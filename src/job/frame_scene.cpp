@@ -1,0 +1,136 @@
+#include "job/frame_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "base/error.h"
+#include "job/auto_samples.h"
+#include "job/series_look.h"
+#include "scene/camera/framing.h"
+#include "scene/transfer/presets.h"
+#include "scene/transfer/transfer_function_fade.h"
+
+namespace kiln {
+
+TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
+                             const Manifest& manifest) {
+  if (picture.mode != Mode::kComposite && manifest.volume_class == VolumeClass::kLabels)
+    throw Error(ErrorCode::kUsage, "--mode: a label volume has no amounts to project; leave --mode out");
+  const auto* const name = std::get_if<std::string>(&choice);
+  if (picture.mode == Mode::kComposite || name == nullptr || *name != "auto")
+    return resolve(choice, picture.window, manifest);
+  return resolve(displayGrey(manifest), picture.window, manifest);
+}
+
+namespace {
+
+VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
+  std::vector<VolumeGeometry> volumes;
+  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
+  return boxAround(volumes);
+}
+
+std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
+  if (!job.series) return manifests;
+  std::vector<const Manifest*> out;
+  for (const Manifest& look : job.series->volumes) out.push_back(&look);
+  for (std::size_t i = 0; i < manifests.size(); ++i) {
+    const bool labels = manifests[i]->volume_class == VolumeClass::kLabels;
+    if (labels != (out.at(i)->volume_class == VolumeClass::kLabels))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a time series: this frame's volume holds {}, and its first frame's {}; "
+                              "convert all with --labels, or none",
+                              labels ? "labels" : "amounts", labels ? "amounts" : "labels"));
+  }
+  return out;
+}
+
+}  // namespace
+
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests)
+    : job_(job), manifests_(std::move(manifests)), looks_(looksOf(job, manifests_)), geometry_(boxOfAll(looks_)) {
+  requireWorldBox(job.picture.clipping, geometry_);
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
+  PictureOptions still = job.picture;
+  const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
+                       const Manifest& manifest) {
+    Functions out{&keys, {}};
+    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest));
+    if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
+    functions_.push_back(std::move(out));
+  };
+  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front());
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) {
+    const VolumeOptions& volume = job.volumes[i];
+    still.window = volume.window;
+    add(volume.functions, volume.transfer_function, *looks_[i]);
+  }
+}
+
+TransferFunction SceneOfJob::Functions::at(int frame) const {
+  if (values.size() == 1) return values.front();
+  const auto [i, t] = mixAt(KeyTimes(*keys), frame);
+  return faded(values[i], values[i + 1], t);
+}
+
+Camera SceneOfJob::cameraOf(int frame) const {
+  return cameraAt(job_.animation.camera, job_.picture.camera, frame, geometry_, job_.picture.size);
+}
+
+int SceneOfJob::samplesOf(const Camera& camera) const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  return automaticSamples(job_, camera, centreOf(geometry_), manifests_);
+}
+
+int SceneOfJob::mostSamples() const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  std::vector<int> frames = framesOf(job_);
+  if (std::holds_alternative<std::monostate>(job_.animation.camera)) frames.resize(1);
+  int most = 1;
+  for (const int frame : frames) {
+    try {
+      most = std::max(most, samplesOf(cameraOf(frame)));
+    } catch (const Error&) {
+      // Whoever draws the frame says so, with its number.
+    }
+  }
+  return most;
+}
+
+FrameScene SceneOfJob::at(int frame) const {
+  const Animation& animation = job_.animation;
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), {}};
+  if (const auto part = std::exchange(out.picture.part, std::nullopt))
+    out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
+  out.camera = cameraOf(frame);
+  out.picture.samples = samplesOf(out.camera);
+  const auto between = [&](const auto& keys) {
+    const auto [i, t] = mixAt(KeyTimes(keys), frame);
+    return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
+  };
+  if (!animation.lights.empty()) out.picture.shading.lights = between(animation.lights);
+  if (!animation.stereo.empty()) {
+    const StereoEye eye = out.picture.stereo->eye;
+    out.picture.stereo = between(animation.stereo);
+    out.picture.stereo->eye = eye;
+  }
+  if (!animation.clip.empty()) {
+    const std::vector<ClipPlane> planes = between(animation.clip);
+    out.picture.clipping.planes.insert(out.picture.clipping.planes.end(), planes.begin(), planes.end());
+  }
+  const std::vector<ClipPlane>& common = out.picture.clipping.planes;
+  for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
+    const VolumeOptions& volume = job_.volumes[i];
+    VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading), volume.clipping,
+                      manifests_[i]->world_per_own, manifests_[i]->index_checksum};
+    scene.shading.lights = out.picture.shading.lights;
+    scene.clipping.planes.insert(scene.clipping.planes.end(), common.begin(), common.end());
+    out.volumes.push_back(std::move(scene));
+  }
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,38 @@
+// What a user may name as a transfer function, and what that is for a volume.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "scene/transfer/transfer_function.h"
+#include "store/manifest/manifest.h"
+
+namespace kiln {
+
+/// The name of a preset, a transfer function file (FILE, or FILE#NAME for one of several maps in it), or the function
+/// itself.
+using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
+
+/// Values from centre - width/2 to centre + width/2, as radiologists set it. unit: the volume's values.
+struct Window {
+  double centre = 0, width = 1;
+  bool operator==(const Window&) const = default;
+};
+
+/// The file without #NAME: what must exist.
+std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
+
+/// Reads the `transferFunction` object of a job, or ParaView's colour maps; which, the content says. A map of
+/// ParaView's whose colours run from 0 to 1 is stretched over the volume's range of values; one without opacity rises
+/// from nothing to what the preset grayscale has. throws: Error naming file, key, what was found and what was expected:
+/// kFormat, kUsage, kUnsupported (a logarithmic scale), kNotFound, kIo.
+TransferFunction readTransferFunction(const std::filesystem::path& file_and_name, const Manifest& manifest);
+
+/// The function for this volume, its unit of length filled in. With a window, its first point lies at the window's
+/// begin and its last at the end. throws: what `presetFor` and `readTransferFunction` throw.
+TransferFunction resolve(const TransferFunctionChoice& choice, const std::optional<Window>& window,
+                         const Manifest& manifest);
+
+}  // namespace kiln

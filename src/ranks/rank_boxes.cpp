@@ -1,0 +1,107 @@
+#include "ranks/rank_boxes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+// What a brick counts that shows nothing: it is looked at.
+constexpr double kLeastShare = 0.001;
+
+// The part of a brick that may show something, from 0 to 1.
+double interestingPart(const BrickEntry& entry, const Classifier& classifier) {
+  if (!classifier.interesting(entry.core)) return 0;
+  if (!entry.sub_ranges) return 1;
+  int parts = 0;
+  for (std::size_t i = 0; i < entry.sub_ranges->count(); ++i) {
+    const ValueRange range = entry.sub_ranges->at(i, entry.support);
+    parts += !range.empty() && classifier.interesting(range) ? 1 : 0;
+  }
+  return static_cast<double>(parts) / static_cast<double>(entry.sub_ranges->count());
+}
+
+class VolumeCutter {
+ public:
+  VolumeCutter(const StoreReader& store, const Classifier& classifier)
+      : lattice_(store.index().lattice(0)), brick_size_(store.manifest().brick_size) {
+    weights_.reserve(static_cast<std::size_t>(lattice_.count()));
+    for (std::int32_t z = 0; z < lattice_.z; ++z) {
+      for (std::int32_t y = 0; y < lattice_.y; ++y) {
+        for (std::int32_t x = 0; x < lattice_.x; ++x) {
+          const BrickEntry& entry = store.index().at({0, {x, y, z}});
+          weights_.push_back(static_cast<float>(kLeastShare + interestingPart(entry, classifier)));
+        }
+      }
+    }
+  }
+
+  void cut(const VoxelBox& box, int ranks, std::vector<VoxelBox>& out) const {
+    if (ranks == 1) {
+      out.push_back(box);
+      return;
+    }
+    const Extent3 n = box.extent();
+    const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
+    if (n[axis] < 2)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--distribute bricks: the volume has too few voxels for so many ranks; use fewer"));
+    const int before = ranks / 2;
+    VoxelBox first = box, second = box;
+    first.hi[axis] = second.lo[axis] = cutAt(box, axis, static_cast<double>(before) / ranks);
+    cut(first, before, out);
+    cut(second, ranks - before, out);
+  }
+
+ private:
+  // Where `share` of the box's weight ends: between bricks, or in the middle of the only one.
+  std::int64_t cutAt(const VoxelBox& box, int axis, double share) const {
+    const std::int64_t first = box.lo[axis] / brick_size_, last = (box.hi[axis] - 1) / brick_size_;
+    if (first == last) return (box.lo[axis] + box.hi[axis]) / 2;
+    std::vector<double> layers(static_cast<std::size_t>(last - first + 1));
+    VoxelCoord lo, hi;
+    for (int i = 0; i < 3; ++i) {
+      lo[i] = box.lo[i] / brick_size_;
+      hi[i] = (box.hi[i] - 1) / brick_size_;
+    }
+    VoxelCoord at;
+    for (at.z = lo.z; at.z <= hi.z; ++at.z) {
+      for (at.y = lo.y; at.y <= hi.y; ++at.y) {
+        for (at.x = lo.x; at.x <= hi.x; ++at.x)
+          layers[static_cast<std::size_t>(at[axis] - first)] +=
+              weights_[static_cast<std::size_t>((at.z * lattice_.y + at.y) * lattice_.x + at.x)];
+      }
+    }
+    double all = 0, sum = 0, nearest = 0;
+    for (const double layer : layers) all += layer;
+    std::int64_t best = 0;
+    for (std::int64_t i = first; i < last; ++i) {
+      sum += layers[static_cast<std::size_t>(i - first)];
+      const double off = std::abs(sum - share * all);
+      if (best > 0 && off >= nearest) continue;
+      nearest = off;
+      best = (i + 1) * brick_size_;
+    }
+    return best;
+  }
+
+  const Extent3 lattice_;
+  const std::int64_t brick_size_;
+  std::vector<float> weights_;
+};
+
+}  // namespace
+
+std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks) {
+  const Manifest& volume = store.manifest();
+  const Classifier classifier(function, function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range);
+  std::vector<VoxelBox> out;
+  VolumeCutter(store, classifier).cut(boxOf(volume.geometry().dims), ranks, out);
+  return out;
+}
+
+}  // namespace kiln

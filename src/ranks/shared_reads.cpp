@@ -1,0 +1,295 @@
+#include "ranks/shared_reads.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "base/thread/parallel.h"
+#include "base/thread/span.h"
+#include "base/thread/trace.h"
+#include "store/store_writer.h"
+
+namespace kiln {
+namespace {
+
+// One tag for all, beside those of frames and conversions.
+constexpr int kReadsTag = 800;
+// How often the mail is looked for: while something is on its way, and else.
+constexpr std::chrono::microseconds kShortPause(100), kLongPause(1000);
+// Files that are read for others at a time; and what they and those on their way may take, in largest files.
+constexpr unsigned kMostServers = 4;
+constexpr std::uint64_t kLeastServed = 2, kMostServed = 8;
+// A file that is served is in memory twice: as it was read, and in its message.
+constexpr std::uint64_t kCopies = 2;
+// A message has less than 2 GiB.
+constexpr std::uint64_t kLargestSent = std::uint64_t{1} << 30;
+
+}  // namespace
+
+// The end of each message; before it the file's bytes, if it has any.
+struct SharedReads::Letter {
+  Kind kind = Kind::kAsk;
+  std::int32_t from_disk = 0;
+  std::uint64_t number = 0;  // of the question; when a file has been taken, its bytes
+  Hash128 store;             // checksum of its index
+  BrickKey key;
+};
+
+struct SharedReads::Question {
+  int from = 0;
+  std::uint64_t number = 0;
+  Hash128 store;
+  BrickKey key;
+};
+
+SharedReads::SharedReads(Ranks& ranks) : ranks_(ranks) {
+  threads_.emplace_back([this](const std::stop_token& stop) { readMail(stop); });
+  const unsigned servers = std::clamp(ThreadLimit::active(), 1u, kMostServers);
+  for (unsigned i = 0; i < servers; ++i) threads_.emplace_back([this](const std::stop_token& stop) { serve(stop); });
+}
+
+SharedReads::~SharedReads() { abandon(); }
+
+std::uint64_t SharedReads::largestFileOf(const std::vector<const StoreReader*>& stores) {
+  std::uint64_t out = 0;
+  for (const StoreReader* const store : stores) out = std::max(out, store->largestFileBytes());
+  return out;
+}
+
+std::uint64_t SharedReads::shareOf(std::uint64_t budget_bytes, std::uint64_t left_bytes, std::uint64_t largest_bytes) {
+  const std::uint64_t share = std::min(budget_bytes / 8, left_bytes / 4);
+  return share >= 2 * kLeastServed * largest_bytes ? share : 0;
+}
+
+void SharedReads::open(const std::vector<const StoreReader*>& stores, std::uint64_t bytes) {
+  const std::uint64_t largest = largestFileOf(stores);
+  const Lock lock(mutex_);
+  stores_ = stores;
+  largest_serving_bytes_ = std::clamp(bytes / 2, kLeastServed * largest, kMostServed * largest);
+  files_ = std::make_unique<EncodedBricks>(bytes - largest_serving_bytes_);
+}
+
+void SharedReads::close() {
+  Lock lock(mutex_);
+  stores_.clear();
+  changed_.wait(lock, [&] { return serving_ == 0; });
+  files_.reset();
+}
+
+void SharedReads::settle(const std::vector<BrickHome>& homes) {
+  homes_.clear();
+  for (const BrickHome& home : homes) homes_[home.key] = home;
+}
+
+BrickHome SharedReads::homeOf(const StoreReader& store, const BrickKey& key) const {
+  if (const auto home = homes_.find(key); home != homes_.end() && &store == stores_.front()) return home->second;
+  const std::array<std::int32_t, 4> place = {key.level, key.brick.x, key.brick.y, key.brick.z};
+  const Hash128 hash = hashOf(std::as_bytes(std::span(place)));
+  std::uint64_t number = 0, of_store = 0;
+  std::memcpy(&number, hash.bytes.data(), sizeof number);
+  std::memcpy(&of_store, store.manifest().index_checksum.bytes.data(), sizeof of_store);
+  return {key, static_cast<std::int32_t>((number ^ of_store) % static_cast<std::uint64_t>(ranks_.count())),
+          ranks_.count() - 1};
+}
+
+BrickFile SharedReads::fetch(const StoreReader& store, const BrickKey& key) {
+  const BrickHome home = homeOf(store, key);
+  if (home.rank == ranks_.rank()) return readKept(store, key, home.others > 0);
+  if (std::optional<BrickFile> file = ask(home.rank, store, key)) return *std::move(file);
+  return readHere(store, key);
+}
+
+BrickFile SharedReads::readHere(const StoreReader& store, const BrickKey& key) {
+  BrickFile out{std::make_shared<const std::vector<std::byte>>(store.readFile(key)), true};
+  countRead(*out.bytes);
+  return out;
+}
+
+const StoreReader* SharedReads::openedStore(const Hash128& index) const {
+  const auto store = std::find_if(stores_.begin(), stores_.end(),
+                                  [&](const StoreReader* one) { return one->manifest().index_checksum == index; });
+  return store != stores_.end() ? *store : nullptr;
+}
+
+BrickFile SharedReads::readKept(const StoreReader& store, const BrickKey& key, bool likely) {
+  const auto place = std::find(stores_.begin(), stores_.end(), &store);
+  BrickFile out = files_->get(store, {key, static_cast<int>(place - stores_.begin())}, likely);
+  if (out.from_disk) countRead(*out.bytes);
+  return out;
+}
+
+void SharedReads::countRead(const std::vector<std::byte>& file) {
+  const Lock lock(mutex_);
+  ++counts_.read;
+  counts_.read_bytes += file.size();
+}
+
+// What its home has, if it can be had.
+std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, const BrickKey& key) {
+  Span span(Activity::kRead);
+  if (span.traced()) {
+    span.note("brick", brickPath(key).native());
+    span.note("from rank", static_cast<std::uint64_t>(home));
+  }
+  Letter letter{Kind::kAsk, 0, 0, store.manifest().index_checksum, key};
+  {
+    const Lock lock(mutex_);
+    if (!asking_) return std::nullopt;
+    letter.number = asked_++;
+    answers_[letter.number];
+  }
+  send(home, letter, nullptr);
+  std::optional<BrickFile> out;
+  {
+    Lock lock(mutex_);
+    const auto place = answers_.find(letter.number);
+    changed_.wait(lock, [&] { return place->second.there || abandoned_; });
+    out = std::move(place->second.file);
+    answers_.erase(place);
+  }
+  changed_.notify_all();
+  if (!out || !store.check(key, *out->bytes)) return std::nullopt;
+  const Lock lock(mutex_);
+  ++counts_.received;
+  counts_.received_bytes += out->bytes->size();
+  return out;
+}
+
+void SharedReads::send(int to, const Letter& letter, const std::vector<std::byte>* file) {
+  std::vector<std::byte> message;
+  const std::size_t bytes = file != nullptr ? file->size() : 0;
+  message.reserve(bytes + sizeof letter);
+  if (file != nullptr) message.assign(file->begin(), file->end());
+  message.resize(bytes + sizeof letter);
+  std::memcpy(message.data() + bytes, &letter, sizeof letter);
+  ranks_.send(to, kReadsTag, std::move(message));
+}
+
+bool SharedReads::inARush() {
+  const Lock lock(mutex_);
+  return !answers_.empty() || serving_bytes_ > 0;
+}
+
+void SharedReads::readMail(const std::stop_token& stop) {
+  Trace::nameThread("mail");
+  try {
+    while (!stop.stop_requested()) {
+      if (std::optional<RankMessage> message = ranks_.poll(kReadsTag))
+        handle(*std::move(message));
+      else
+        std::this_thread::sleep_for(inARush() ? kShortPause : kLongPause);
+    }
+  } catch (...) {
+    {
+      const Lock lock(mutex_);
+      failure_ = std::current_exception();
+    }
+    abandon();
+  }
+}
+
+void SharedReads::handle(RankMessage message) {
+  Letter letter;
+  if (message.bytes.size() < sizeof letter) return;
+  std::memcpy(&letter, message.bytes.data() + message.bytes.size() - sizeof letter, sizeof letter);
+  message.bytes.resize(message.bytes.size() - sizeof letter);
+  if (letter.kind == Kind::kAnswer && !message.bytes.empty())
+    send(message.from, {Kind::kTaken, 0, message.bytes.size(), letter.store, letter.key}, nullptr);
+  {
+    const Lock lock(mutex_);
+    switch (letter.kind) {
+      case Kind::kAsk:
+        questions_.push_back({message.from, letter.number, letter.store, letter.key});
+        break;
+      case Kind::kAnswer: {
+        const auto place = answers_.find(letter.number);
+        if (place == answers_.end()) break;
+        place->second.there = true;
+        if (message.bytes.empty()) break;
+        place->second.file =
+            BrickFile{std::make_shared<const std::vector<std::byte>>(std::move(message.bytes)), letter.from_disk != 0};
+        break;
+      }
+      case Kind::kTaken:
+        serving_bytes_ -= letter.number;
+        break;
+    }
+  }
+  changed_.notify_all();
+}
+
+void SharedReads::serve(const std::stop_token& stop) {
+  Trace::nameThread("serves");
+  Lock lock(mutex_);
+  while (changed_.wait(lock, stop, [&] { return !questions_.empty(); })) {
+    const Question question = questions_.front();
+    questions_.pop_front();
+    ++serving_;
+    answer(question, lock);
+    --serving_;
+    changed_.notify_all();
+  }
+}
+
+// A file that cannot be read, whatever is wrong, is left to who asks.
+void SharedReads::answer(const Question& question, Lock& lock) {
+  Letter letter{Kind::kAnswer, 0, question.number, question.store, question.key};
+  const StoreReader* const store = openedStore(question.store);
+  const bool known = store != nullptr && store->index().contains(question.key);
+  const std::uint64_t bytes = known ? store->index().at(question.key).file_bytes : 0;
+  bool sent = false;
+  if (bytes > 0 && bytes <= kLargestSent) {
+    changed_.wait(lock, [&] {
+      return abandoned_ || serving_bytes_ == 0 || serving_bytes_ + kCopies * bytes <= largest_serving_bytes_;
+    });
+    serving_bytes_ += kCopies * bytes;
+    lock.unlock();
+    try {
+      const BrickFile file = readKept(*store, question.key);
+      letter.from_disk = file.from_disk ? 1 : 0;
+      send(question.from, letter, file.bytes.get());
+      sent = true;
+    } catch (...) {
+    }
+    lock.lock();
+    serving_bytes_ -= sent ? (kCopies - 1) * bytes : kCopies * bytes;
+  }
+  if (sent) {
+    ++counts_.sent;
+    counts_.sent_bytes += bytes;
+    return;
+  }
+  lock.unlock();
+  send(question.from, letter, nullptr);
+  lock.lock();
+}
+
+void SharedReads::finish() {
+  {
+    Lock lock(mutex_);
+    asking_ = false;
+    changed_.wait(lock, [&] { return answers_.empty(); });
+    if (failure_) std::rethrow_exception(failure_);
+  }
+  ranks_.barrier();
+  // Everybody has what they asked for; what they say of having taken it is on its way.
+  Lock lock(mutex_);
+  changed_.wait(lock, [&] { return abandoned_ || (questions_.empty() && serving_ == 0 && serving_bytes_ == 0); });
+}
+
+void SharedReads::abandon() {
+  {
+    const Lock lock(mutex_);
+    asking_ = false;
+    abandoned_ = true;
+  }
+  changed_.notify_all();
+}
+
+SharedReadCounts SharedReads::counts() const {
+  const Lock lock(mutex_);
+  return counts_;
+}
+
+}  // namespace kiln

@@ -1,0 +1,164 @@
+#include "scene/camera/camera_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "base/error.h"
+#include "scene/camera/framing.h"
+
+namespace kiln {
+namespace {
+
+CameraSpec overlaid(CameraSpec spec, const CameraSpec& key) {
+  const auto take = [](auto& into, const auto& from) {
+    if (from) into = from;
+  };
+  take(spec.projection, key.projection);
+  take(spec.eye, key.eye);
+  take(spec.target, key.target);
+  take(spec.up, key.up);
+  take(spec.fov_deg, key.fov_deg);
+  take(spec.height, key.height);
+  take(spec.side, key.side);
+  take(spec.azimuth_deg, key.azimuth_deg);
+  take(spec.elevation_deg, key.elevation_deg);
+  take(spec.zoom, key.zoom);
+  return spec;
+}
+
+Camera turnedAt(const Turntable& turntable, Camera camera, double frame) {
+  const double angle = glm::radians(turntable.degrees) * (frame - 1) / turntable.frames;
+  const glm::dvec3 axis = turntable.axis.value_or(camera.up);
+  if (angle == 0) return camera;
+  const glm::dquat turn = glm::angleAxis(angle, glm::normalize(axis));
+  camera.eye = camera.target + turn * (camera.eye - camera.target);
+  camera.up = turn * camera.up;
+  return camera;
+}
+
+// The camera's axes in the world: right, down, along the view.
+glm::dquat orientationOf(const Camera& camera, const ImageSize& size) {
+  return glm::normalize(glm::quat_cast(glm::transpose(glm::dmat3(resolve(camera, size).view_from_world))));
+}
+
+bool samePlace(const glm::dvec3& a, const glm::dvec3& b, double scale) { return glm::distance(a, b) <= 1e-9 * scale; }
+
+Pivot pivotOf(const CameraKeyframes& path, const CameraSpec& still, const std::vector<Camera>& cameras) {
+  if (path.pivot) return *path.pivot;
+  bool target_stays = true, eye_named = still.eye.has_value();
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const double scale = glm::distance(cameras[0].eye, cameras[0].target);
+    target_stays = target_stays && samePlace(cameras[i].target, cameras[0].target, scale);
+    eye_named = eye_named || path.keys[i].value.eye.has_value();
+  }
+  return target_stays || !eye_named ? Pivot::kTarget : Pivot::kEye;
+}
+
+// Of numbers above zero that are felt by their ratios. A number that stays keeps its bits.
+double ratioSplineAt(const KeyTimes& times, const std::vector<double>& values, double frame) {
+  if (std::equal(values.begin() + 1, values.end(), values.begin())) return values.front();
+  std::vector<double> logs;
+  for (const double value : values) logs.push_back(std::log(value));
+  return std::exp(splineAt(times, logs, frame));
+}
+
+void requireTogether(const CameraKeyframes& path, const std::vector<Camera>& cameras) {
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    const auto& before = path.keys[i - 1];
+    const auto& key = path.keys[i];
+    const auto refuse = [&](const char* what) {
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("camera: from the key at frame {} to that at {} {}", before.frame, key.frame, what));
+    };
+    if (cameras[i].projection != cameras[0].projection) refuse("the projection changes, which nothing lies between");
+    const double turn = std::abs(key.value.azimuth_deg.value_or(0) - before.value.azimuth_deg.value_or(0));
+    if (key.value.azimuth_deg && before.value.azimuth_deg && turn >= 180)
+      refuse("the azimuth turns by 180 degrees or more; keys turn the shorter way: give one between, or a turntable");
+  }
+}
+
+Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+                   const ImageSize& size) {
+  std::vector<Camera> cameras;
+  for (const Key<CameraSpec>& key : path.keys) cameras.push_back(overlaid(still, key.value).resolve(volume, size));
+  requireTogether(path, cameras);
+  const KeyTimes times(path.keys);
+  const KeySpan span = spanAt(times, frame);
+  if (span.t == 0) return cameras[span.from];
+  if (span.t == 1) return cameras[span.from + 1];
+
+  std::vector<glm::dvec3> eyes, targets;
+  std::vector<double> distances, tangents, heights;
+  std::vector<glm::dquat> orientations;
+  for (const Camera& camera : cameras) {
+    eyes.push_back(camera.eye);
+    targets.push_back(camera.target);
+    distances.push_back(glm::distance(camera.eye, camera.target));
+    tangents.push_back(std::tan(0.5 * glm::radians(camera.fov_deg)));
+    heights.push_back(camera.height);
+    orientations.push_back(orientationOf(camera, size));
+  }
+  Camera out = cameras.front();
+  const glm::dquat orientation = splineAt(times, orientations, frame);
+  const glm::dvec3 ahead = ratioSplineAt(times, distances, frame) * (orientation * glm::dvec3(0, 0, 1));
+  if (pivotOf(path, still, cameras) == Pivot::kTarget) {
+    out.target = splineAt(times, targets, frame);
+    out.eye = out.target - ahead;
+  } else {
+    out.eye = splineAt(times, eyes, frame);
+    out.target = out.eye + ahead;
+  }
+  out.up = orientation * glm::dvec3(0, -1, 0);
+  out.height = ratioSplineAt(times, heights, frame);
+  out.fov_deg = glm::degrees(2 * std::atan(ratioSplineAt(times, tangents, frame)));
+  return out;
+}
+
+Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+                const ImageSize& size) {
+  const double place = frame - 1;
+  if (!(place >= 0 && place < static_cast<double>(matrices.size())))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("camera: there is no matrix for frame {}: the job has {}, from frame 1 on", frame,
+                            matrices.size()));
+  const glm::dmat4& matrix = matrices[static_cast<std::size_t>(place)];
+  CameraSpec spec = still;
+  spec.eye = glm::dvec3(matrix[3]);
+  // As far ahead as the volume's centre is: a target says no more than a direction here.
+  const double distance = glm::distance(*spec.eye, centreOf(volume));
+  spec.target = *spec.eye - (distance > 0 ? distance : 1.0) * glm::normalize(glm::dvec3(matrix[2]));
+  spec.up = glm::dvec3(matrix[1]);
+  return spec.resolve(volume, size);
+}
+
+}  // namespace
+
+Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+                const ImageSize& size) {
+  if (const auto* turntable = std::get_if<Turntable>(&path))
+    return turnedAt(*turntable, still.resolve(volume, size), frame);
+  if (const auto* keyframes = std::get_if<CameraKeyframes>(&path))
+    return betweenKeys(*keyframes, still, frame, volume, size);
+  if (const auto* matrices = std::get_if<CameraMatrices>(&path)) return ofMatrix(*matrices, still, frame, volume, size);
+  return still.resolve(volume, size);
+}
+
+bool isRigid(const glm::dmat4& m) {
+  constexpr double kTolerance = 1e-4;  // of numbers that were floats
+  const glm::dmat3 turn(m);
+  const glm::dmat3 unit = glm::transpose(turn) * turn;
+  double off = std::abs(glm::determinant(turn) - 1);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) off = std::max(off, std::abs(unit[i][j] - (i == j ? 1.0 : 0.0)));
+  }
+  for (int column = 0; column < 4; ++column) off = std::max(off, std::abs(m[column][3] - (column == 3 ? 1.0 : 0.0)));
+  return off <= kTolerance;
+}
+
+}  // namespace kiln

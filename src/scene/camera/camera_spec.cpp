@@ -1,0 +1,87 @@
+// From what a user said of the camera to a camera: an eye as it stands, or a framing with the rest filled in.
+#include "scene/camera/camera_spec.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+void refuseContradictions(const CameraSpec& spec) {
+  const auto refuse = [](const std::string& sentence) { throw Error(ErrorCode::kUsage, "camera: " + sentence); };
+  if (spec.height && !spec.projection) {
+    refuse("height is of an orthographic camera; give projection orthographic too, or fov instead");
+  }
+  if (spec.projection == Projection::kEquirectangular) {
+    const char* const of_others = spec.fov_deg ? "fov" : spec.height ? "height" : spec.zoom ? "zoom" : nullptr;
+    if (of_others)
+      refuse(std::string(of_others) + " is not of an equirectangular camera, which sees all round; leave it out");
+  }
+  if (!spec.eye) return;
+  const char* framing = spec.side            ? "view"
+                        : spec.azimuth_deg   ? "azimuth"
+                        : spec.elevation_deg ? "elevation"
+                        : spec.zoom          ? "zoom"
+                                             : nullptr;
+  if (framing) refuse(std::string("eye and ") + framing + " contradict each other; give one of them");
+}
+
+Camera fromEye(const CameraSpec& spec, const VolumeGeometry& volume, const ImageSize& size) {
+  Camera camera;
+  camera.projection = spec.projection.value_or(Projection::kPerspective);
+  camera.eye = *spec.eye;
+  camera.target = spec.target.value_or(centreOf(volume));
+  camera.fov_deg = spec.fov_deg.value_or(camera.fov_deg);
+  const PatientAxes axes = patientAxes(volume.frame);
+  camera.up = spec.up.value_or(axes.superior);
+  const glm::dvec3 along = camera.target - camera.eye;
+  if (!spec.up && glm::length(glm::cross(along, camera.up)) <= 1e-6 * glm::length(along)) camera.up = axes.anterior;
+  if (camera.projection == Projection::kOrthographic) {
+    camera.height = spec.height ? *spec.height : fittingHeight(volume, camera, size);
+  }
+  return camera;
+}
+
+Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const ImageSize& size) {
+  const bool turned = spec.side || spec.azimuth_deg || spec.elevation_deg;
+  Framing framing = turned ? Framing{} : defaultFraming();
+  framing.side = spec.side.value_or(framing.side);
+  framing.azimuth_deg = spec.azimuth_deg.value_or(framing.azimuth_deg);
+  framing.elevation_deg = spec.elevation_deg.value_or(framing.elevation_deg);
+  framing.zoom = spec.zoom.value_or(framing.zoom);
+  framing.projection = spec.projection.value_or(framing.projection);
+  framing.fov_deg = spec.fov_deg.value_or(framing.fov_deg);
+  const bool panorama = framing.projection == Projection::kEquirectangular;
+  if (panorama) framing.projection = Projection::kPerspective;
+  Camera camera = frameVolume(volume, framing, size);
+  if (panorama) {
+    // In the middle of the volume, which is all round then.
+    camera.projection = Projection::kEquirectangular;
+    const glm::dvec3 ahead = camera.target - camera.eye;
+    camera.eye = camera.target;
+    camera.target += ahead;
+  }
+  if (spec.target && panorama) {
+    camera.target = *spec.target;
+  } else if (spec.target) {
+    camera.eye += *spec.target - camera.target;
+    camera.target = *spec.target;
+  }
+  camera.up = spec.up.value_or(camera.up);
+  if (camera.projection == Projection::kOrthographic) camera.height = spec.height.value_or(camera.height);
+  return camera;
+}
+
+}  // namespace
+
+Camera CameraSpec::resolve(const VolumeGeometry& volume, const ImageSize& size) const {
+  refuseContradictions(*this);
+  const Camera camera = eye ? fromEye(*this, volume, size) : fromFraming(*this, volume, size);
+  kiln::resolve(camera, size);  // a camera that cannot be used is refused here, before long work
+  return camera;
+}
+
+}  // namespace kiln

@@ -1,0 +1,171 @@
+// Fitting is exact, not by a bounding sphere: the eight corners of [-1/2, N-1/2)³ are turned into the camera's axes,
+// and each gives a least distance (perspective) or height (orthographic) at which it is inside the image; the greatest
+// of them decides. The margin is taken in the image, so it is the same whatever the field of view.
+#include "scene/camera/framing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace {
+
+constexpr double kMargin = 1.02;
+
+struct Direction {
+  glm::dvec3 towards_eye, up;
+};
+
+Direction directionOf(PatientFrame frame, const Framing& framing) {
+  const PatientAxes axes = patientAxes(frame);
+  Direction seen{axes.anterior, axes.superior};
+  switch (framing.side) {
+    case Side::kFront:
+      break;
+    case Side::kBack:
+      seen = {-axes.anterior, axes.superior};
+      break;
+    case Side::kLeft:
+      seen = {axes.left, axes.superior};
+      break;
+    case Side::kRight:
+      seen = {-axes.left, axes.superior};
+      break;
+    case Side::kTop:
+      seen = {axes.superior, axes.anterior};
+      break;
+    case Side::kBottom:
+      seen = {-axes.superior, axes.anterior};
+      break;
+  }
+  // Towards the right of the picture: from the front, the patient's left.
+  const glm::dvec3 right = glm::cross(seen.up, seen.towards_eye);
+  const double azimuth = glm::radians(framing.azimuth_deg);
+  const double elevation = glm::radians(framing.elevation_deg);
+  const glm::dvec3 level = std::cos(azimuth) * seen.towards_eye + std::sin(azimuth) * right;
+  Direction turned{std::cos(elevation) * level + std::sin(elevation) * seen.up, seen.up};
+  // Straight from above or below the up axis is the line of sight: the limit of the turned pictures has this one
+  // instead.
+  if (std::abs(framing.elevation_deg) > 89.99) turned.up = framing.elevation_deg > 0 ? -level : level;
+  return turned;
+}
+
+// Half the image's extent at depth 1 in x and y, the margin taken off.
+glm::dvec2 usableTangents(double fov_deg, const ImageSize& size) {
+  const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / kMargin;
+  return {tangent * size.width / size.height, tangent};
+}
+
+double fittingDistance(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
+  const View view = resolve(camera, size);
+  const glm::dvec2 tangents = usableTangents(camera.fov_deg, size);
+  double distance = 0;
+  for (const glm::dvec3& corner : volume.corners()) {
+    // Relative to the target: at distance d its depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
+    const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
+    distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
+    distance = std::max(distance, std::abs(offset.y) / tangents.y - offset.z);
+  }
+  return distance;
+}
+
+void requireLegal(const Framing& framing) {
+  const auto refuse = [](const char* sentence) { throw Error(ErrorCode::kUsage, sentence); };
+  if (!(framing.zoom > 0) || !std::isfinite(framing.zoom)) refuse("camera: zoom must be a number above 0");
+  if (!std::isfinite(framing.azimuth_deg)) refuse("camera: azimuth must be a finite number of degrees");
+  if (!(std::abs(framing.elevation_deg) <= 90)) refuse("camera: elevation must be from -90 to 90 degrees");
+  if (!(framing.fov_deg > 0 && framing.fov_deg < 180)) {
+    refuse("camera: the field of view must be between 0 and 180 degrees");
+  }
+}
+
+}  // namespace
+
+Framing defaultFraming() {
+  Framing framing;
+  framing.azimuth_deg = 30;
+  framing.elevation_deg = 15;
+  return framing;
+}
+
+PatientAxes patientAxes(PatientFrame frame) {
+  if (frame == PatientFrame::kRas) return {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+}
+
+// Corners are taken relative to the first volume's origin: of an origin far from zero (map coordinates) only what its
+// own digits round is left, and of one volume nothing.
+VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
+  VolumeGeometry out = volumes.front();
+  const glm::dmat3 index_from_world = glm::inverse(glm::dmat3(out.world_from_index));
+  const glm::dvec3 origin(out.world_from_index[3]);
+  glm::dvec3 lo(-0.5), hi = glm::dvec3(out.dims.x, out.dims.y, out.dims.z) - 0.5;
+  double farthest = 0;
+  for (VolumeGeometry volume : volumes) {
+    const glm::dvec3 own_origin(volume.world_from_index[3]);
+    for (int axis = 0; axis < 3; ++axis)
+      farthest = std::max({farthest, std::abs(own_origin[axis]), std::abs(origin[axis])});
+    volume.world_from_index[3] = glm::dvec4(own_origin - origin, 1);
+    for (const glm::dvec3& corner : volume.corners()) {
+      const glm::dvec3 index = index_from_world * corner;
+      lo = glm::min(lo, index);
+      hi = glm::max(hi, index);
+    }
+  }
+  // A billionth of a voxel is rounding, and so are the last digits of the origins.
+  const double rounding = 1e-9 + 8 * std::numeric_limits<double>::epsilon() * farthest / out.shortestEdge();
+  const glm::dvec3 first = glm::floor(lo + 0.5 + rounding), end = glm::ceil(hi + 0.5 - rounding);
+  const glm::dvec3 size = end - first;
+  out.dims = {static_cast<std::int64_t>(size.x), static_cast<std::int64_t>(size.y), static_cast<std::int64_t>(size.z)};
+  out.world_from_index[3] = out.world_from_index * glm::dvec4(first, 1);
+  return out;
+}
+
+glm::dvec3 centreOf(const VolumeGeometry& volume) {
+  return volume.worldOf(0.5 * glm::dvec3(volume.dims.x - 1, volume.dims.y - 1, volume.dims.z - 1));
+}
+
+double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
+  Camera plain = camera;
+  plain.projection = Projection::kPerspective;  // its height is not known yet, and only the axes are asked for
+  plain.fov_deg = 90;
+  const View view = resolve(plain, size);
+  double half = 0;
+  for (const glm::dvec3& corner : volume.corners()) {
+    const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
+    half = std::max({half, std::abs(offset.y), std::abs(offset.x) * size.height / size.width});
+  }
+  return 2 * half * kMargin;
+}
+
+Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const ImageSize& size) {
+  requireLegal(framing);
+  const Direction seen = directionOf(volume.frame, framing);
+  const glm::dvec3 centre = centreOf(volume);
+  double radius = 0;
+  for (const glm::dvec3& corner : volume.corners()) radius = std::max(radius, glm::distance(corner, centre));
+
+  Camera camera;
+  camera.projection = framing.projection;
+  camera.fov_deg = framing.fov_deg;
+  camera.target = centre;
+  camera.up = seen.up;
+  // A parallel view is the same from everywhere along its axis; two radii keep the whole box in front of the eye.
+  camera.eye = centre + 2 * radius * seen.towards_eye;
+  if (framing.projection == Projection::kOrthographic) {
+    camera.height = fittingHeight(volume, camera, size) / framing.zoom;
+    return camera;
+  }
+  camera.eye = centre + fittingDistance(volume, camera, size) * seen.towards_eye;
+  camera.fov_deg = glm::degrees(2 * std::atan(std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom));
+  return camera;
+}
+
+}  // namespace kiln

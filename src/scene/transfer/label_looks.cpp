@@ -1,0 +1,182 @@
+#include "scene/transfer/label_looks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "image/srgb.h"
+#include "scene/transfer/label_palette.h"
+
+namespace kiln {
+namespace {
+
+// A line of text without what is around it; empty for a comment.
+std::string content(std::string line) {
+  line.erase(0, std::min(line.find_first_not_of(" \t\r"), line.size()));
+  line.erase(line.find_last_not_of(" \t\r") + 1);
+  return line.starts_with('#') ? "" : line;
+}
+
+struct Described {
+  double label = 0, channels[3] = {}, opacity = 0, in_slices = 0, in_mesh = 0;
+  std::string name;
+};
+
+std::optional<Described> describedBy(const std::string& line) {
+  std::istringstream in(line);
+  Described out;
+  in >> out.label >> out.channels[0] >> out.channels[1] >> out.channels[2] >> out.opacity >> out.in_slices >>
+      out.in_mesh;
+  if (!in) return std::nullopt;
+  std::getline(in, out.name);
+  out.name = content(out.name);
+  if (out.name.size() < 2 || out.name.front() != '"' || out.name.back() != '"') return std::nullopt;
+  out.name = out.name.substr(1, out.name.size() - 2);
+  bool legal = out.opacity >= 0 && out.opacity <= 1 && out.label >= 0 && out.label <= kLargestLabel &&
+               out.label == std::floor(out.label);
+  for (const double channel : out.channels) legal = legal && channel >= 0 && channel <= 255;
+  return legal ? std::optional(out) : std::nullopt;
+}
+
+}  // namespace
+
+bool isLabelDescription(const std::string& text) {
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    // No JSON of a function begins with a number.
+    if (const std::string said = content(line); !said.empty())
+      return said.front() == '-' || said.front() == '.' || (said.front() >= '0' && said.front() <= '9');
+    if (line.find("Label Description File") != std::string::npos) return true;
+  }
+  return text.find('#') != std::string::npos;
+}
+
+TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path) {
+  constexpr std::size_t kMost = 80;
+  TransferFunction out;
+  std::istringstream in(text);
+  std::set<double> known;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    const std::string said = content(line);
+    if (said.empty()) continue;
+    const auto found = describedBy(said);
+    if (!found)
+      throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
+                  fmt::format("expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or 1, "
+                              "and its name in quotes (found '{}{}'); mend the line, or put # before it",
+                              said.substr(0, kMost), said.size() > kMost ? "..." : ""));
+    if (!known.insert(found->label).second)
+      throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
+                  fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
+    LabelLook look{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
+    for (int c = 0; c < 3; ++c) look.color[c] = linearFromSrgb(found->channels[c] / 255);
+    out.labels.push_back(std::move(look));
+  }
+  if (out.labels.empty()) throw Error(ErrorCode::kFormat, path, "", "describes no label; write a line for each");
+  sortLabels(out.labels);
+  return out;
+}
+
+void sortLabels(std::vector<LabelLook>& labels) {
+  std::sort(labels.begin(), labels.end(), [](const LabelLook& a, const LabelLook& b) { return a.label < b.label; });
+}
+
+void requireFitting(const TransferFunction& function, bool has_window, const Manifest& manifest) {
+  const auto refuse = [](const std::string& what) { throw Error(ErrorCode::kUsage, what); };
+  if (manifest.volume_class != VolumeClass::kLabels) {
+    if (function.labels.empty()) return;
+    refuse(
+        "transfer function: it has labels, but the volume's values are amounts; convert it with --labels if they are "
+        "labels");
+  }
+  if (function.labels.empty())
+    refuse(
+        "transfer function: it has points, but the volume's values are labels; give a label description of "
+        "ITK-SNAP's, a function with \"labels\", or auto");
+  if (has_window) refuse("window: labels are names, which no window can stretch; leave it out");
+  const ValueRange& range = manifest.range;
+  if (!range.empty() && std::max(-range.lo, range.hi) > kLargestLabel)
+    refuse(fmt::format("labels from {:.0f} to {:.0f}: beyond {:.0f} they cannot be told apart; number them anew",
+                       range.lo, range.hi, kLargestLabel));
+}
+
+TransferFunction labelPalette(const Manifest& manifest) {
+  TransferFunction out;
+  const auto add = [&](double label) {
+    if (label != 0) out.labels.push_back({label, "", paletteColor(std::abs(label)), 0.95});
+  };
+  if (const auto known = labelsOf(manifest)) {
+    for (const LabelCount& count : *known) add(count.label);
+  } else if (!manifest.range.empty()) {
+    if (manifest.range.hi - manifest.range.lo >= static_cast<double>(kMostLabels))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("labels from {:.0f} to {:.0f} are too many to choose colours for; name those to draw",
+                              manifest.range.lo, manifest.range.hi));
+    for (double label = manifest.range.lo; label <= manifest.range.hi; ++label) add(label);
+  }
+  // A function without labels would be one of points.
+  if (out.labels.empty()) out.labels.push_back({0, "", glm::dvec3(1), 0});
+  return out;
+}
+
+std::optional<std::vector<LabelCount>> labelsOf(const Manifest& manifest) {
+  const std::vector<std::uint64_t>& counts = manifest.histogram.counts;
+  if (!countsEachLabel(manifest.volume_class, manifest.type, manifest.range) ||
+      manifest.range.hi - manifest.range.lo + 1 != static_cast<double>(counts.size()))
+    return std::nullopt;
+  std::vector<LabelCount> out;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] > 0) out.push_back({manifest.range.lo + static_cast<double>(i), counts[i]});
+  }
+  return out;
+}
+
+std::string unknownLabelsText(const std::vector<TransferFunction>& functions, const Manifest& manifest) {
+  const auto known = labelsOf(manifest);
+  if (!known) return {};
+  std::string list;
+  std::size_t unknown = 0;
+  for (const LabelCount& count : *known) {
+    const bool given = std::any_of(functions.begin(), functions.end(), [&](const TransferFunction& function) {
+      return std::any_of(function.labels.begin(), function.labels.end(),
+                         [&](const LabelLook& look) { return look.label == count.label; });
+    });
+    if (given || count.label == 0) continue;
+    if (++unknown <= 8) list += fmt::format("{}{:.0f}", list.empty() ? "" : ", ", count.label);
+  }
+  if (unknown == 0) return {};
+  if (unknown > 8) list += fmt::format(" and {} more", unknown - 8);
+  return fmt::format("label{} {} {} in the volume and not among those given: nothing is drawn there",
+                     unknown == 1 ? "" : "s", list, unknown == 1 ? "is" : "are");
+}
+
+std::string likelyLabelsText(const Manifest& manifest) {
+  // Measurements of 8 bits have more values than this, unless they are masks, which labels draw as well.
+  constexpr std::size_t kMostLikely = 48;
+  if (manifest.volume_class != VolumeClass::kUnknown || isFloating(manifest.type) || manifest.range.empty() ||
+      manifest.range.lo < 0)
+    return {};
+  const std::vector<std::string>& files = manifest.source.files;
+  const bool said = std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    return lowered(file).ends_with(".seg.nrrd") || lowered(file).ends_with(".seg.nhdr");
+  });
+  const auto& counts = manifest.histogram.counts;
+  const auto different =
+      static_cast<std::size_t>(std::count_if(counts.begin(), counts.end(), [](std::uint64_t n) { return n > 0; }));
+  const bool each_has_bin = manifest.range.hi - manifest.range.lo < static_cast<double>(counts.size());
+  if (!said && (!each_has_bin || different > kMostLikely || different < 2)) return {};
+  return fmt::format(
+      "its values, {}, look like labels and are drawn as amounts; --labels FILE draws labels (a store is converted "
+      "with "
+      "--labels), and a transfer function (--add-tf) says that they are amounts",
+      said ? "of a segmentation" : fmt::format("{} whole numbers", different));
+}
+
+}  // namespace kiln

@@ -1,0 +1,64 @@
+#include "scene/transfer/transfer_function.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+
+namespace kiln {
+
+namespace {
+
+auto firstFrom(const std::vector<LabelLook>& labels, double value) {
+  return std::lower_bound(labels.begin(), labels.end(), value,
+                          [](const LabelLook& look, double v) { return look.label < v; });
+}
+
+}  // namespace
+
+bool TransferFunction::labelsShownIn(double lo, double hi) const {
+  for (auto look = firstFrom(labels, lo); look != labels.end() && look->label <= hi; ++look) {
+    if (look->opacity > 0) return true;
+  }
+  return false;
+}
+
+Classified TransferFunction::at(double value) const {
+  if (!labels.empty()) {
+    const auto look = firstFrom(labels, value);
+    if (look == labels.end() || look->label != value) return {glm::dvec3(0), 0};
+    return {look->color, look->opacity};
+  }
+  if (points.empty() || std::isnan(value)) return {glm::dvec3(0), 0};
+  const auto upper = std::upper_bound(points.begin(), points.end(), value,
+                                      [](double v, const TransferPoint& point) { return v < point.value; });
+  if (upper == points.begin()) return {upper->color, upper->opacity};
+  const TransferPoint& below = *(upper - 1);
+  if (upper == points.end() || value == below.value) return {below.color, below.opacity};
+  const double t = (value - below.value) / (upper->value - below.value);
+  return {(1 - t) * below.color + t * upper->color, (1 - t) * below.opacity + t * upper->opacity};
+}
+
+double TransferFunction::gradientFactor(double gradient) const {
+  if (gradient_opacity.empty()) return 1;
+  const auto upper = std::upper_bound(gradient_opacity.begin(), gradient_opacity.end(), gradient,
+                                      [](double g, const GradientPoint& point) { return g < point.gradient; });
+  if (upper == gradient_opacity.begin()) return upper->factor;
+  const GradientPoint& below = *(upper - 1);
+  if (upper == gradient_opacity.end()) return below.factor;
+  return std::lerp(below.factor, upper->factor, (gradient - below.gradient) / (upper->gradient - below.gradient));
+}
+
+TransferFunction inWorld(TransferFunction function, double world_per_own) {
+  function.unit *= world_per_own;
+  for (GradientPoint& point : function.gradient_opacity) point.gradient /= world_per_own;
+  return function;
+}
+
+double extinctionOf(double opacity, double unit) {
+  // The clamp keeps a fully opaque point finite (DESIGN.md §6).
+  return -std::log1p(-std::min(opacity, 0.9999)) / unit;
+}
+
+}  // namespace kiln

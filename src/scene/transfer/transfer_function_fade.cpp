@@ -1,0 +1,79 @@
+#include "scene/transfer/transfer_function_fade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+namespace kiln {
+namespace {
+
+// The values of both, each once.
+template <class Points, class ValueOf>
+std::vector<double> valuesOf(const Points& a, const Points& b, const ValueOf& value_of) {
+  std::vector<double> out;
+  for (const auto* points : {&a, &b}) {
+    for (const auto& point : *points) out.push_back(value_of(point));
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+// What the function tends to from below: it may step at a value.
+Classified before(const TransferFunction& function, double value) {
+  for (const TransferPoint& point : function.points) {
+    if (point.value == value) return {point.color, point.opacity};
+  }
+  return function.at(value);
+}
+
+double inUnit(double opacity, double from, double to) {
+  return from == to ? opacity : 1 - std::pow(1 - opacity, to / from);
+}
+
+TransferPoint mixedPoint(double value, const Classified& a, const Classified& b, double t) {
+  const double opacity_a = (1 - t) * a.opacity, opacity_b = t * b.opacity, opacity = opacity_a + opacity_b;
+  const glm::dvec3 color =
+      opacity > 0 ? (opacity_a * a.color + opacity_b * b.color) / opacity : glm::mix(a.color, b.color, t);
+  return {value, glm::clamp(color, 0.0, 1.0), std::clamp(opacity, 0.0, 1.0)};
+}
+
+bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
+
+// Of labels, each by itself; one that is in one of them only comes or goes.
+std::vector<LabelLook> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
+  std::vector<LabelLook> out;
+  for (const double label : valuesOf(a.labels, b.labels, [](const LabelLook& look) { return look.label; })) {
+    Classified at_b = b.at(label);
+    at_b.opacity = inUnit(at_b.opacity, b.unit, a.unit);
+    const TransferPoint mixed = mixedPoint(label, a.at(label), at_b, t);
+    out.push_back({label, "", mixed.color, mixed.opacity});
+  }
+  return out;
+}
+
+}  // namespace
+
+TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t) {
+  if (t == 0) return a;
+  if (t == 1) return b;
+  TransferFunction out;
+  out.unit = a.unit;
+  out.labels = fadedLabels(a, b, t);
+  const auto in_a_unit = [&](Classified c) {
+    c.opacity = inUnit(c.opacity, b.unit, a.unit);
+    return c;
+  };
+  for (const double value : valuesOf(a.points, b.points, [](const TransferPoint& point) { return point.value; })) {
+    const Classified before_a = before(a, value), before_b = before(b, value), at_a = a.at(value), at_b = b.at(value);
+    out.points.push_back(mixedPoint(value, before_a, in_a_unit(before_b), t));
+    if (!same(before_a, at_a) || !same(before_b, at_b))
+      out.points.push_back(mixedPoint(value, at_a, in_a_unit(at_b), t));
+  }
+  for (const double gradient :
+       valuesOf(a.gradient_opacity, b.gradient_opacity, [](const GradientPoint& point) { return point.gradient; }))
+    out.gradient_opacity.push_back({gradient, std::lerp(a.gradientFactor(gradient), b.gradientFactor(gradient), t)});
+  return out;
+}
+
+}  // namespace kiln

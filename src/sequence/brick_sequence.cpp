@@ -1,0 +1,191 @@
+#include "sequence/brick_sequence.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "base/elapsed.h"
+#include "cluster/shared_lists.h"
+#include "composite/part_order.h"
+#include "frame/aov_planes.h"
+#include "frame/background.h"
+#include "frame/empty_frame.h"
+#include "frame/part_image.h"
+#include "job/frame_list.h"
+#include "job/frame_scene.h"
+#include "ranks/composite_ranks.h"
+#include "ranks/rank_boxes.h"
+#include "ranks/split_store.h"
+#include "sequence/ranked_sequence.h"
+#include "store/manifest/read_manifest.h"
+
+namespace kiln {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void requireParts(const RenderJob& job) {
+  const PictureOptions& picture = job.picture;
+  const auto refuse = [](const char* what) {
+    throw Error(ErrorCode::kUsage, std::string("--distribute bricks: ") + what + "; use --distribute tiles");
+  };
+  if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
+  if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
+  if (const char* const view = viewWithoutTiles(job)) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));
+  }
+  if (!job.volumes.empty()) refuse("several volumes are not drawn in parts");
+  if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
+}
+
+// Of the first frame's transfer function, so that a rank keeps its bricks. One rank cuts for all.
+std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores, Ranks& ranks) {
+  std::vector<VoxelBox> boxes;
+  if (ranks.first()) {
+    const StoreReader store(stores(job.volume), job.speed.memory_bytes);
+    const FrameScene scene = SceneOfJob(job, store.manifest()).at(framesOf(job).front());
+    boxes = boxesForRanks(store, scene.transfer_function, ranks.count());
+  }
+  broadcastList(ranks, boxes);
+  return boxes;
+}
+
+// Of a store; nothing where it is not there to be looked at.
+std::optional<Hash128> indexOf(const std::filesystem::path& store) {
+  try {
+    return readManifest(store).index_checksum;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// What each rank holds on its own disk, of `whole`: the picture names that.
+std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std::filesystem::path& whole,
+                                   Ranks& ranks) {
+  const Manifest manifest = readManifest(part);
+  std::vector<VoxelBox> boxes = gatherLists(ranks, std::vector<VoxelBox>{boxOfStorePart(part)});
+  const std::vector<Hash128> indexes = gatherLists(ranks, std::vector<Hash128>{manifest.index_checksum});
+  if (ranks.first()) {
+    const auto other = std::find_if(indexes.begin(), indexes.end(), [&](const Hash128& i) { return i != indexes[0]; });
+    if (other != indexes.end())
+      throw Error(ErrorCode::kUsage, fmt::format("--store-local: rank {} holds a part of another store than rank 0",
+                                                 other - indexes.begin()));
+    if (indexOf(whole).value_or(indexes[0]) != indexes[0])
+      throw Error(ErrorCode::kUsage, part, "", "--store-local: holds a part of another store than " + whole.string());
+    requireWhole(boxes, manifest.geometry().dims);
+  }
+  broadcastList(ranks, boxes);
+  return boxes;
+}
+
+struct Plan {
+  StoreFor stores;
+  std::vector<VoxelBox> boxes;
+};
+
+Plan planFor(const RenderJob& job, const SequenceOptions& options) {
+  requireParts(job);
+  if (!options.store_local.empty()) {
+    const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
+    return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, job.volume, *options.ranks)};
+  }
+  Plan out{sharedStores(job, options), {}};
+  out.boxes = boxesOfRanks(job, out.stores, *options.ranks);
+  return out;
+}
+
+class BrickSequence : public RankedSequence {
+ public:
+  BrickSequence(const RenderJob& job, const SequenceOptions& options, const Plan& plan, Progress& progress,
+                SequenceListener& listener)
+      : RankedSequence(job, options, plan.stores, progress, listener,
+                       plan.boxes[static_cast<std::size_t>(options.ranks->rank())]),
+        boxes_(plan.boxes) {}
+
+ private:
+  const char* sharedBy() const override { return "bricks"; }
+
+  void share() override {
+    ranks_.barrier();
+    const Clock::time_point begin = Clock::now();
+    const double waited_before = ranks_.traffic().waited_s;
+    for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawFrame(i);
+    own_.idle_s = ranks_.traffic().waited_s - waited_before;
+    own_.busy_s = secondsSince(begin) - own_.idle_s;
+  }
+
+  void drawFrame(std::uint32_t i) {
+    const Clock::time_point begin = Clock::now();
+    started(i);
+    FrameReport report;
+    report.frame = i;
+    DrawnFrame drawn;
+    attempt(report, [&] {
+      drawn = frames_.openedFor(toDraw()[i]).draw(toDraw()[i], progress_);
+      report.statistics = std::move(drawn.statistics);
+    });
+    own_.add(report.statistics);
+    ++own_.tiles;
+    if (!collect(report)) {
+      if (ranks_.first()) hear(report);
+      return;
+    }
+    composite(drawn, report.statistics);
+    if (!ranks_.first()) return;
+    attempt(report, [&] {
+      OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+      drawn.scene = frames_.sceneToWrite(opened, toDraw()[i]);
+      report.statistics.wall_s = secondsSince(begin);
+      drawn.statistics = std::move(report.statistics);
+      write(opened, i, drawn);
+      report.statistics = std::move(drawn.statistics);
+    });
+    hear(report);
+  }
+
+  // All ranks' reports, on the first, in one; whether none of them failed, on all.
+  bool collect(FrameReport& report) {
+    const auto reports = ranks_.gather(packed(report));
+    if (ranks_.first()) {
+      for (std::size_t rank = 1; rank < reports.size(); ++rank) {
+        const FrameReport other = reportFrom(reports[rank]);
+        report.statistics.merge(other.statistics);
+        if (other.failure && !report.failure) report.failure = other.failure;
+      }
+    }
+    std::vector<char> failed(1, report.failure ? 1 : 0);
+    broadcastList(ranks_, failed);
+    return failed[0] == 0;
+  }
+
+  void composite(DrawnFrame& drawn, FrameStatistics& statistics) {
+    auto& [image, view] = drawn.views.front();
+    const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
+    const Aovs aovs = drawnAovs(job_);
+    Image made = compositeDirectly(ranks_, image, aovs, *order, static_cast<float>(job_.picture.opacity_threshold));
+    if (!ranks_.first()) return;
+    image = pixelsOf(made, drawn.scene.picture, aovs);
+    statistics.visible = isVisible(image);
+    const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
+    layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
+  }
+
+  const std::vector<VoxelBox> boxes_;
+};
+
+}  // namespace
+
+std::uint64_t partBytes(const RenderJob& job) {
+  const std::uint64_t sample_bytes = 4 * sizeof(float) + aovBytes(drawnAovs(job));
+  return 3 * sample_bytes * sampleWindowOf(job.picture).samples.count();
+}
+
+SequenceResult shareBricksOfSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+                                     SequenceListener& listener) {
+  return BrickSequence(job, options, planFor(job, options), progress, listener).run();
+}
+
+}  // namespace kiln

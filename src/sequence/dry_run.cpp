@@ -1,0 +1,76 @@
+#include "sequence/dry_run.h"
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/thread/parallel.h"
+#include "frame/empty_frame.h"
+#include "job/frame_scene.h"
+#include "sequence/opened_job.h"
+#include "sequence/render_job_run.h"
+#include "sequence/sequence.h"
+#include "sequence/series_volumes.h"
+#include "traverse/brick_walk.h"
+
+namespace kiln {
+DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
+  RenderJob job = jobAtFrame(given, framesOf(given).front());
+  if (!job.series) job.series = seriesLook(given, {});
+  job.picture.aovs = drawnAovs(job);
+  const ThreadLimit threads(job.speed.threads);
+  const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(job);
+  const std::vector<const StoreReader*> stores = readersOf(opened);
+  const SceneOfJob scenes(job, manifestsOf(opened));
+  DryRun out;
+  out.memory = memoryOf(job, stores, scenes, beside);
+  if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
+  out.budget_bytes = job.speed.memory_bytes;
+  BrickWalkCounts counts;
+  std::set<StoredBrick> bricks;
+  FrameScene scene = scenes.at(framesOf(job).front());
+  const FrameScene whole = scene;
+  out.samples = scenes.mostSamples();
+  for (const PictureOptions& picture : eyesOf(scene.picture)) {
+    scene.picture = picture;
+    for (const StoredBrick& brick : bricksInView(stores, requestOf(scene, job.speed), counts)) bricks.insert(brick);
+  }
+  for (const StoredBrick& seen : bricks) {
+    const StoreReader& store = *stores[static_cast<std::size_t>(seen.store)];
+    const BrickEntry& entry = store.index().at(seen.key);
+    ++out.bricks_in_view;
+    out.files_in_view += entry.constant ? 0 : 1;
+    out.file_bytes_in_view += entry.file_bytes;
+    out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
+  }
+  out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), manifestsOf(opened));
+  out.one_colour = isOfOneColour(whole, manifestsOf(opened));
+  out.bricks_interesting = counts.interesting;
+  out.bricks_total = counts.bricks;
+  return out;
+}
+
+std::string dryRunText(const DryRun& run) {
+  const nlohmann::ordered_json out = {{"dry_run", true},
+                                      {"samples", run.samples},
+                                      {"bricks",
+                                       {{"total", run.bricks_total},
+                                        {"interesting", run.bricks_interesting},
+                                        {"in_view", run.bricks_in_view},
+                                        {"files_in_view", run.files_in_view},
+                                        {"file_bytes_in_view", run.file_bytes_in_view},
+                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
+                                      {"memory",
+                                       {{"budget_bytes", run.budget_bytes},
+                                        {"smallest_bytes", run.memory.smallest()},
+                                        {"framebuffer_bytes", run.memory.framebuffer()},
+                                        {"visibility_bytes", run.memory.visibility},
+                                        {"slabs_bytes", run.memory.slabs},
+                                        {"trace_bytes", run.memory.trace},
+                                        {"index_bytes", run.memory.index},
+                                        {"files_bytes", run.memory.files},
+                                        {"threads_bytes", run.memory.threads},
+                                        {"brick_bytes", run.memory.brick}}}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace kiln

@@ -1,0 +1,45 @@
+// What of a drawn picture a file holds, lent out while it is written: nothing is copied.
+#pragma once
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "image/image.h"
+#include "sequence/opened_job.h"
+
+namespace kiln {
+
+inline bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
+
+/// Takes the file's part out of the image, and puts it back.
+class FilePart {
+ public:
+  FilePart(Image& whole, const OutputFile& file, const Aovs& aovs) : whole_(whole) {
+    part_.width = whole.width;
+    part_.height = whole.height;
+    part_.deep = whole.deep;
+    if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
+    const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(),
+                                              [&](const Plane& plane) { return isOf(plane, aovs); });
+    std::move(whole.planes.begin(), others, std::back_inserter(part_.planes));
+    whole.planes.erase(whole.planes.begin(), others);
+  }
+  ~FilePart() {
+    if (!part_.rgba.empty()) part_.rgba.swap(whole_.rgba);
+    std::move(part_.planes.begin(), part_.planes.end(), std::back_inserter(whole_.planes));
+  }
+  FilePart(const FilePart&) = delete;
+  FilePart& operator=(const FilePart&) = delete;
+  const Image& image() const { return part_; }
+
+ private:
+  static bool isOf(const Plane& plane, const Aovs& aovs) {
+    return plane.name == "value" ? aovs.value : plane.name.starts_with("N.") ? aovs.normal : aovs.depth;
+  }
+
+  Image& whole_;
+  Image part_;
+};
+
+}  // namespace kiln

@@ -1,0 +1,265 @@
+#include "sequence/frame_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <span>
+#include <utility>
+
+#include "base/hash.h"
+#include "base/thread/span.h"
+#include "composite/composite_parts.h"
+#include "frame/part_image.h"
+#include "image/file/image_file.h"
+#include "job/frame_list.h"
+#include "job/job_names.h"
+#include "job/series_look.h"
+#include "sequence/file_part.h"
+#include "sequence/frame_checkpoint.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kHashKey = "kiln:jobHash";
+
+// The job that draws what the file holds of the frame, and nothing else.
+RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
+  RenderJob out;
+  out.volume = job.volume;
+  out.volumes = job.volumes;
+  for (std::size_t i = 0; i < out.volumes.size(); ++i) {
+    VolumeOptions& volume = out.volumes[i];
+    volume.transfer_function = scene.volumes.at(i).transfer_function;
+    volume.functions.clear();
+    volume.window.reset();
+  }
+  out.picture = scene.picture;
+  out.picture.aovs = aovsOf(job, file);
+  if (file.eye && out.picture.stereo) out.picture.stereo->eye = *file.eye;
+  out.picture.skip_damaged = false;  // a whole picture's header does not depend on it
+  out.speed = job.speed;
+  return out;
+}
+
+std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
+  return resolvedJobText(of_file, scene.camera, scene.transfer_function);
+}
+
+ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,
+                         const StoreReader& store) {
+  RenderJob of_file = jobOfFile(job, file, drawn.scene);
+  ImageMetadata out;
+  if (const std::uint64_t damaged = drawn.statistics.bricks_damaged) {
+    of_file.picture.skip_damaged = true;
+    out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged);
+  }
+  if (drawsPart(of_file.picture)) {
+    const auto [samples, picture] = sampleWindowOf(of_file.picture);
+    out.whole = {samples.x0, samples.y0, picture.width, picture.height};
+  } else if (const auto& crop = job.picture.crop) {
+    out.whole = {crop->x0, crop->y0, job.picture.size.width, job.picture.size.height};
+  }
+  out.world_to_camera = exrWorldToCamera(view);
+  out.panorama = view.projection == Projection::kEquirectangular;
+  if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
+  out.text[ImageMetadata::kJob] = textOf(of_file, drawn.scene);
+  out.text["kiln:version"] = KILN_VERSION;
+  if (job.series) out.text[kSeriesKey] = job.series->frames;
+  if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
+  if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
+  if (!job.output.comments.empty()) out.text["comments"] = job.output.comments;
+  if (job.output.statistics_in_header) {
+    RenderStatistics statistics;
+    statistics.add(drawn.statistics);
+    out.text["kiln:statistics"] = statisticsText(statistics);
+  }
+  out.text[kHashKey] = contentHash(job, file, drawn.scene, store.manifest());
+  return out;
+}
+
+// The views that the file holds, of those that were drawn.
+std::span<DrawnView> viewsIn(const OutputFile& file, DrawnFrame& drawn) {
+  const std::span<DrawnView> all(drawn.views);
+  if (!file.eye || all.size() == 1) return all;
+  return all.subspan(*file.eye == StereoEye::kLeft ? 0 : 1, 1);
+}
+
+// One beside the other, as they are looked at by eyes that cross, or by players of such pictures: the left eye's is on
+// the left.
+Image besideEachOther(const Image& left, const Image& right) {
+  Image out(left.width + right.width, left.height);
+  for (int y = 0; y < out.height; ++y) {
+    std::copy_n(left.pixel(0, y), 4 * left.width, out.pixel(0, y));
+    std::copy_n(right.pixel(0, y), 4 * right.width, out.pixel(left.width, y));
+  }
+  return out;
+}
+
+OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / "######.png", Content::kColor, {}}; }
+
+// Whether a video may take it: of a pair, both eyes' in one picture, which an EXR has in two.
+bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
+  const bool in_two = hasEyePlace(file.path) || (drawsBothEyes(job.picture.stereo) && isExrPath(file.path));
+  return holdsColors(file.content) && !file.eye && !in_two;
+}
+
+// The files that a job asks for but the video, their names still without numbers.
+std::vector<OutputFile> askedPatternsOf(const RenderJob& job) {
+  std::vector<OutputFile> out;
+  if (!job.output.path.empty())
+    out.push_back({job.output.path, job.output.deep ? Content::kDeep : Content::kPicture, {}});
+  for (OutputFile file : job.output.files) {
+    // Beside an EXR with more planes, a PNG is what can be seen of it.
+    if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
+    out.push_back(file);
+  }
+  return out;
+}
+
+std::vector<OutputFile> patternsOf(const RenderJob& job) {
+  std::vector<OutputFile> out = askedPatternsOf(job);
+  if (keepsFramesForVideo(job)) out.push_back(keptFrame(job.output.video));
+  return ofEyes(out, job.picture.stereo);
+}
+
+void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const StoreReader& store,
+               std::uint64_t writer_bytes) {
+  const bool deep = file.content == Content::kDeep;
+  const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
+  const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
+  if (drawn.tiles) {
+    TileRows rows(*drawn.tiles, file, aovsOf(job, file));
+    return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
+  }
+  std::deque<FilePart> parts;
+  std::vector<ImageView> views;
+  for (DrawnView& view : viewsIn(file, drawn)) {
+    const Image& image = parts.emplace_back(view.image, file, aovsOf(job, file)).image();
+    const auto eye = views.empty() ? StereoEye::kLeft : StereoEye::kRight;
+    views.push_back(
+        {std::string(nameIn(kStereoEyeNames, eye)), &image, metadataOf(job, file, drawn, view.view, store)});
+  }
+  const Image& first = *views.front().image;
+  if (deep)
+    writeDeepImage(*first.deep, views.front().metadata, options, file.path);
+  else if (views.size() == 1)
+    writeImage(first, views.front().metadata, options, file.path);
+  else if (isExrPath(file.path))
+    writeImageViews(views, options, file.path);
+  else
+    writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
+}
+
+// What differs between the job of a picture that is there and this one, as the end of a sentence.
+std::string differenceOf(const std::string& there, const std::string& here) {
+  const std::string difference = jobDifference(there, here);
+  return difference.empty() ? "; what its volume holds, its kind of file or Kiln's version is another"
+                            : ": " + difference;
+}
+
+}  // namespace
+
+fs::path keptFramesOf(const VideoOptions& video) { return video.path.string() + ".frames"; }
+
+bool keepsFramesForVideo(const RenderJob& job) {
+  const std::vector<OutputFile> asked = askedPatternsOf(job);
+  return !job.output.video.path.empty() &&
+         std::none_of(asked.begin(), asked.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); });
+}
+
+std::vector<OutputFile> filesOf(const RenderJob& job, int frame) {
+  std::vector<OutputFile> out = patternsOf(job);
+  for (OutputFile& file : out) file.path = pathOfFrame(file.path, frame);
+  return out;
+}
+
+void requirePlaces(const RenderJob& job, int frame) {
+  for (const OutputFile& file : filesOf(job, frame)) FileSystem::real().requirePlaceFor(file.path);
+}
+
+fs::path videoFrameOf(const RenderJob& job, int frame) {
+  const std::vector<OutputFile> files = filesOf(job, frame);
+  return std::find_if(files.begin(), files.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); })
+      ->path;
+}
+
+void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
+  for (const OutputFile& file : patternsOf(job)) {
+    requireImagePath(file.path, aovsOf(job, file).any());
+    if (frames.size() > 1 && !hasFramePlace(file.path)) {
+      const fs::path numbered = file.path.stem().string() + "_####" + file.path.extension().string();
+      throw Error(ErrorCode::kUsage, file.path, "",
+                  fmt::format("has no place for the numbers of {} frames; write {}", frames.size(),
+                              (file.path.parent_path() / numbered).string()));
+    }
+  }
+  FileNames seen;
+  for (const int frame : frames) {
+    for (const OutputFile& file : filesOf(job, frame)) {
+      if (!seen.add(file.path))
+        throw Error(ErrorCode::kUsage, file.path, "", "is named twice; each output needs a name of its own");
+    }
+  }
+}
+
+std::string frameText(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
+  return textOf(jobOfFile(job, file, scene), scene);
+}
+
+std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
+                        const Manifest& manifest) {
+  RenderJob of_file = jobOfFile(job, file, scene);
+  of_file.volume.clear();  // a moved store is the same volume
+  std::string checksums = toHex(manifest.index_checksum);
+  for (std::size_t i = 0; i < of_file.volumes.size(); ++i) {
+    of_file.volumes[i].volume.clear();
+    if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
+  }
+  std::string kind = isExrPath(file.path)
+                         ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half", job.output.exr_compression)
+                         : fmt::format("png {}", job.output.png_bits);
+  if (file.content == Content::kDeep)
+    kind += fmt::format(" {} {}", job.output.deep_bound.samples, job.output.deep_bound.error);
+  return toHex(
+      hashOf(std::string_view(fmt::format("{}\n{}\n{}\n{}\n{}", KILN_VERSION, checksums,
+                                          nameIn(kContentNames, file.content), kind, textOf(of_file, scene)))));
+}
+
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
+                std::uint64_t writer_bytes) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (const OutputFile& file : filesOf(job, frame)) {
+    Span span(Activity::kWrite);
+    if (span.traced()) span.note("file", file.path.filename().native());
+    writeFile(job, file, drawn, store, writer_bytes);
+  }
+  drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store) {
+  std::map<std::string, std::string> text;
+  try {
+    text = readImageText(file.path, job.speed.memory_bytes);
+    if (const auto hash = text.find(kHashKey);
+        hash != text.end() && hash->second == contentHash(job, file, scene, store.manifest())) {
+      if (text.contains(ImageMetadata::kDamagedBricks) && !job.picture.skip_damaged) return FoundFile::kDamaged;
+      checkImage(file.path, job.speed.memory_bytes);
+      return FoundFile::kWhole;
+    }
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kNotFound) return FoundFile::kMissing;
+    if (error.code() == ErrorCode::kFormat || error.code() == ErrorCode::kUnsupported) return FoundFile::kDamaged;
+    throw;
+  }
+  const auto said = text.find(ImageMetadata::kJob);
+  const std::string why =
+      said == text.end() ? "" : differenceOf(said->second, textOf(jobOfFile(job, file, scene), scene));
+  throw Error(
+      ErrorCode::kExists, file.path, "",
+      fmt::format("is a picture of another job{}; name another output, or leave --resume out to replace it", why));
+}
+
+}  // namespace kiln

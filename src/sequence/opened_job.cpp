@@ -1,0 +1,249 @@
+#include "sequence/opened_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "base/memory/memory.h"
+#include "base/memory/spare_pages.h"
+#include "base/thread/parallel.h"
+#include "base/thread/span.h"
+#include "frame/empty_frame.h"
+#include "frame/frame_progress.h"
+#include "grid/shared_world.h"
+#include "job/series_look.h"
+#include "scene/transfer/label_looks.h"
+#include "sequence/render_job_run.h"
+#include "store/manifest/float_steps.h"
+
+namespace kiln {
+namespace {
+
+RenderJob withDrawnAovs(RenderJob job) {
+  job.picture.aovs = drawnAovs(job);
+  return job;
+}
+
+// One thread reads nothing ahead, so that its statistics repeat.
+unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::active() : 0; }
+
+BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
+  if (!job.picture.skip_damaged) return {};
+  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
+}
+
+FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& job) {
+  if (writes_behind) memory.behind = writeBehindBytes(memory, job);
+  return memory;
+}
+
+FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vector<const StoreReader*>& stores) {
+  const std::uint64_t taken = memory.besideBricks() + memory.brick;
+  if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, SharedReads::largestFileOf(stores));
+  return memory;
+}
+
+bool isAuto(const VolumeOptions& volume) {
+  const auto* const name = std::get_if<std::string>(&volume.transfer_function);
+  return volume.functions.empty() && name != nullptr && *name == "auto";
+}
+
+// Brings the volumes of a picture to one frame and unit. Of one volume alone, its own are the picture's.
+void placeTogether(const RenderJob& job, const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  if (stores.size() == 1 && !job.series) return;
+  const VolumeGeometry world = worldOf(job, manifestsOf(stores));
+  for (const std::unique_ptr<StoreReader>& store : stores) store->placeIn(world);
+}
+
+}  // namespace
+
+VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
+  if (job.series) return job.series->volumes.front().geometry();
+  std::vector<VolumeGeometry> volumes;
+  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
+  return sharedWorld(volumes);
+}
+
+Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
+  switch (file.content) {
+    case Content::kPicture:
+      return job.picture.aovs;
+    case Content::kColor:
+    case Content::kDeep:
+      return {};
+    case Content::kDepth:
+      return {true, false};
+    case Content::kNormal:
+      return {false, true};
+    case Content::kValue:
+      return {false, false, true};
+  }
+  return {};
+}
+
+Aovs drawnAovs(const RenderJob& job) {
+  Aovs out = job.picture.aovs;
+  for (const OutputFile& file : job.output.files) {
+    const Aovs held = aovsOf(job, file);
+    out.depth = out.depth || held.depth;
+    out.normal = out.normal || held.normal;
+    out.value = out.value || held.value;
+  }
+  return out;
+}
+
+std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
+  std::vector<std::unique_ptr<StoreReader>> out;
+  std::uint64_t left = job.speed.memory_bytes;
+  const auto open = [&](const std::filesystem::path& path) {
+    out.push_back(std::make_unique<StoreReader>(path, left));
+    left -= std::min(left, out.back()->index().bytes());
+  };
+  for (const VolumeOptions& volume : job.volumes) open(volume.volume);
+  if (out.empty()) open(job.volume);
+  placeTogether(job, out);
+  return out;
+}
+
+std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  std::vector<const StoreReader*> out;
+  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(store.get());
+  return out;
+}
+
+std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
+  std::vector<const Manifest*> out;
+  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(&store->manifest());
+  return out;
+}
+
+FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
+                     const MemoryBeside& beside) {
+  job.picture.samples = scenes.mostSamples();
+  const PixelRect written = drawnPixels(job.picture.size, job.picture.crop);
+  if (beside.at_a_time) job.picture.crop = beside.at_a_time;
+  std::uint64_t least = 0;
+  for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
+  if (!job.volumes.empty())
+    least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
+  // Shares of the budget are of what the caller leaves.
+  job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes);
+  FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
+  out.image += beside.bytes;
+  return out;
+}
+
+OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside, SharedReads* shared,
+                     bool writes_behind)
+    : job_(job),
+      drawn_job_(withDrawnAovs(job)),
+      stores_(storesOf(job_)),
+      scenes_(drawn_job_, manifestsOf(stores_)),
+      memory_(
+          withShared(withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside), writes_behind, drawn_job_),
+                     shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
+      for_ranks_(shared, readersOf(stores_), memory_.shared),
+      cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
+             skipperOf(job_, progress), for_ranks_.files()) {
+  boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
+}
+
+std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
+  std::vector<Doubt> out;
+  const auto add = [&](std::size_t v, const std::string& sentence) {
+    if (!sentence.empty())
+      out.push_back({std::to_string(v) + " " + sentence, stores_[v]->path().string() + ": " + sentence});
+  };
+  for (std::size_t v = 0; v < stores_.size(); ++v) {
+    const Manifest& manifest = stores_[v]->manifest();
+    add(v, unknownLabelsText(scenes_.functionsOf(v), manifest));
+    add(v, mergedValuesText(manifest));
+    add(v, manifest.assumption);
+    if (v > 0 && isAuto(job_.volumes[v])) add(v, likelyLabelsText(manifest));
+  }
+  return out;
+}
+
+void OpenedJob::judge(DrawnFrame& drawn) const {
+  if (drawn.continued) return;
+  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), manifestsOf(stores_));
+  drawn.statistics.one_colour = isOfOneColour(drawn.scene, manifestsOf(stores_));
+}
+
+void OpenedJob::noteDeep(Progress& progress) const {
+  const auto is_flat = [](const OutputFile& file) { return file.content != Content::kDeep; };
+  const std::vector<OutputFile>& files = job_.output.files;
+  if (!drawsDeep(job_) || std::any_of(files.begin(), files.end(), is_flat)) return;
+  progress.note(fmt::format(
+      "{}: a deep picture has one ray a pixel and no pixel filter, unlike a flat picture of the same options; a flat "
+      "picture beside it (outputs) is the deep one, flattened",
+      (files.empty() ? job_.output.path : files.front().path).string()));
+}
+
+FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
+  FrameRequest request = requestOf(scene, job_.speed);
+  request.bricks_together = memory_.bricks_together;
+  request.band_px = memory_.band_px;
+  if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
+  return request;
+}
+
+std::unique_ptr<FramePainter> OpenedJob::painterFor(const FrameScene& scene, Progress& progress) {
+  return std::make_unique<FramePainter>(store(), cache_, requestFor(scene), progress);
+}
+
+FrameStatistics OpenedJob::finish(FramePainter& painter, int frame) const {
+  FrameStatistics out = painter.finish();
+  out.frame = frame;
+  out.peak_cache_bytes = cache_.peakBytes();
+  out.peak_rss_bytes = peakResidentBytes();
+  return out;
+}
+
+DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
+  Span span(Activity::kFrame);
+  if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
+  DrawnFrame out;
+  out.scene = sceneAt(frame);
+  FrameScene seen = out.scene;
+  std::vector<FrameRequest> eyes;
+  for (const PictureOptions& picture : eyesOf(out.scene.picture)) {
+    seen.picture = picture;
+    eyes.push_back(requestFor(seen));
+  }
+  FrameProgress of_frame(frame, stepsOfParts(readersOf(stores_), eyes), progress);
+  for (const FrameRequest& request : eyes) {
+    FrameStatistics statistics;
+    out.views.push_back({renderFrame(store(), cache_, request, of_frame, statistics), request.view});
+    out.statistics.addView(statistics);
+  }
+  out.statistics.frame = frame;
+  out.statistics.peak_cache_bytes = cache_.peakBytes();
+  out.statistics.peak_rss_bytes = peakResidentBytes();
+  return out;
+}
+
+void noteDamage(const FrameStatistics& frame, Progress& progress) {
+  const std::uint64_t damaged = frame.bricks_damaged;
+  if (damaged == 0) return;
+  progress.warn(fmt::format("{} damaged brick{} missing from the picture; kiln verify names all of the store's",
+                            damaged, damaged == 1 ? " is" : "s are"));
+}
+
+void OpenedJob::describeMemory(RenderStatistics& statistics) const {
+  statistics.budget_bytes = job_.speed.memory_bytes;
+  statistics.cache_bytes = cache_.budgetBytes();
+  statistics.peak_cache_bytes = std::max(statistics.peak_cache_bytes, cache_.peakBytes());
+  statistics.peak_rss_bytes = peakResidentBytes();
+  statistics.framebuffer_bytes = memory_.framebuffer();
+  statistics.visibility_bytes = memory_.visibility;
+  statistics.index_bytes = memory_.index;
+  statistics.files_bytes = memory_.files;
+  statistics.threads_bytes = memory_.threads;
+  statistics.slabs_bytes = memory_.slabs;
+  statistics.trace_bytes = memory_.trace;
+  statistics.shared_reads_bytes = memory_.shared;
+}
+
+}  // namespace kiln

@@ -1,0 +1,152 @@
+#include "sequence/ranked_sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "cluster/agreement.h"
+#include "cluster/shared_lists.h"
+#include "sequence/rank_facts.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+
+RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores,
+                               Progress& progress, SequenceListener& listener, std::optional<VoxelBox> part,
+                               bool share_reads)
+    : job_(job),
+      ranks_(*options.ranks),
+      progress_(progress),
+      shared_reads_(share_reads ? std::make_unique<SharedReads>(ranks_) : nullptr),
+      // Of a time series, ranks have volumes of their own.
+      frames_(job, std::move(stores), progress, besideBytes(job, options),
+              {part, shared_reads_.get(), ranks_.first() || isSeries(job)}),
+      resume_(options.resume),
+      listener_(listener) {}
+
+SequenceResult RankedSequence::run() {
+  if (ranks_.first()) frames_.makeFolders();
+  frames_.requireScenes();
+  requireAgreement(ranks_, frameFacts(job_, frames_.stores()));
+  if (ranks_.first()) listener_.started(job_, frames_.numbers());
+  findKept();
+  if (ranks_.first() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());
+  try {
+    if (!to_draw_.empty()) shareAndRead();
+  } catch (const Error& error) {
+    // Each rank is told, and one says it, which need not know how many the others have made.
+    if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
+    throw;
+  }
+  finish();
+  return std::move(result_);
+}
+
+// A rank that fails here ends all: what it waits for will not come.
+void RankedSequence::shareAndRead() {
+  try {
+    share();
+    if (shared_reads_) shared_reads_->finish();
+  } catch (...) {
+    if (shared_reads_) shared_reads_->abandon();
+    throw;
+  }
+}
+
+// Each rank looks at some of the frames, since looking is reading them.
+void RankedSequence::findKept() {
+  std::vector<int> kept;
+  const std::vector<int>& numbers = frames_.numbers();
+  if (resume_) {
+    const auto count = static_cast<std::size_t>(ranks_.count());
+    for (auto i = static_cast<std::size_t>(ranks_.rank()); i < numbers.size(); i += count) {
+      if (frames_.isThere(numbers[i])) kept.push_back(numbers[i]);
+    }
+  }
+  kept = gatherLists(ranks_, kept);
+  broadcastList(ranks_, kept);
+  for (const int frame : numbers) {
+    if (std::find(kept.begin(), kept.end(), frame) == kept.end()) {
+      to_draw_.push_back(frame);
+      continue;
+    }
+    result_.statistics.kept.push_back(frame);
+    ++done_;
+    if (ranks_.first()) listener_.frameKept(job_, frame, done_);
+  }
+}
+
+void RankedSequence::attempt(FrameReport& report, const std::function<void()>& body) {
+  const int frame = to_draw_[report.frame];
+  try {
+    progress_.throwIfCancelled("rendering");
+    body();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) throw;
+    if (single()) throw Error(error.code(), fmt::format("frame {}: {}", frame, error.what()));
+    report.failure = Error(error.code(), fmt::format("rank {}: {}", ranks_.rank(), error.what()));
+  }
+  report.statistics.frame = frame;
+}
+
+void RankedSequence::write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn) {
+  opened.judge(drawn);
+  writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.store(), opened.memory().files);
+  ++own_.frames_written;
+}
+
+void RankedSequence::started(std::uint32_t frame) {
+  if (ranks_.first()) listener_.frameStarted(to_draw_[frame]);
+}
+
+void RankedSequence::hear(const FrameReport& report) {
+  ++heard_;
+  ++done_;
+  const int frame = to_draw_[report.frame];
+  if (report.failure) {
+    if (result_.statistics.failed.empty()) result_.first_failure = report.failure->what();
+    result_.statistics.failed.push_back(frame);
+    listener_.frameFailed(frame, *report.failure, done_);
+    return;
+  }
+  noteDamage(report.statistics, progress_);
+  listener_.frameDone(job_, report.statistics, done_);
+  result_.statistics.add(report.statistics);
+}
+
+void RankedSequence::finish() {
+  own_.rank = ranks_.rank();
+  const RankTraffic traffic = ranks_.traffic();
+  own_.sent_bytes = traffic.sent_bytes;
+  own_.received_bytes = traffic.received_bytes;
+  if (shared_reads_) own_.setReads(shared_reads_->counts());
+  RenderStatistics& s = result_.statistics;
+  s.ranks = gatherLists(ranks_, std::vector<RankStatistics>{own_});
+  if (ranks_.first()) {
+    s.shared_by = sharedBy();
+    frames_.describeMemory(s);
+    std::sort(s.failed.begin(), s.failed.end());
+    std::sort(s.frames.begin(), s.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+    if (s.failed.empty()) frames_.makeVideo();
+  }
+  ranks_.barrier();
+}
+
+StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options) {
+  std::map<fs::path, fs::path> stores;
+  for (const int frame : framesOf(job)) {
+    for (const fs::path& volume : volumesOf(jobAtFrame(job, frame))) {
+      if (stores.contains(volume)) continue;
+      std::string store;
+      if (options.ranks->first()) store = (options.store_for ? options.store_for(volume) : volume).string();
+      std::vector<char> letters(store.begin(), store.end());
+      broadcastList(*options.ranks, letters);
+      stores[volume] = fs::path(letters.begin(), letters.end());
+    }
+  }
+  return [stores](const fs::path& volume) { return stores.at(volume); };
+}
+
+}  // namespace kiln

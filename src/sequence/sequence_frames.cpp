@@ -1,0 +1,144 @@
+#include "sequence/sequence_frames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/file.h"
+#include "base/path_status.h"
+#include "job/frame_list.h"
+#include "sequence/video.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+
+std::vector<fs::path> volumesOf(const RenderJob& job) {
+  std::vector<fs::path> out;
+  for (const VolumeOptions& volume : job.volumes) out.push_back(volume.volume);
+  if (out.empty()) out.push_back(job.volume);
+  return out;
+}
+
+bool isSeries(const RenderJob& job) {
+  const std::vector<fs::path> volumes = volumesOf(job);
+  return std::any_of(volumes.begin(), volumes.end(), hasFramePlace) && (!job.frames.empty() || moves(job));
+}
+
+RenderJob jobAtFrame(const RenderJob& job, int frame) {
+  RenderJob out = job;
+  if (isSeries(job)) forEachVolume(out, [&](const fs::path& volume) { return pathOfFrame(volume, frame); });
+  return out;
+}
+
+void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)>& change) {
+  for (VolumeOptions& volume : job.volumes) volume.volume = change(volume.volume);
+  job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
+}
+
+SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside,
+                               FramesRole role)
+    : job_(job),
+      store_for_(std::move(store_for)),
+      progress_(progress),
+      beside_(beside),
+      role_(role),
+      numbers_(framesOf(job)) {
+  requireOutputs(job_, numbers_);
+}
+
+void SequenceFrames::makeFolders() const {
+  if (!job_.output.video.path.empty()) FileSystem::real().requirePlaceToRename(job_.output.video.path);
+  if (keepsFramesForVideo(job_)) FileSystem::real().makeDirectories(keptFramesOf(job_.output.video));
+  for (const int frame : numbers_) {
+    const std::vector<OutputFile> files = filesOf(job_, frame), others = filesOf(job_, frame + 1);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const fs::path folder = files[i].path.parent_path();
+      if (folder.empty() || numbers_.size() == 1) continue;
+      if (others[i].path.parent_path() != folder)
+        FileSystem::real().makeDirectories(folder);
+      else if (frame == numbers_.front() && !isFolder(folder))
+        throw Error(ErrorCode::kNotFound, folder, "", "there is no such directory to write the pictures to");
+    }
+  }
+}
+
+void SequenceFrames::requireScenes() {
+  if (isSeries(job_)) return;
+  const OpenedJob& opened = openedFor(numbers_.front());
+  for (const int frame : numbers_) {
+    try {
+      opened.sceneAt(frame);
+    } catch (const Error& error) {
+      if (numbers_.size() == 1) throw;
+      throw Error(error.code(), fmt::format("frame {}: {}", frame, error.what()));
+    }
+  }
+}
+
+OpenedJob& SequenceFrames::openedFor(int frame) {
+  RenderJob job = jobAtFrame(job_, frame);
+  if (opened_ && volumesOf(job) == volumes_) return *opened_;
+  volumes_ = volumesOf(job);
+  if (opened_) opened_->describeMemory(memory_);
+  opened_.reset();  // before the next one takes its memory
+  if (store_for_) forEachVolume(job, store_for_);
+  if (role_.part) job.picture.clipping.part = role_.part;
+  opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
+  if (!role_.warns) return *opened_;
+  if (frame == numbers_.front()) opened_->noteDeep(progress_);
+  for (const OpenedJob::Doubt& doubt : opened_->doubts()) {
+    if (doubted_.insert(doubt.kind).second) progress_.warn(doubt.sentence);
+  }
+  return *opened_;
+}
+
+bool SequenceFrames::isThere(int frame) {
+  const OpenedJob& opened = openedFor(frame);
+  const FrameScene scene = sceneToWrite(opened, frame);
+  const RenderJob job = jobAtFrame(job_, frame);
+  bool whole = true;
+  for (const OutputFile& file : filesOf(job_, frame))
+    whole = findFile(job, file, scene, opened.store()) == FoundFile::kWhole && whole;
+  return whole;
+}
+
+FrameScene SequenceFrames::sceneToWrite(const OpenedJob& opened, int frame) const {
+  FrameScene scene = opened.sceneAt(frame);
+  if (role_.part) scene.picture.clipping.part.reset();
+  return scene;
+}
+
+RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
+  RenderJob job = opened.job();
+  if (!role_.part) return job;
+  job.picture.clipping.part.reset();
+  job.volume = job_.volume;  // also where this rank reads a part of it elsewhere
+  return job;
+}
+
+void SequenceFrames::makeVideo() const {
+  const VideoOptions& video = job_.output.video;
+  if (video.path.empty()) return;
+  std::vector<fs::path> pictures;
+  for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
+  writeVideo(pictures, video, job_.speed.memory_bytes, progress_);
+  if (!keepsFramesForVideo(job_)) return;
+  // The folder goes, too, unless somebody has put something there.
+  for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);
+  std::error_code not_empty;
+  fs::remove(keptFramesOf(video), not_empty);
+}
+
+void SequenceFrames::describeMemory(RenderStatistics& statistics) const {
+  statistics.peak_cache_bytes = memory_.peak_cache_bytes;
+  if (opened_) opened_->describeMemory(statistics);
+}
+
+Error SequenceFrames::interrupted(std::optional<std::size_t> done) const {
+  return Error(ErrorCode::kCancelled,
+               fmt::format("interrupted: {} are there and stay; the same command with --resume goes on",
+                           done ? fmt::format("{} of {} frames", *done, numbers_.size()) : "finished frames"));
+}
+
+}  // namespace kiln

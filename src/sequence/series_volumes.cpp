@@ -1,0 +1,194 @@
+#include "sequence/series_volumes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/folder.h"
+#include "base/path_status.h"
+#include "cluster/shared_lists.h"
+#include "grid/shared_world.h"
+#include "image/file/image_file.h"
+#include "job/frame_list.h"
+#include "sequence/frame_files.h"
+#include "store/manifest/read_manifest.h"
+#include "store/store_reader.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// The place of a frame's number in a path.
+struct NumberPlace {
+  fs::path folder;     // in which names differ
+  std::string before;  // the name's beginning, up to the number
+};
+
+// Compares two frames' paths: the first unequal component has the number.
+std::optional<NumberPlace> numberPlace(const fs::path& pattern) {
+  const fs::path one = pathOfFrame(pattern, 1), two = pathOfFrame(pattern, 2);
+  NumberPlace out;
+  auto a = one.begin(), b = two.begin();
+  for (; a != one.end() && b != two.end() && *a == *b; ++a, ++b) out.folder /= *a;
+  if (a == one.end() || b == two.end()) return std::nullopt;
+  const std::string first = a->string(), second = b->string();
+  const std::size_t differ = static_cast<std::size_t>(
+      std::mismatch(first.begin(), first.end(), second.begin(), second.end()).first - first.begin());
+  out.before = first.substr(0, differ);
+  while (out.before.ends_with('0')) out.before.pop_back();
+  if (out.folder.empty()) out.folder = ".";
+  return out;
+}
+
+// The number behind `before` in a name.
+std::optional<int> numberIn(const std::string& name, const std::string& before) {
+  if (!name.starts_with(before)) return std::nullopt;
+  int number = 0;
+  const char* const from = name.data() + before.size();
+  const auto [end, error] = std::from_chars(from, name.data() + name.size(), number);
+  if (error != std::errc() || end == from || number < 0 || number > kLastFrame || *from == '-') return std::nullopt;
+  return number;
+}
+
+// The frames named in the header of a picture from an earlier run of the job; empty without such a picture.
+std::vector<int> framesOfEarlierRun(const RenderJob& job) {
+  for (const int frame : framesOf(job)) {
+    for (const OutputFile& file : filesOf(job, frame)) {
+      std::error_code ignored;
+      if (!fs::exists(file.path, ignored)) continue;
+      try {
+        const std::map<std::string, std::string> text = readImageText(file.path);
+        if (const auto found = text.find(kSeriesKey); found != text.end()) return parseFrames(found->second);
+      } catch (const Error&) {
+        // A damaged picture is drawn again.
+      }
+    }
+  }
+  return {};
+}
+
+// The frames on the disk, common to all patterns of the job.
+std::vector<int> framesOfAll(const std::vector<fs::path>& patterns) {
+  std::optional<std::vector<int>> out;
+  for (const fs::path& pattern : patterns) {
+    if (!hasFramePlace(pattern)) continue;
+    const std::vector<int> there = framesOnDisk(pattern);
+    std::vector<int> both;
+    if (out) std::set_intersection(out->begin(), out->end(), there.begin(), there.end(), std::back_inserter(both));
+    out = out ? both : there;
+    if (out->empty()) throw Error(ErrorCode::kNotFound, pattern, "", "no frame of this time series is there");
+  }
+  return out.value_or(std::vector<int>());
+}
+
+// All frames of stores, because manifests hold boxes and values; the first frame of foreign files.
+std::vector<int> decidingFrames(const RenderJob& job, bool resume) {
+  const std::vector<fs::path> patterns = volumesOf(job);
+  std::vector<int> there = framesOfAll(patterns);
+  if (const std::vector<int> earlier = resume ? framesOfEarlierRun(job) : std::vector<int>();
+      !earlier.empty() && std::includes(there.begin(), there.end(), earlier.begin(), earlier.end()))
+    return earlier;
+  const bool all_stores = std::all_of(patterns.begin(), patterns.end(), [&](const fs::path& pattern) {
+    return !hasFramePlace(pattern) ||
+           std::all_of(there.begin(), there.end(), [&](int frame) { return isStore(pathOfFrame(pattern, frame)); });
+  });
+  if (!all_stores) there.resize(1);
+  return there;
+}
+
+// The stores of the deciding frames, a list for each of the job's volumes.
+std::vector<std::vector<std::string>> decidingStores(const RenderJob& job, const std::vector<int>& frames,
+                                                     const StoreFor& store_for) {
+  std::vector<std::vector<std::string>> out;
+  for (const fs::path& pattern : volumesOf(job)) {
+    std::vector<std::string>& stores = out.emplace_back();
+    for (const int frame : frames) {
+      const fs::path volume = pathOfFrame(pattern, frame);
+      stores.push_back((store_for ? store_for(volume) : volume).string());
+      if (!hasFramePlace(pattern)) break;
+    }
+  }
+  return out;
+}
+
+// Collective. The first rank's lists, on all.
+void broadcastStores(Ranks& ranks, std::vector<std::vector<std::string>>& stores) {
+  std::vector<char> letters;
+  for (const std::vector<std::string>& of_volume : stores) {
+    for (const std::string& store : of_volume) {
+      letters.insert(letters.end(), store.begin(), store.end());
+      letters.push_back('\0');
+    }
+    letters.push_back('\0');
+  }
+  broadcastList(ranks, letters);
+  stores = {{}};
+  std::string name;
+  for (const char letter : letters) {
+    if (letter != '\0')
+      name += letter;
+    else if (!name.empty())
+      stores.back().push_back(std::exchange(name, {}));
+    else
+      stores.emplace_back();
+  }
+  stores.pop_back();
+}
+
+}  // namespace
+
+std::vector<int> framesOnDisk(const fs::path& pattern) {
+  if (!hasFramePlace(pattern)) return {};
+  const std::optional<NumberPlace> place = numberPlace(pattern);
+  if (!place) return {};
+  std::set<int> out;
+  if (!isThere(place->folder)) return {};
+  forEachEntry(place->folder, [&](const fs::directory_entry& entry) {
+    const std::optional<int> number = numberIn(entry.path().filename().string(), place->before);
+    if (number && isThere(pathOfFrame(pattern, *number))) out.insert(*number);
+    return Walk::kGoOn;
+  });
+  return {out.begin(), out.end()};
+}
+
+std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFor& store_for, bool resume,
+                                             Ranks* ranks) {
+  if (!isSeries(job)) return nullptr;
+  const bool shared = ranks != nullptr && !ranks->alone();
+  std::vector<int> frames;
+  std::vector<std::vector<std::string>> stores;
+  if (!shared || ranks->first()) {
+    frames = decidingFrames(job, resume);
+    stores = decidingStores(job, frames, store_for);
+  }
+  if (shared) {
+    broadcastList(*ranks, frames);
+    broadcastStores(*ranks, stores);
+  }
+  std::vector<std::vector<Manifest>> volumes;
+  std::vector<VolumeGeometry> first;
+  for (const std::vector<std::string>& of_volume : stores) {
+    std::vector<Manifest>& manifests = volumes.emplace_back();
+    for (const std::string& store : of_volume) manifests.push_back(readManifest(store));
+    first.push_back(manifests.front().geometry());
+  }
+  auto out = std::make_shared<SeriesLook>();
+  const VolumeGeometry world = sharedWorld(first);
+  for (std::vector<Manifest>& manifests : volumes) {
+    for (Manifest& manifest : manifests) manifest.placeIn(world);
+    out->volumes.push_back(unionOf(manifests));
+  }
+  out->frames = framesText(frames);
+  out->choice =
+      fmt::format("one camera and one transfer function for all frames: by the box{} and values of frame{} {}{}",
+                  frames.size() == 1 ? "" : "es", frames.size() == 1 ? "" : "s", out->frames,
+                  frames.size() == 1 ? " (of frames converted to stores, by all)" : "");
+  return out;
+}
+
+}  // namespace kiln

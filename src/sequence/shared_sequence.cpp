@@ -1,0 +1,242 @@
+#include "sequence/shared_sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include "base/elapsed.h"
+#include "cluster/shared_lists.h"
+#include "cluster/work_ranges.h"
+#include "frame/aov_planes.h"
+#include "frame/frame_progress.h"
+#include "sequence/brick_sequence.h"
+#include "sequence/ranked_sequence.h"
+#include "sequence/tile_image.h"
+#include "sequence/tile_plan.h"
+
+namespace kiln {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
+
+// A frame that this rank puts together.
+struct Assembly {
+  Image image;
+  std::size_t tiles = 0;
+  int shares = 0;
+  FrameReport report;
+};
+
+class SharedSequence : public RankedSequence {
+ public:
+  SharedSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress, SequenceListener& listener)
+      : RankedSequence(job, options, sharedStores(job, options), progress, listener, std::nullopt,
+                       job.share_reads && !isSeries(job)),
+        crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
+
+ private:
+  const char* sharedBy() const override { return plan_.wholeFrames() ? "frames" : "tiles"; }
+
+  // One rank plans, so that all have the same plan.
+  void makePlan() {
+    if (ranks_.first()) {
+      const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
+      plan_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(),
+                        by_frames ? Distribution::kFrames : job_.distribution);
+    }
+    broadcastList(ranks_, plan_.tiles);
+    broadcastList(ranks_, plan_.bounds);
+    broadcastList(ranks_, plan_.homes);
+    if (shared_reads_) shared_reads_->settle(plan_.homes);
+  }
+
+  void share() override {
+    makePlan();
+    const std::size_t ranks = static_cast<std::size_t>(ranks_.count());
+    counters_ = ranks_.makeCounters(1 + ranks * (plan_.wholeFrames() ? 1 : toDraw().size()));
+    ranks_.barrier();
+    begin_ = Clock::now();
+    if (plan_.wholeFrames())
+      drawFrames();
+    else
+      for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawTilesOf(i);
+    while (!allDone()) serveOrWait();
+    own_.busy_s = secondsSince(begin_) - own_.idle_s;
+    ranks_.barrier();
+    counters_.reset();
+  }
+
+  // The first rank has heard of every frame, the others' are counted.
+  bool allDone() { return ranks_.first() ? heard_ == toDraw().size() : counters_->add(0, 0) == toDraw().size(); }
+
+  void drawFrames() {
+    const auto ranks = static_cast<std::size_t>(ranks_.count());
+    WorkRanges work(*counters_, 1, WorkRanges::evenBounds(toDraw().size(), ranks),
+                    static_cast<std::size_t>(ranks_.rank()));
+    while (const auto units = work.take(1)) {
+      const std::uint32_t i = units->begin;
+      FrameReport report;
+      report.frame = i;
+      attempt(report, [&] {
+        OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+        started(i);
+        DrawnFrame drawn = opened.draw(toDraw()[i], progress_);
+        own_.add(drawn.statistics);
+        ++own_.tiles;
+        write(opened, i, drawn);
+        report.statistics = std::move(drawn.statistics);
+      });
+      tellFirst(std::move(report));
+      serve();
+    }
+  }
+
+  void tellFirst(FrameReport report) {
+    counters_->add(0, 1);
+    report.statistics.contributing.clear();
+    ranks_.send(0, kFrameTag, packed(report));
+  }
+
+  int ownerOf(std::uint32_t frame) const { return static_cast<int>(frame % static_cast<unsigned>(ranks_.count())); }
+
+  void drawTilesOf(std::uint32_t i) {
+    // Of the frames before it one may still be unfinished: images that wait for tiles are memory.
+    while (counters_->add(0, 0) + 1 < i) serveOrWait();
+    begun_[i] = Clock::now();
+    started(i);
+    const auto ranks = static_cast<std::size_t>(ranks_.count());
+    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, static_cast<std::size_t>(ranks_.rank()),
+                    TilePlan::kSpared);
+    FrameReport report;
+    report.frame = i;
+    attempt(report, [&] { drawTiles(i, work, report.statistics); });
+    if (report.failure) work.drop();
+    own_.add(report.statistics);
+    ranks_.send(ownerOf(i), kShareTag, packed(report));
+    serve();
+  }
+
+  void drawTiles(std::uint32_t i, WorkRanges& work, FrameStatistics& statistics) {
+    OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+    const FrameScene scene = opened.sceneAt(toDraw()[i]);
+    UncountedProgress of_tiles(progress_);
+    std::unique_ptr<FramePainter> painter;
+    while (const auto units = work.take(1)) {
+      if (ranks_.first()) tellTiles(toDraw()[i], work);
+      if (!painter) painter = opened.painterFor(scene, of_tiles);
+      const PixelRect& tile = plan_.tiles[units->begin];
+      std::vector<std::byte> message;
+      appendValue(message, i);
+      appendTile(message, tile, painter->draw(tile));
+      ranks_.send(ownerOf(i), kTileTag, std::move(message));
+      ++own_.tiles;
+      serve();
+    }
+    if (painter) statistics = opened.finish(*painter, toDraw()[i]);
+  }
+
+  // All ranks' tiles: those that are handed out, but for one that each is about to draw.
+  void tellTiles(int frame, WorkRanges& work) {
+    const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
+    progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), plan_.tiles.size());
+  }
+
+  // Takes in what others have sent. Returns whether there was anything.
+  bool serve() {
+    bool any = false;
+    while (auto message = ranks_.poll(kTileTag)) {
+      any = true;
+      putTogether(message->bytes);
+    }
+    while (auto message = ranks_.poll(kShareTag)) {
+      any = true;
+      FrameReport share = reportFrom(message->bytes);
+      Assembly& frame = assemblies_[share.frame];
+      frame.report.statistics.merge(share.statistics);
+      if (share.failure && !frame.report.failure) frame.report.failure = std::move(share.failure);
+      ++frame.shares;
+      completed(share.frame);
+    }
+    while (auto message = ranks_.poll(kFrameTag)) {
+      any = true;
+      hear(reportFrom(message->bytes));
+    }
+    return any;
+  }
+
+  void putTogether(const std::vector<std::byte>& tile) {
+    ByteTaker taker{tile};
+    const auto i = taker.take<std::uint32_t>();
+    const auto at = taker.take<PixelRect>();
+    const std::optional<Image> pixels = takeTile(taker, at);
+    requireTaken(taker);
+    Assembly& frame = assemblies_[i];
+    if (frame.image.rgba.empty()) frame.image = Image(crop_.width(), crop_.height());
+    putTile(*pixels, at, crop_, frame.image);
+    ++frame.tiles;
+    completed(i);
+  }
+
+  void serveOrWait() {
+    progress_.throwIfCancelled("rendering");
+    if (serve()) return;
+    const Clock::time_point begin = Clock::now();
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    own_.idle_s += secondsSince(begin);
+  }
+
+  // Writes the frame, if all of it is here.
+  void completed(std::uint32_t i) {
+    Assembly& frame = assemblies_[i];
+    if (frame.shares < ranks_.count() || (!frame.report.failure && frame.tiles < plan_.tiles.size())) return;
+    FrameReport report = std::move(frame.report);
+    report.frame = i;
+    if (!report.failure) {
+      attempt(report, [&] {
+        OpenedJob& opened = frames_.openedFor(toDraw()[i]);
+        DrawnFrame drawn;
+        drawn.scene = opened.sceneAt(toDraw()[i]);
+        drawn.views.push_back({std::move(frame.image), opened.requestFor(drawn.scene).view});
+        report.statistics.frame = toDraw()[i];
+        report.statistics.wall_s = secondsSince(begun_[i]);
+        drawn.statistics = std::move(report.statistics);
+        write(opened, i, drawn);
+        report.statistics = std::move(drawn.statistics);
+      });
+    }
+    assemblies_.erase(i);
+    tellFirst(std::move(report));
+  }
+
+  const PixelRect crop_;
+  TilePlan plan_;
+  std::unique_ptr<SharedCounters> counters_;  // 0: frames that are finished; then those of the work
+  std::map<std::uint32_t, Assembly> assemblies_;
+  std::map<std::uint32_t, Clock::time_point> begun_;
+  Clock::time_point begin_;
+};
+
+}  // namespace
+
+std::uint64_t sharedTileBytes(const RenderJob& job) {
+  return 4 * (16 + aovBytes(drawnAovs(job))) * drawnPixels(job.picture.size, job.picture.crop).count() / 16;
+}
+
+SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
+                             SequenceListener& listener) {
+  if (options.checkpoint)
+    throw Error(ErrorCode::kUsage, "--checkpoint: is one process's; under mpirun a frame's tiles are not kept");
+  if (const char* const view = viewWithoutTiles(job); view != nullptr && job.distribution == Distribution::kTiles)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--distribute tiles: {} is drawn as a whole; use --distribute frames", view));
+  if (job.distribution == Distribution::kBricks) return shareBricksOfSequence(job, options, progress, listener);
+  return SharedSequence(job, options, progress, listener).run();
+}
+
+}  // namespace kiln

@@ -1,0 +1,76 @@
+// Frames come from their files, not from memory, so that a video is the same whether its frames were drawn just now or
+// by a run before.
+#include "sequence/video.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/file.h"
+#include "base/process.h"
+#include "image/file/image_file.h"
+#include "image/srgb.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<std::byte> overBlack(const Image& image) {
+  const SrgbBytes& bytes = SrgbBytes::all();
+  std::vector<std::byte> out;
+  out.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+    // Premultiplied: over black as it stands.
+    for (std::size_t channel = 0; channel < 3; ++channel) out.push_back(std::byte{bytes.of(image.rgba[i + channel])});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const fs::path& file) {
+  const bool webm = extensionOf(options.path) == ".webm";
+  std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
+  const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
+  add({"-s", fmt::format("{}x{}", width, height), "-r", options.rate.text(), "-i", "-", "-an"});
+  // Colours by the matrix of high definition, and said so: what players take for granted differs.
+  add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"});
+  add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"});
+  if (webm)
+    add({"-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"});
+  else
+    add({"-c:v", "libx264", "-crf", "16"});
+  // Without the encoder's name and the time, so that equal frames are equal files.
+  add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
+  // A name with a colon would be taken for that of a protocol, and what is not whole has no ending yet.
+  const std::string ending = extensionOf(options.path);
+  add({"-f", ending == ".mkv" ? "matroska" : ending.substr(1), "file:" + file.string()});
+  return out;
+}
+
+void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, std::uint64_t memory_bytes,
+                Progress& progress) {
+  FileSystem& disk = FileSystem::real();
+  disk.replace(options.path, [&](const fs::path& temporary) {
+    Image image = readImage(pictures.front(), {}, memory_bytes);
+    const int width = image.width, height = image.height;
+    FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
+    const auto waiting = [&] { progress.throwIfCancelled("making the video"); };
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      waiting();
+      if (i > 0) image = readImage(pictures[i], {}, memory_bytes);
+      if (image.width != width || image.height != height)
+        throw Error(ErrorCode::kUsage, pictures[i], "",
+                    fmt::format("has {} x {} pixels, but a frame of this video has {} x {}", image.width, image.height,
+                                width, height));
+      encoder.write(overBlack(image), waiting);
+      progress.advance("making the video", "frames", i + 1, pictures.size());
+    }
+    encoder.finish(waiting);
+    // What it was made of may be removed once it has its name.
+    disk.syncFile(temporary);
+  });
+}
+
+}  // namespace kiln

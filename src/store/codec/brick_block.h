@@ -1,0 +1,49 @@
+// A decoded brick, as the kernels read it: core and apron in one dense array of the source's type, and its part of the
+// min-max octree. OpenVDB is the container on disk, not the inner loop.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/memory/large_pages.h"
+#include "grid/coords.h"
+#include "grid/voxel_type.h"
+#include "store/ranges/cell_supports.h"
+#include "store/ranges/minmax_octree.h"
+
+namespace kiln {
+
+/// The voxels of a brick that a store keeps: core and apron, cut off at the volume.
+inline VoxelBox storedBox(const VoxelBox& core, std::int64_t apron, const Extent3& dims) {
+  return intersection(dilated(core, apron), boxOf(dims));
+}
+
+struct BrickBlock {
+  BrickKey key;
+  VoxelType type = VoxelType::u8;
+  /// Global index coordinates of the core's voxels.
+  VoxelBox core;
+  /// Global index coordinates of all voxels in `voxels`: the core grown by the apron. Those outside of the volume
+  /// repeat the nearest voxel of the volume.
+  VoxelBox extent;
+  /// shape: extent, x fastest, densely packed.
+  UnsetBytes voxels;
+  MinMaxOctree octree;
+  CellSupports supports;
+
+  std::int64_t strideY() const { return extent.extent().x; }
+  std::int64_t strideZ() const { return extent.extent().x * extent.extent().y; }
+  /// What the block costs in memory. unit: bytes.
+  std::size_t bytes() const { return sizeof *this + voxels.size() + octree.bytes() + supports.bytes(); }
+
+  template <class T>
+  const T* data() const {
+    return reinterpret_cast<const T*>(voxels.data());
+  }
+  /// The element of `data()` that holds the voxel at `v`. requires: v in extent.
+  std::int64_t offsetOf(const VoxelCoord& v) const {
+    return (v.x - extent.lo.x) + (v.y - extent.lo.y) * strideY() + (v.z - extent.lo.z) * strideZ();
+  }
+};
+
+}  // namespace kiln

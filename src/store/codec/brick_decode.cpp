@@ -1,0 +1,422 @@
+// A brick file, or the one value of a brick that has no file, to voxels. The file has passed its checksum, so what is
+// wrong with it is its writer's defect, and an error all the same.
+#include <fmt/format.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <istream>
+#include <memory>
+#include <streambuf>
+#include <string_view>
+
+#include "base/error.h"
+#include "grid/vdb_lengths.h"
+#include "store/codec/brick_archive.h"
+#include "store/codec/brick_file.h"
+#include "store/codec/half_values.h"
+#include "store/codec/leaf_frame.h"
+#include "store/codec/leaf_turn.h"
+
+namespace kiln {
+namespace {
+
+class MemoryReader : public std::streambuf {
+ public:
+  explicit MemoryReader(std::span<const std::byte> data) {
+    // setg wants non-const; nothing writes through it.
+    char* first = const_cast<char*>(reinterpret_cast<const char*>(data.data()));
+    setg(first, first, first + data.size());
+  }
+  std::span<const std::byte> rest() const { return std::as_bytes(std::span<const char>(gptr(), egptr())); }
+  /// requires: no more than the rest.
+  void skip(std::size_t bytes) { setg(eback(), gptr() + bytes, egptr()); }
+
+ protected:
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    char* const base = from == std::ios_base::beg ? eback() : from == std::ios_base::cur ? gptr() : egptr();
+    if (offset < eback() - base || offset > egptr() - base) return pos_type(off_type(-1));
+    setg(eback(), base + offset, egptr());
+    return static_cast<pos_type>(gptr() - eback());
+  }
+  pos_type seekpos(pos_type position, std::ios_base::openmode mode) override {
+    return seekoff(static_cast<off_type>(position), std::ios_base::beg, mode);
+  }
+};
+
+// Reads the parts of a file one after the other, as Archive::readGrid does, without the trees.
+class ArchiveReader : public openvdb::io::Archive {
+ public:
+  // Calls take(grid) for each grid while the stream stands at the grid's topology; take moves it behind the last leaf.
+  template <class Take>
+  void read(std::span<const std::byte> file, std::istream& in, const openvdb::MetaMap& expected,
+            const std::filesystem::path& path, Take&& take) {
+    VdbLengths lengths({path, ErrorCode::kDamaged, file.size(), [file](std::uint64_t at, std::span<std::byte> out) {
+                          std::copy_n(file.begin() + static_cast<std::ptrdiff_t>(at), out.size(), out.begin());
+                        }});
+    const auto position = [&in] { return static_cast<std::uint64_t>(std::streamoff(in.tellg())); };
+    lengths.fileHead(openvdb::OPENVDB_FILE_VERSION);
+    readHeader(in);
+    // OpenVDB's own readers ask the stream for these.
+    auto versions = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(in, versions, /*transfer=*/false);
+    setFormatVersion(in);
+    setLibraryVersion(in);
+    setDataCompression(in);
+    openvdb::MetaMap found;
+    found.readMeta(in);
+    if (!(found == expected))
+      throw Error(ErrorCode::kDamaged, path, "metadata", "the file is another brick's; convert the source again");
+    const std::int32_t count = readGridCount(in);
+    for (std::int32_t i = 0; i < count; ++i) {
+      openvdb::io::GridDescriptor descriptor;
+      lengths.descriptor(position());
+      const openvdb::GridBase::Ptr grid = descriptor.read(in);
+      lengths.gridHead(position());
+      readGridCompression(in);
+      openvdb::io::setGridBackgroundValuePtr(in, nullptr);
+      grid->readMeta(in);
+      openvdb::io::setGridClass(in, grid->getGridClass());
+      grid->readTransform(in);
+      grid->setName(openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName()));
+      take(*grid);
+    }
+    openvdb::io::clearStreamMetadataPtr(in);
+  }
+};
+
+// The values of a grid's leaves one after the other: a tree of all of them would take more memory than the brick, and
+// longer to make than all else.
+template <class Grid>
+class LeafReader {
+ public:
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+  using Mask = typename Leaf::NodeMaskType;
+  using Value = typename Grid::ValueType;
+
+  LeafReader(const Grid& grid, MemoryReader& buffer, std::istream& in)
+      : half_(grid.saveFloatAsHalf()),
+        compression_(openvdb::io::getDataCompression(in)),
+        packed_(compression_ == (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK)),
+        buffer_(buffer),
+        in_(in),
+        spare_(openvdb::PartialCreate(), grid.background()) {}
+
+  /// The frame of the next leaf's values, if it is as bricks' writer has it: the mask once more, and no other values
+  /// than those of active voxels. Then the next leaf is in turn. Else the result is empty, and `read` takes the leaf.
+  std::span<const std::byte> frame(const Mask& active) {
+    const std::span<const std::byte> out = packedBytes(active);
+    if (out.empty() || !isLeafFrame(out, active.countOn() * storedBytes())) return {};
+    buffer_.skip(kHead + out.size());
+    return out;
+  }
+  /// Whether `read` may have the next leaf: Blosc and OpenVDB believe what it says of its length.
+  bool isSound(const Mask& active) const {
+    if (!packed_) return (compression_ & (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ZIP)) == 0;
+    const std::size_t bytes = active.countOn() * storedBytes();
+    const std::span<const std::byte> packed = packedBytes(active);
+    if (packed.empty()) return lengthOf(active) == -static_cast<std::int64_t>(bytes);
+    std::size_t unpacked = 0;
+    return blosc_cbuffer_validate(packed.data(), packed.size(), &unpacked) == 0 && unpacked == bytes;
+  }
+  /// Calls f(leaf) with the next leaf's values in it. requires: its origin and mask.
+  template <class F>
+  void read(Leaf& leaf, F&& f) {
+    leaf.swap(spare_);
+    leaf.readBuffers(in_, half_);
+    f(std::as_const(leaf));
+    leaf.swap(spare_);
+  }
+
+ private:
+  // The mask, what of the others is there, and how many bytes follow; of values that are as they were, less than zero.
+  static constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
+
+  std::size_t storedBytes() const { return half_ ? sizeof(openvdb::math::half) : sizeof(Value); }
+  // 0 where the next leaf is no such one.
+  std::int64_t lengthOf(const Mask& active) const {
+    const std::span<const std::byte> rest = buffer_.rest();
+    if (!packed_ || rest.size() < kHead || std::memcmp(rest.data(), &active, sizeof(Mask)) != 0 ||
+        rest[sizeof(Mask)] != std::byte{openvdb::io::NO_MASK_OR_INACTIVE_VALS})
+      return 0;
+    std::int64_t length;
+    std::memcpy(&length, rest.data() + sizeof(Mask) + 1, sizeof length);
+    return length;
+  }
+  std::span<const std::byte> packedBytes(const Mask& active) const {
+    const std::int64_t length = lengthOf(active);
+    const std::span<const std::byte> rest = buffer_.rest();
+    if (length <= 0 || static_cast<std::uint64_t>(length) > rest.size() - kHead) return {};
+    return rest.subspan(kHead, static_cast<std::size_t>(length));
+  }
+
+  const bool half_;
+  const std::uint32_t compression_;
+  const bool packed_;  // as bricks' writer does it
+  MemoryReader& buffer_;
+  std::istream& in_;
+  typename Leaf::Buffer spare_;
+};
+
+template <class T>
+class Decoder {
+ public:
+  Decoder(const BrickFrame& frame, const std::filesystem::path& path, MemoryReader& buffer, std::istream& in,
+          BrickBlock& block)
+      : core_(frame.core()),
+        stored_(frame.stored()),
+        edge_(static_cast<int>(frame.brick_size / kCellSize)),
+        cells_(static_cast<std::size_t>(edge_) * edge_ * edge_),
+        path_(path),
+        buffer_(buffer),
+        in_(in),
+        block_(block) {}
+
+  void take(openvdb::GridBase& base) {
+    const auto known = std::find(kGrids.begin(), kGrids.end(), base.getName());
+    if (known == kGrids.end()) fail(base.getName() + " is no grid of a brick");
+    const auto which = static_cast<std::size_t>(known - kGrids.begin());
+    if (std::exchange(taken_[which], true)) fail(base.getName() + " is there twice");
+    if (!takeAs<BrickGridFor<T>>(base, which) && !takeAs<GridFor<T>>(base, which))
+      fail(base.getName() + " holds " + base.valueType());
+  }
+
+  // To be called when all grids are taken.
+  void finish() {
+    for (std::size_t i = 0; i < kGrids.size(); ++i) {
+      if (!taken_[i]) fail("the grid " + std::string(kGrids[i]) + " is missing");
+    }
+    clampEdges();
+    block_.octree = MinMaxOctree(std::move(cells_), edge_);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 4> kGrids = {kCoreGrid, kApronGrid, kCellMinGrid, kCellMaxGrid};
+
+  template <class Grid>
+  bool takeAs(openvdb::GridBase& base, std::size_t which) {
+    auto* const grid = dynamic_cast<Grid*>(&base);
+    if (grid == nullptr) return false;
+    if (which < 2)
+      takeVoxels(*grid, which == 0);
+    else
+      takeCells(*grid, which == 2);
+    return true;
+  }
+
+  template <class Grid>
+  void takeVoxels(Grid& grid, bool core) {
+    using Leaf = typename LeafReader<Grid>::Leaf;
+    using Value = typename LeafReader<Grid>::Value;
+    const VoxelBox& box = core ? core_ : stored_;
+    const LeafLattice lattice(box);
+    std::vector<PackedLeaves::Leaf> leaves;
+    leaves.reserve(lattice.count());
+    forEachLeafOfGrid(core_, stored_, core, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      leaves.push_back({coordOf(origin), maskOf(origin, part)});
+    });
+    skipTopology(grid, leaves);
+    LeafReader<Grid> reader(grid, buffer_, in_);
+    std::vector<std::span<const std::byte>> frames(lattice.count());
+    for (const PackedLeaves::Leaf& place : leaves) {
+      const VoxelCoord origin = voxelOf(place.origin);
+      auto& frame = frames[lattice.indexOf(origin)];
+      frame = reader.frame(place.active);
+      if (!frame.empty()) continue;
+      if (!reader.isSound(place.active)) fail(grid.getName() + " has values that do not unpack");
+      Leaf leaf(openvdb::PartialCreate(), place.origin);
+      leaf.setValueMask(place.active);
+      reader.read(leaf, [&](const Leaf& whole) {
+        const VoxelBox part = intersection(leafAt(origin), box);
+        copyLeaf(whole.buffer().data() + Leaf::coordToOffset(coordOf(part.lo)), {kLeaf * kLeaf, kLeaf}, part);
+      });
+    }
+    alignas(64) UnpackedFor<Value, T> values[Leaf::SIZE];
+    forEachLeaf(box, [&](const VoxelBox& part) {
+      const auto frame = frames[lattice.indexOf(part.lo)];
+      if (frame.empty()) return;
+      const Extent3 n = part.extent();
+      const auto count = static_cast<std::size_t>(n.count());
+      if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
+        fail(grid.getName() + " has values that do not unpack");
+      copyLeaf(values, {n.y * n.z, n.z}, part);
+    });
+  }
+
+  template <class Value>
+  static bool unpackHalves(std::span<const std::byte> frame, std::size_t count, Value* out) {
+    alignas(64) std::uint16_t bits[kLeaf * kLeaf * kLeaf];
+    if (!unpackLeaf<std::uint16_t>(frame, count, bits)) return false;
+    for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<Value>(floatOfHalf(bits[i]));
+    return true;
+  }
+
+  // A brick's grid has one topology, with which the file's is compared.
+  template <class Grid>
+  void skipTopology(const Grid& grid, std::span<const PackedLeaves::Leaf> leaves) {
+    const std::size_t bytes =
+        matchTopology(buffer_.rest(), leaves, sizeof(typename Grid::ValueType), grid.saveFloatAsHalf());
+    if (bytes == 0) fail(grid.getName() + " is not the tree of this brick's voxels");
+    buffer_.skip(bytes);
+  }
+
+  template <class Grid>
+  void takeCells(Grid& grid, bool least) {
+    grid.readTopology(in_);
+    LeafReader<Grid> leaves(grid, buffer_, in_);
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+      if (!leaves.isSound(leaf->valueMask())) fail(grid.getName() + " has values that do not unpack");
+      leaves.read(*leaf, [&](const auto& whole) {
+        for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
+          const openvdb::Coord c = voxel.getCoord();
+          const std::int64_t x = c.x() - core_.lo.x / kCellSize;
+          const std::int64_t y = c.y() - core_.lo.y / kCellSize;
+          const std::int64_t z = c.z() - core_.lo.z / kCellSize;
+          if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
+            fail(grid.getName() + " has a cell outside of its place");
+          ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
+          (least ? range.lo : range.hi) = static_cast<double>(*voxel);
+        }
+      });
+    }
+  }
+
+  // Voxels of the extent that lie outside of the volume repeat the nearest one inside, axis by axis.
+  void clampEdges() {
+    T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
+    const VoxelBox& all = block_.extent;
+    const Extent3 n = all.extent();
+    const auto nearest = [&](std::int64_t i, int axis) {
+      return std::clamp(i, stored_.lo[axis], stored_.hi[axis] - 1) - all.lo[axis];
+    };
+    for (std::int64_t z = stored_.lo.z; z < stored_.hi.z; ++z) {
+      for (std::int64_t y = stored_.lo.y; y < stored_.hi.y; ++y) {
+        T* const row = voxels + ((z - all.lo.z) * n.y + (y - all.lo.y)) * n.x;
+        const std::int64_t first = stored_.lo.x - all.lo.x, end = stored_.hi.x - all.lo.x;
+        std::fill(row, row + first, row[first]);
+        std::fill(row + end, row + n.x, row[end - 1]);
+      }
+      T* const slice = voxels + (z - all.lo.z) * n.y * n.x;
+      for (std::int64_t y = 0; y < n.y; ++y) {
+        const std::int64_t from = nearest(y + all.lo.y, 1);
+        if (from != y) std::copy_n(slice + from * n.x, n.x, slice + y * n.x);
+      }
+    }
+    for (std::int64_t z = 0; z < n.z; ++z) {
+      const std::int64_t from = nearest(z + all.lo.z, 2);
+      if (from != z) std::copy_n(voxels + from * n.y * n.x, n.y * n.x, voxels + z * n.y * n.x);
+    }
+  }
+
+  // From z fastest to x fastest.
+  template <class Value>
+  void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part) {
+    const Extent3 n = part.extent();
+    T* const to = reinterpret_cast<T*>(block_.voxels.data()) + block_.offsetOf(part.lo);
+    if (n == Extent3{kLeaf, kLeaf, kLeaf}) {
+      const auto turn = [&](const T* values) {
+        for (std::int64_t y = 0; y < kLeaf; ++y)
+          transposeSquare(values + y * stride[1], stride[0], to + y * block_.strideY(), block_.strideZ());
+      };
+      if constexpr (std::is_same_v<Value, T>) return turn(from);
+      alignas(64) T values[kLeaf * kLeaf * kLeaf];
+      for (std::size_t i = 0; i < std::size(values); ++i) values[i] = static_cast<T>(from[i]);
+      return turn(values);
+    }
+    for (std::int64_t z = 0; z < n.z; ++z) {
+      for (std::int64_t y = 0; y < n.y; ++y) {
+        T* const row = to + z * block_.strideZ() + y * block_.strideY();
+        for (std::int64_t x = 0; x < n.x; ++x) row[x] = static_cast<T>(from[x * stride[0] + y * stride[1] + z]);
+      }
+    }
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorCode::kDamaged, path_, "", what + "; convert the source again");
+  }
+
+  VoxelBox core_, stored_;
+  int edge_;  // cells along an axis
+  std::vector<ValueRange> cells_;
+  std::array<bool, 4> taken_{};
+  const std::filesystem::path& path_;
+  MemoryReader& buffer_;
+  std::istream& in_;
+  BrickBlock& block_;
+};
+
+BrickBlock emptyBlock(const BrickFrame& frame) {
+  BrickBlock block;
+  block.key = frame.key;
+  block.type = frame.type;
+  block.core = frame.core();
+  block.extent = dilated(block.core, frame.apron);
+  block.voxels.resize(static_cast<std::size_t>(block.extent.count()) * sizeOf(frame.type));
+  return block;
+}
+
+CellSupports supportsOf(const BrickBlock& block) {
+  return CellSupports(block.voxels, block.type, block.extent, block.core.lo, block.octree.edge(0));
+}
+
+}  // namespace
+
+BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path) {
+  initializeOpenVdb();
+  try {
+    MemoryReader buffer(file);
+    std::istream in(&buffer);
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    BrickBlock block = emptyBlock(frame);
+    withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
+      Decoder<T> decoder(frame, path, buffer, in, block);
+      ArchiveReader().read(file, in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
+      decoder.finish();
+    });
+    block.supports = supportsOf(block);
+    return block;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kDamaged, path, "OpenVDB", error.what());
+  }
+}
+
+BrickBlock constantBrick(const BrickFrame& frame, double value) {
+  BrickBlock block = emptyBlock(frame);
+  withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
+    T* const voxels = reinterpret_cast<T*>(block.voxels.data());
+    std::fill_n(voxels, block.extent.count(), static_cast<T>(value));
+  });
+  const int edge = static_cast<int>(frame.brick_size / kCellSize);
+  block.octree = MinMaxOctree(cellRanges(block.voxels, frame.type, block.extent, block.core, edge), edge);
+  block.supports = supportsOf(block);
+  return block;
+}
+
+std::size_t blockBytes(const BrickFrame& frame) {
+  const std::int64_t edge = frame.brick_size / kCellSize;
+  const auto octree = static_cast<std::size_t>(edge * edge * edge * 8 / 7 + 1) * sizeof(ValueRange);
+  return sizeof(BrickBlock) +
+         static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type) + octree +
+         CellSupports::bytesFor(edge);
+}
+
+std::size_t decodeBytes(const BrickFrame& frame) {
+  // One grid's leaves and frames at a time, or the tree of its cells.
+  const std::size_t leaves =
+      LeafLattice(frame.stored()).count() * (sizeof(PackedLeaves::Leaf) + sizeof(std::span<const std::byte>));
+  const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
+  // Leaves of some 100 bytes, and two nodes above them: 8 bytes a child and two masks.
+  const std::int64_t edge = frame.brick_size / kCellSize;
+  const auto across = static_cast<std::size_t>((edge + kLeaf - 1) / kLeaf);
+  const std::size_t cell_tree = across * across * across * 160 + (std::size_t{300} << 10);
+  // Both have gone when cells' supports are computed.
+  const std::size_t supports =
+      CellSupports::bytesFor(edge) + CellSupports::scratchBytes(frame.brick_size, frame.apron, frame.type);
+  return std::max({leaves, cell_tree, supports}) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
+}
+
+}  // namespace kiln

@@ -1,0 +1,50 @@
+#include "traverse/lookahead.h"
+
+#include <algorithm>
+
+namespace kiln {
+
+// One guess for nothing is free, so that there are some to learn from.
+bool Lookahead::guesses() const {
+  constexpr std::size_t kPartThatMayBeWrong = 32;
+  return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
+}
+
+std::size_t Lookahead::turnOf(const BrickKey& brick) {
+  while (next_ < in_view_.size() && in_view_[next_].key != brick) ++next_;
+  if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
+  return next_;
+}
+
+std::vector<NextBrick> Lookahead::next(std::size_t count) {
+  // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
+  constexpr std::size_t kLooks = 64;
+  std::vector<PixelRect> covered;
+  for (const BrickInView& brick : undrawn_) covered.push_back(brick.rect);
+  std::vector<NextBrick> out;
+  std::size_t read = 0;
+  for (std::size_t i = next_; i < in_view_.size() && i < next_ + kLooks && read < count; ++i) {
+    if (known_hidden_[i]) continue;
+    const BrickInView& brick = in_view_[i];
+    const bool guess = is_hidden_(brick, covered);
+    if (guess && is_hidden_(brick, {})) {
+      known_hidden_[i] = true;
+      continue;
+    }
+    covered.push_back(brick.rect);
+    const bool reads = !guess || guesses();
+    if (guess && reads) guessed_.insert(brick.key);
+    out.push_back({{brick.key}, reads});
+    read += reads ? 1 : 0;
+  }
+  return out;
+}
+
+void Lookahead::drew(const BrickKey& key, bool changed) {
+  std::erase_if(undrawn_, [&](const BrickInView& brick) { return brick.key == key; });
+  const bool guessed = guessed_.erase(key) > 0;
+  drawn_ += changed ? 1 : 0;
+  wrong_ += guessed && !changed ? 1 : 0;
+}
+
+}  // namespace kiln

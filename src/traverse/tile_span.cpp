@@ -1,0 +1,18 @@
+#include "traverse/tile_span.h"
+
+#include <fmt/format.h>
+
+#include "store/store_writer.h"
+
+namespace kiln {
+
+TileSpan::~TileSpan() {
+  if (!span_.traced()) return;
+  span_.note("brick", brickPath(brick_).native());
+  span_.note("tile", fmt::format("{},{}", tile_.x0, tile_.y0));
+  span_.note("samples", counts_.visited - before_.visited);
+  span_.note("splats", counts_.splats - before_.splats);
+  span_.note("tests", counts_.nodes_tested - before_.nodes_tested);
+}
+
+}  // namespace kiln
