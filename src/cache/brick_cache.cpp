@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/memory/memory.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "base/thread/trace.h"
 
 namespace kiln {
@@ -113,7 +113,7 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
 
 std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   const auto begun = std::chrono::steady_clock::now();
-  const Span span(Activity::kWait);
+  const ProfileScope span(Activity::kWait);
   Lock lock(mutex_);
   passTurnsUpTo(brick);
   auto slot = slots_.find(brick);

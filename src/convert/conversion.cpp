@@ -36,7 +36,7 @@ Conversion::Conversion(const Parts& parts, const ConversionIdentity& identity, b
       progress_(parts.progress),
       pyramid_(parts.writer, partsFolder(parts.directory, parts.ranks), parts.plan.parts_bytes, parts.disk, parts.half,
                {parts.ranks.rank(), parts.ranks.count(),
-                [this](int to, const BrickKey& key, const CoarsePart* piece) {
+                [this](int to, const BrickKey& key, const HalfBrick* piece) {
                   exchange_->give(to, key, writer_.wholeEntry(key), piece);
                 }}),
       boxes_(parts.plan.lanes),
@@ -133,11 +133,11 @@ void Conversion::takeUp() {
 void Conversion::listen() {
   if (ranks_.alone()) return;
   exchange_.emplace(ranks_, parts_.plan.given_bytes,
-                    Exchange::Handlers{[this](const FinishedBrick& brick, std::optional<CoarsePart> piece) {
-                                         known_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)] = 1;
-                                         addReady(pyramid_.addGiven(brick.key, brick.entry, std::move(piece)));
-                                       },
-                                       [this](const FinishedBrick& brick) { heard(brick); }});
+                    RankExchange::Handlers{[this](const FinishedBrick& brick, std::optional<HalfBrick> piece) {
+                                             known_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)] = 1;
+                                             addReady(pyramid_.addGiven(brick.key, brick.entry, std::move(piece)));
+                                           },
+                                           [this](const FinishedBrick& brick) { heard(brick); }});
 }
 
 void Conversion::work(std::size_t lane, WriteBehind& disk) {
@@ -172,7 +172,7 @@ void Conversion::makeBrick(std::int64_t i, std::size_t lane, WriteBehind& disk) 
 
 // Makes a brick of level 0; returns the coarser ones that can be built now.
 std::vector<BrickKey> Conversion::brick(const BrickKey& key, std::size_t lane, WriteBehind& disk) {
-  const BrickFrame frame = writer_.frame(key);
+  const BrickDesc frame = writer_.frame(key);
   const VoxelBox box = frame.stored();
   std::vector<std::byte>& voxels = boxes_[lane];
   voxels.resize(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));

@@ -14,8 +14,8 @@
 #include "convert/convert.h"
 #include "convert/plan.h"
 #include "convert/pyramid/brick_shares.h"
-#include "convert/pyramid/exchange.h"
 #include "convert/pyramid/pyramid_builder.h"
+#include "convert/pyramid/rank_exchange.h"
 #include "convert/resume/journal.h"
 #include "convert/stream/forward_window.h"
 #include "convert/stream/value_counter.h"
@@ -97,7 +97,7 @@ class Conversion {
   std::chrono::steady_clock::time_point began_;
   std::vector<RankConversion> reports_;
   double half_error_ = 0;
-  std::optional<Exchange> exchange_;  // where there are other ranks; the last to be made, and the first to go
+  std::optional<RankExchange> exchange_;  // where there are other ranks; the last to be made, and the first to go
 };
 
 }  // namespace kiln

@@ -32,7 +32,7 @@ struct Samples {
   std::int64_t slices = 0;  // of a stream that were read,
   double slices_s = 0;      // in this time
 
-  void encode(const BrickFrame& frame, std::span<const std::byte> voxels) {
+  void encode(const BrickDesc& frame, std::span<const std::byte> voxels) {
     const BrickRanges ranges = rangesOf(frame, voxels);
     const bool constant =
         std::equal(voxels.begin() + static_cast<std::ptrdiff_t>(sizeOf(frame.type)), voxels.end(), voxels.begin());
@@ -53,7 +53,7 @@ Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progre
   for (std::int64_t i = 0; i < count; ++i) {
     progress.throwIfCancelled("sampling");
     const BrickKey key{0, brickAt(lattice, (2 * i + 1) * lattice.count() / (2 * count))};
-    const BrickFrame frame{key, info.type, options.brick_size, kApron, info.geometry};
+    const BrickDesc frame{key, info.type, options.brick_size, kApron, info.geometry};
     const VoxelBox box = frame.stored();
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
     source.read(box, voxels);
@@ -74,7 +74,7 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
   const std::int64_t count = std::clamp<std::int64_t>(affordable, 1, std::min(lattice.count(), kSamples));
   const auto frameOf = [&](std::int64_t i) {
     const BrickKey key{0, brickAt(lattice, (2 * i + 1) * lattice.count() / (2 * count))};
-    return BrickFrame{key, info.type, options.brick_size, kApron, geometry};
+    return BrickDesc{key, info.type, options.brick_size, kApron, geometry};
   };
   std::vector<VoxelBox> boxes;
   for (std::int64_t i = 0; i < count; ++i) boxes.push_back(frameOf(i).stored());
@@ -98,7 +98,7 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
   geometry.dims.z = out.slices;
   const auto encoding = Clock::now();
   for (std::int64_t i = 0; i < count; ++i) {
-    const BrickFrame frame = frameOf(i);
+    const BrickDesc frame = frameOf(i);
     std::vector<std::byte>& voxels = bricks[static_cast<std::size_t>(i)];
     voxels.resize(static_cast<std::size_t>(frame.stored().count() * size));
     out.encode(frame, voxels);

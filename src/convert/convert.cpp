@@ -10,11 +10,11 @@
 
 #include "base/elapsed.h"
 #include "cluster/ranks.h"
-#include "convert/beginning.h"
 #include "convert/conversion.h"
 #include "convert/foreign_cache.h"
-#include "convert/resume/destination.h"
+#include "convert/resume/output_directory.h"
 #include "convert/resume/source_state.h"
+#include "convert/resume_state.h"
 #include "grid/pyramid.h"
 #include "store/manifest/float_steps.h"
 #include "store/manifest/read_manifest.h"
@@ -69,8 +69,8 @@ bool mayBeResumed(const std::exception& error) {
 }
 
 // The last byte was written before; the store may still have to take its name, and the journal may lie there.
-void finishEarlier(Destination& destination, const fs::path& out, const SourceInfo& info, const ConvertOptions& options,
-                   Progress& progress, ConvertReport& report) {
+void finishEarlier(OutputDirectory& destination, const fs::path& out, const SourceInfo& info,
+                   const ConvertOptions& options, Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
   if (!isStoreOf(store, info, options.memory_bytes))
     throw Error(ErrorCode::kExists, store, "",
@@ -96,7 +96,7 @@ void finishEarlier(Destination& destination, const fs::path& out, const SourceIn
 
 // The bricks that a failed conversion of one process leaves are kept where they are worth it. Where others still write
 // nothing can be removed.
-void tidyUp(Destination& destination, const std::exception& error, std::uint64_t finished, std::uint64_t bricks,
+void tidyUp(OutputDirectory& destination, const std::exception& error, std::uint64_t finished, std::uint64_t bricks,
             const ConvertOptions& options, Progress& progress) {
   if (finished == 0 || !mayBeResumed(error)) return destination.abandon();
   destination.keepForResuming();
@@ -106,10 +106,10 @@ void tidyUp(Destination& destination, const std::exception& error, std::uint64_t
 }
 
 // Makes the bricks; on the first rank, then, a store of them.
-class Making {
+class Build {
  public:
-  Making(Beginning& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
-         VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
+  Build(ResumeState& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
+        VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
       : beginning_(beginning),
         draft_(draft),
         plan_(plan),
@@ -166,7 +166,7 @@ class Making {
                 "nobody writes to it");
   }
 
-  Beginning& beginning_;
+  ResumeState& beginning_;
   const Manifest& draft_;
   const ConversionPlan& plan_;
   const ConvertOptions& options_;
@@ -178,7 +178,7 @@ class Making {
   std::optional<Conversion> conversion_;
 };
 
-void runAlone(Making& making, Destination& destination, const ConvertOptions& options, Progress& progress,
+void runAlone(Build& making, OutputDirectory& destination, const ConvertOptions& options, Progress& progress,
               ConvertReport& report) {
   try {
     making.run(report);
@@ -190,7 +190,8 @@ void runAlone(Making& making, Destination& destination, const ConvertOptions& op
   }
 }
 
-void runTogether(Making& making, Destination* destination, Ranks& ranks, const fs::path& out, ConvertReport& report) {
+void runTogether(Build& making, OutputDirectory* destination, Ranks& ranks, const fs::path& out,
+                 ConvertReport& report) {
   try {
     making.run(report);
     if (destination != nullptr) destination->commit();
@@ -235,8 +236,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   ConvertReport report;
   Manifest draft = draftOf(info, options);
   requireSameSource(info, draft, ranks);
-  std::optional<Destination> destination;
-  Beginning beginning;
+  std::optional<OutputDirectory> destination;
+  ResumeState beginning;
   if (ranks.first()) {
     destination.emplace(out, options.overwrite, options.resume, disk, options.lock);
     if (!destination->lock().diskHasLocks())
@@ -246,7 +247,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   share(beginning, ranks);
   draft.source.command = beginning.identity.command;
   draft.source.time = beginning.identity.time;
-  Making making(beginning, draft, plan, options, source, ranks, disk, progress);
+  Build making(beginning, draft, plan, options, source, ranks, disk, progress);
   if (beginning.finished) {
     if (destination) finishEarlier(*destination, out, info, options, progress, report);
   } else if (ranks.alone()) {

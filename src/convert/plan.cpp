@@ -7,8 +7,8 @@
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "cluster/ranks.h"
-#include "convert/pyramid/coarse_part.h"
-#include "convert/pyramid/part_store.h"
+#include "convert/pyramid/half_brick.h"
+#include "convert/pyramid/half_brick_store.h"
 #include "convert/stream/forward_window.h"
 #include "grid/pyramid.h"
 #include "store/brick_index.h"
@@ -46,7 +46,7 @@ std::uint64_t givenBytes(const SourceInfo& info, const ConvertOptions& options) 
   if (options.ranks == nullptr || options.ranks->alone()) return 0;
   const Extent3 by = halvingOf(info.geometry);
   const std::int64_t edge = options.brick_size;
-  return 2 * CoarsePart::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
+  return 2 * HalfBrick::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
 }
 
 // The counts by value, and four times the ranges of a brick's cells, which are a cube however thin the volume is: of
@@ -101,8 +101,8 @@ std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t bri
   const Extent3 part = {along(0), along(1), along(2)};
   const std::uint64_t overlap_bytes = static_cast<std::uint64_t>(voxels - part.count()) * voxel_bytes;
   const std::uint64_t neighbours = parentsReached(dims, by, brick_size) - 1;
-  return CoarsePart::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4 +
-         neighbours * CoarsePart::bytesOf({1, 1, 1}, voxel_bytes);
+  return HalfBrick::bytesOf(part, voxel_bytes) + overlap_bytes + overlap_bytes / 4 +
+         neighbours * HalfBrick::bytesOf({1, 1, 1}, voxel_bytes);
 }
 
 // Bricks of a level that wait at once, at most. They come layer by layer, and a parent needs those that its core is
@@ -133,7 +133,7 @@ Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options) {
     const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
     const std::uint64_t bricks = waitingBricks(dims, by, options.brick_size);
     out.part_bytes += bricks * leftBytes(dims, by, options.brick_size, sizeOf(info.type));
-    out.place_bytes += bricks * PartStore::placesBytes(parentsReached(dims, by, options.brick_size));
+    out.place_bytes += bricks * HalfBrickStore::placesBytes(parentsReached(dims, by, options.brick_size));
   }
   return out;
 }

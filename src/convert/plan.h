@@ -26,7 +26,7 @@ struct ConversionPlan {
   std::uint64_t unwritten_bytes = 0;
   /// What the source may keep of what it decoded. unit: bytes.
   std::uint64_t kept_bytes = 0;
-  /// Parts of bricks that wait for a parent (convert/pyramid/part_store.h), in memory. unit: bytes.
+  /// Parts of bricks that wait for a parent (convert/pyramid/half_brick_store.h), in memory. unit: bytes.
   std::uint64_t parts_bytes = 0;
   /// The tables of all bricks: the index without sub-ranges, what is done with each brick, and where parts wait. unit:
   /// bytes.

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "engine/voxel/tile_walk.h"
 #include "frame/aov_planes.h"
 #include "frame/make_visibility.h"
-#include "traverse/tile_span.h"
+#include "traverse/tile_scope.h"
 
 namespace kiln {
 namespace {
@@ -30,8 +30,8 @@ bool testsSamples(const VisibilityOptions& options) {
 }
 
 // Without what depends on a brick's level, and on what is drawn already.
-SplatFrame splatFrameOf(const FrameRequest& request, const Classifier& classifier) {
-  SplatFrame out;
+SplatContext splatFrameOf(const FrameRequest& request, const Classifier& classifier) {
+  SplatContext out;
   out.classifier = &classifier;
   // Above zero among floats, too: a pixel without opacity is not closed.
   out.opaque_at = std::max(static_cast<float>(request.opacity_threshold), 1e-30f);
@@ -52,15 +52,15 @@ double opacityUnit(const StoreReader& store, const FrameRequest& request) {
 }
 
 // Only bricks of the part that is drawn have anything.
-BrickWalk::AnyPart inPart(const FrameLevels& levels, BrickWalk::AnyPart any_part) {
+BrickWalk::VisiblePart inPart(const FrameLevels& levels, BrickWalk::VisiblePart any_part) {
   return [&levels, any_part = std::move(any_part)](int level, const VoxelBox& core, const BrickEntry& entry,
-                                                   const BrickWalk::PartTest& test) {
+                                                   const BrickWalk::RectTest& test) {
     return levels.clipRegion(level).part().touches(core) && any_part(level, core, entry, test);
   };
 }
 
 Image emptyImage(const PixelRect& pixels, const Aovs& aovs) {
-  const Span span(Activity::kPlan);
+  const ProfileScope span(Activity::kPlan);
   Image out(pixels.width(), pixels.height());
   addAovPlanes(aovs, out);
   return out;
@@ -86,7 +86,7 @@ Classifier classifierFor(const StoreReader& store, const FrameRequest& request) 
 FramePlan::FramePlan(const std::vector<const StoreReader*>& stores, const FrameRequest& request)
     : levels(stores.front()->manifest(), request.level, request.view, request.visibility.area, request.clipping),
       classifier(classifierFor(*stores.front(), request)) {
-  const Span span(Activity::kPlan);
+  const ProfileScope span(Activity::kPlan);
   const StoreReader& store = *stores.front();
   if (!request.volumes.empty()) {
     mix.emplace(mixedVolumes(stores, request), MixView{request.view, request.visibility.area, request.sampling()});
@@ -166,7 +166,7 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
 }
 
 void FrameDrawing::composite(const PixelRect& pixels, Image& image) {
-  const Span span(Activity::kWalk);
+  const ProfileScope span(Activity::kWalk);
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
   if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep, request_.view.origin_depth);
   all.deep = image.deep.get();
@@ -251,7 +251,7 @@ std::vector<FrameDrawing::DueTile> FrameDrawing::dueTiles(const PixelRect& drawn
 
 void FrameDrawing::drawDue(const TilePixels& all) {
   if (due_.empty()) return;
-  Span span(Activity::kBrick);
+  ProfileScope span(Activity::kBrick);
   if (span.traced()) span.note("bricks", due_.size());
   if (plan_.pixel) {
     parallelFor(due_.size(), [&](std::size_t i) { due_[i].zones = plan_.pixel->cellsOf(*due_[i].block); });
@@ -282,7 +282,7 @@ void FrameDrawing::drawTile(const DueBrick& brick, const TilePixels& tile, DrawC
     plan_.pixel->drawTile(*brick.block, brick.zones, tile, *visibility_, frame_.opaque_at, counts);
     return;
   }
-  const TileSpan span(brick.block->key, tile.rect, counts);
+  const TileScope span(brick.block->key, tile.rect, counts);
   planes_.lend([&](TilePlanes& planes) {
     planes.reserve(tile.rect);
     walkTile(*brick.frame, *brick.block, tile, planes, counts, request_.node_log);
@@ -296,13 +296,13 @@ void FrameDrawing::count(const BrickKey& key, const DrawCounts& drawn) {
   if (drawn.changed) statistics_.addContributing({key}, store_.index().at(key).file_bytes);
 }
 
-const SplatFrame& FrameDrawing::frameOf(int level) {
+const SplatContext& FrameDrawing::frameOf(int level) {
   const auto known = frames_.find(level);
   return known != frames_.end() ? known->second : frames_.emplace(level, frameOfLevel(level)).first->second;
 }
 
-SplatFrame FrameDrawing::frameOfLevel(int level) const {
-  SplatFrame out = frame_;
+SplatContext FrameDrawing::frameOfLevel(int level) const {
+  SplatContext out = frame_;
   out.projector = &plan_.levels.projector(level);
   const float noise = gradientNoiseOf(store_.manifest(), request_.transfer_function);
   out.shader = Shader(request_.shading, request_.view, noise, *out.projector);

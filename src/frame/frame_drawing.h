@@ -14,11 +14,11 @@
 #include "engine/shared/draw_counts.h"
 #include "engine/voxel/splat_cell.h"
 #include "frame/frame_progress.h"
+#include "frame/multi_volume.h"
 #include "frame/render_frame.h"
 #include "frame/statistics.h"
-#include "frame/volume_mix.h"
 #include "image/image.h"
-#include "traverse/lookahead.h"
+#include "traverse/prefetcher.h"
 
 namespace kiln {
 
@@ -34,7 +34,7 @@ struct FramePlan {
   // Of these at most one; with none it is the voxel lattice.
   std::optional<PixelLattice> pixel;
   std::optional<ValueProjection> projection;
-  std::optional<VolumeMix> mix;
+  std::optional<MultiVolume> mix;
   std::optional<BrickWalk> bricks;  // not of several volumes
 
   /// What drawing these pixels counts as it goes on (frame/frame_progress.h): bricks, or of several volumes the tiles
@@ -74,12 +74,12 @@ class FrameDrawing {
   /// The same of several volumes.
   void mix(const TilePixels& all);
   void mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles);
-  void announce(std::span<const VolumeMix::Brick* const> bricks);
+  void announce(std::span<const MultiVolume::Brick* const> bricks);
   void announceBehind(std::size_t zone, std::span<const PixelRect> tiles);
   /// Tells how far it is, tile after tile.
-  void drawMixed(std::size_t zone, std::span<const VolumeMix::Brick* const> bricks, const VolumeMix::Blocks& blocks,
+  void drawMixed(std::size_t zone, std::span<const MultiVolume::Brick* const> bricks, const MultiVolume::Blocks& blocks,
                  const TilePixels& all, std::span<const PixelRect> tiles);
-  std::vector<const VolumeMix::Brick*> toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const;
+  std::vector<const MultiVolume::Brick*> toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const;
   std::vector<PixelRect> tilesOf(const PixelRect& drawn, const PixelRect& rect) const {
     return kiln::tilesOf(request_.tile_px, drawn, rect);
   }
@@ -88,7 +88,7 @@ class FrameDrawing {
     std::shared_ptr<const BrickBlock> block;
     PixelRect rect;
     std::vector<PixelLattice::ZoneCells> zones;  // not of the voxel lattice
-    const SplatFrame* frame = nullptr;           // of the voxel lattice
+    const SplatContext* frame = nullptr;         // of the voxel lattice
     DrawCounts counts;
   };
   /// A tile and, front to back, the bricks that are drawn into it, by their places among those that are due.
@@ -110,8 +110,8 @@ class FrameDrawing {
   /// Adds what drawing a brick has cost.
   void count(const BrickKey& key, const DrawCounts& drawn);
   /// What the voxel lattice's kernels are told; made once for what is being drawn.
-  const SplatFrame& frameOf(int level);
-  SplatFrame frameOfLevel(int level) const;
+  const SplatContext& frameOf(int level);
+  SplatContext frameOfLevel(int level) const;
 
   const StoreReader& store_;
   BrickCache& cache_;
@@ -119,8 +119,8 @@ class FrameDrawing {
   Progress& progress_;
   FramePlan plan_;
   std::unique_ptr<Visibility> visibility_;  // of what is being drawn
-  SplatFrame frame_;                        // without what depends on a level
-  std::map<int, SplatFrame> frames_;        // by level, of what is being drawn
+  SplatContext frame_;                      // without what depends on a level
+  std::map<int, SplatContext> frames_;      // by level, of what is being drawn
   MemoryPool<TilePlanes> planes_;           // of the voxel lattice
   const CacheCounts before_;
   FrameStatistics statistics_;
@@ -128,7 +128,7 @@ class FrameDrawing {
   BrickWalkCounts walked_;
   std::set<StoredBrick> mixed_;
   const std::size_t drawn_together_;
-  std::optional<Lookahead> lookahead_;  // of what is being drawn, but for several volumes
+  std::optional<Prefetcher> lookahead_;  // of what is being drawn, but for several volumes
   std::vector<DueBrick> due_;
   PixelRect shown_;                   // of what is being drawn
   std::optional<PartProgress> part_;  // of what is being drawn

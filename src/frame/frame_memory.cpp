@@ -16,10 +16,10 @@
 #include "frame/aov_planes.h"
 #include "frame/frame_drawing.h"
 #include "frame/make_visibility.h"
+#include "frame/multi_volume.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
 #include "frame/pixel_filter.h"
-#include "frame/volume_mix.h"
 #include "image/file/exr_cost.h"
 #include "image/file/image_file.h"
 #include "traverse/brick_walk.h"
@@ -56,7 +56,7 @@ std::uint64_t threadsBytes() {
   return std::min(threads, kFirst) * kFirstBytes + (threads - std::min(threads, kFirst)) * kOtherBytes;
 }
 // Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
-constexpr std::uint64_t kMixBytes = 4 * sizeof(VolumeMix::Brick) + 2 * 64;
+constexpr std::uint64_t kMixBytes = 4 * sizeof(MultiVolume::Brick) + 2 * 64;
 
 // A cell's voxels and samples.
 constexpr std::uint64_t kCellBytes = 512u << 10;

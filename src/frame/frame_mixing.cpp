@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "base/memory/memory.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "frame/frame_drawing.h"
 
 namespace kiln {
@@ -29,9 +29,10 @@ void FrameDrawing::mix(const TilePixels& all) {
   walked_.hidden += unseen;
 }
 
-std::vector<const VolumeMix::Brick*> FrameDrawing::toBeMixed(std::size_t zone, std::span<const PixelRect> tiles) const {
-  std::vector<const VolumeMix::Brick*> out;
-  for (const VolumeMix::Brick& brick : plan_.mix->bricksOf(zone)) {
+std::vector<const MultiVolume::Brick*> FrameDrawing::toBeMixed(std::size_t zone,
+                                                               std::span<const PixelRect> tiles) const {
+  std::vector<const MultiVolume::Brick*> out;
+  for (const MultiVolume::Brick& brick : plan_.mix->bricksOf(zone)) {
     const bool seen = std::any_of(tiles.begin(), tiles.end(), [&](const PixelRect& tile) {
       const PixelRect touched = intersection(tile, brick.rect);
       return !touched.empty() && !visibility_->hidden(touched);
@@ -44,7 +45,7 @@ std::vector<const VolumeMix::Brick*> FrameDrawing::toBeMixed(std::size_t zone, s
 void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<const PixelRect> tiles) {
   progress_.throwIfCancelled("rendering");
   part_->reached(mixed_steps_);
-  const std::vector<const VolumeMix::Brick*> bricks = toBeMixed(zone, tiles);
+  const std::vector<const MultiVolume::Brick*> bricks = toBeMixed(zone, tiles);
   if (bricks.empty()) {
     mixed_steps_ += plan_.stepsOf(zone, tiles);
     return;
@@ -61,8 +62,8 @@ void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<c
                             "{} at once; give {} more",
                             formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
   announce(bricks);
-  VolumeMix::Blocks blocks;
-  for (const VolumeMix::Brick* const brick : bricks) {
+  MultiVolume::Blocks blocks;
+  for (const MultiVolume::Brick* const brick : bricks) {
     const StoredBrick& key = brick->brick;
     blocks.push_back(cache_.get(key));
     if (!blocks.back()) statistics_.damaged.insert(key);
@@ -73,9 +74,10 @@ void FrameDrawing::mixTiles(std::size_t zone, const TilePixels& all, std::span<c
   drawMixed(zone, bricks, blocks, all, tiles);
 }
 
-void FrameDrawing::drawMixed(std::size_t zone, std::span<const VolumeMix::Brick* const> bricks,
-                             const VolumeMix::Blocks& blocks, const TilePixels& all, std::span<const PixelRect> tiles) {
-  const Span drawing(Activity::kBrick);
+void FrameDrawing::drawMixed(std::size_t zone, std::span<const MultiVolume::Brick* const> bricks,
+                             const MultiVolume::Blocks& blocks, const TilePixels& all,
+                             std::span<const PixelRect> tiles) {
+  const ProfileScope drawing(Activity::kBrick);
   std::vector<TilePixels> pixels;
   for (const PixelRect& tile : tiles) pixels.push_back(all.of(tile));
   const std::uint64_t steps = plan_.stepsOf(zone, tiles);
@@ -97,9 +99,9 @@ void FrameDrawing::drawMixed(std::size_t zone, std::span<const VolumeMix::Brick*
   }
 }
 
-void FrameDrawing::announce(std::span<const VolumeMix::Brick* const> bricks) {
+void FrameDrawing::announce(std::span<const MultiVolume::Brick* const> bricks) {
   std::vector<NextBrick> next;
-  for (const VolumeMix::Brick* const brick : bricks) next.push_back({brick->brick});
+  for (const MultiVolume::Brick* const brick : bricks) next.push_back({brick->brick});
   cache_.announce(next);
 }
 

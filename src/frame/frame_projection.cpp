@@ -1,7 +1,7 @@
 // The part of a frame's drawing that is its own where values are projected: bricks come in an order of values, and a
 // pixel's value becomes a colour when all are there.
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "frame/aov_planes.h"
 #include "frame/frame_drawing.h"
 
@@ -29,7 +29,7 @@ void putColors(const ProjectedValues& values, const TransferFunction& transfer_f
 
 void FrameDrawing::project(const PixelRect& pixels, Image& image) {
   const ValueProjection& projection = *plan_.projection;
-  const Span span(Activity::kWalk);
+  const ProfileScope span(Activity::kWalk);
   ProjectedValues values = projection.begin(pixels);
   const std::vector<BrickInView> bricks = projection.ordered(plan_.bricks->inView(pixels, walked_));
   std::vector<BrickInView> with_file;
@@ -60,7 +60,7 @@ void FrameDrawing::project(const PixelRect& pixels, Image& image) {
         continue;
       }
     }
-    const Span drawing(Activity::kBrick);
+    const ProfileScope drawing(Activity::kBrick);
     count(brick.key, projection.draw(brick, block.get(), tilesOf(pixels, brick.rect), values));
   }
   putColors(values, request_.transfer_function, valuePlane(request_.aovs, image), image);

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/pixel_filter.cpp"
@@ -179,7 +179,7 @@ class PixelFilter::Rows {
 
 void PixelFilter::put(const Image& samples, const PixelRect& shown, const PixelRect& pixels, Image& image,
                       int row) const {
-  const Span span(Activity::kFinish);
+  const ProfileScope span(Activity::kFinish);
   if (shown.empty()) return;
   const int left = std::min(edge_ * pixels.x0, reach_), top = std::min(edge_ * pixels.y0, reach_);
   constexpr int kRows = 16;  // at a time
@@ -212,7 +212,7 @@ std::uint64_t PixelFilter::copiedBytes(const ImageSize& size) {
 }
 
 void PixelFilter::apply(Image& image, const PixelRect& shown) const {
-  const Span span(Activity::kFinish);
+  const ProfileScope span(Activity::kFinish);
   if (shown.empty()) return;
   // Around it samples are zero, or there are none.
   const PixelRect made =

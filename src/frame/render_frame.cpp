@@ -11,7 +11,7 @@
 
 #include "base/elapsed.h"
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "frame/aov_planes.h"
 #include "frame/background.h"
 #include "frame/empty_frame.h"
@@ -95,7 +95,7 @@ Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFi
     Image samples = drawing.draw(drawn);
     const int row = band.y0 - pixels.y0, edge = filter.edge();
     filter.put(samples, drawing.shown(), band, image, row);
-    const Span span(Activity::kFinish);
+    const ProfileScope span(Activity::kFinish);
     const SubPixels from{samples, edge, edge * band.x0 - drawn.x0, edge * band.y0 - drawn.y0, band.height()};
     putAovs(request.aovs, drawn_view, from, image, row);
   }
@@ -105,7 +105,7 @@ Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFi
 Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
                   const FrameRequest& request, const View& drawn_view) {
   Image image = drawing.draw(pixels);
-  const Span span(Activity::kFinish);
+  const ProfileScope span(Activity::kFinish);
   putAovs(request.aovs, drawn_view, {image, 1, 0, 0, image.height}, image, 0);
   if (filter.none()) return image;
   const PixelRect& shown = drawing.shown();
@@ -229,7 +229,7 @@ Image FramePainter::draw(const PixelRect& pixels) {
   } else {
     image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_, view)
                                                        : drawFiltered(*drawing_, pixels, filter, request_, view);
-    const Span span(Activity::kFinish);
+    const ProfileScope span(Activity::kFinish);
     cost_.visible = cost_.visible || isVisible(image);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "cache/brick_cache.h"
 
 namespace kiln {

@@ -33,7 +33,7 @@ ordered_json jsonOf(const Camera& camera) {
 ordered_json jsonOf(const TransferFunction& function) {
   if (!function.labels.empty()) {
     ordered_json labels = ordered_json::array();
-    for (const LabelLook& look : function.labels) {
+    for (const LabelStyle& look : function.labels) {
       labels.push_back(
           {{"label", static_cast<std::int64_t>(look.label)}, {"color", listOf(look.color)}, {"opacity", look.opacity}});
       if (!look.name.empty()) labels.back()["name"] = look.name;

@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "job/paraview_map.h"
 #include "job/transfer_function_json.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
 
 namespace kiln {

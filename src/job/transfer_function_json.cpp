@@ -4,7 +4,7 @@
 
 #include "image/srgb.h"
 #include "scene/scene_limits.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 
 namespace kiln {
 namespace {
@@ -52,8 +52,8 @@ std::vector<GradientPoint> gradientOpacityFrom(const JobObject& owner) {
   return out;
 }
 
-std::vector<LabelLook> labelsFrom(const JobObject& owner, bool srgb) {
-  std::vector<LabelLook> out;
+std::vector<LabelStyle> labelsFrom(const JobObject& owner, bool srgb) {
+  std::vector<LabelStyle> out;
   const auto labels =
       owner.objects("labels", "a list of labels [{label, color, opacity}, …]", {kMostLabelLooks, "labels"});
   std::set<double> known;
@@ -63,7 +63,7 @@ std::vector<LabelLook> labelsFrom(const JobObject& owner, bool srgb) {
     for (const char* key : {"label", "color"}) {
       if (!object.has(key)) object.complain(key, "is missing; a label has label and color");
     }
-    LabelLook look;
+    LabelStyle look;
     const auto most = static_cast<std::int64_t>(kLargestLabel);
     look.label = static_cast<double>(*object.integer("label", -most, most));
     if (!known.insert(look.label).second) object.complain("label", "is given twice");

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "base/thread/trace.h"
 #include "store/store_writer.h"
 
@@ -127,7 +127,7 @@ void SharedReads::countRead(const std::vector<std::byte>& file) {
 
 // What its home has, if it can be had.
 std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, const BrickKey& key) {
-  Span span(Activity::kRead);
+  ProfileScope span(Activity::kRead);
   if (span.traced()) {
     span.note("brick", brickPath(key).native());
     span.note("from rank", static_cast<std::uint64_t>(home));

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/hash.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "composite/composite_parts.h"
 #include "frame/part_image.h"
 #include "image/file/image_file.h"
@@ -232,7 +232,7 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreR
                 std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
-    Span span(Activity::kWrite);
+    ProfileScope span(Activity::kWrite);
     if (span.traced()) span.note("file", file.path.filename().native());
     writeFile(job, file, drawn, store, writer_bytes);
   }

@@ -8,12 +8,12 @@
 #include "base/memory/memory.h"
 #include "base/memory/spare_pages.h"
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "frame/empty_frame.h"
 #include "frame/frame_progress.h"
 #include "grid/shared_world.h"
 #include "job/series_look.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 #include "sequence/render_job_run.h"
 #include "store/manifest/float_steps.h"
 
@@ -202,7 +202,7 @@ FrameStatistics OpenedJob::finish(FramePainter& painter, int frame) const {
 }
 
 DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
-  Span span(Activity::kFrame);
+  ProfileScope span(Activity::kFrame);
   if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
   out.scene = sceneAt(frame);

@@ -9,9 +9,9 @@
 
 #include "base/file.h"
 #include "base/file_lock.h"
-#include "base/thread/beside_thread.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
+#include "base/thread/worker_thread.h"
 #include "cluster/agreement.h"
 #include "frame/empty_frame.h"
 #include "sequence/brick_sequence.h"
@@ -128,7 +128,7 @@ class Sequence {
   SequenceResult result_;
   std::map<int, std::unique_ptr<FileLock>> tile_locks_;  // by frame, on checkpoints until the frame's files are written
   std::optional<Unwritten> unwritten_;
-  std::optional<BesideThread> writer_;  // goes first, and waits
+  std::optional<WorkerThread> writer_;  // goes first, and waits
 };
 
 // Each rank has its own clock and its own file: NAME.json is the first one's, then NAME.1.json.

@@ -11,7 +11,7 @@
 #include "base/memory/large_pages.h"
 #include "base/memory/memory.h"
 #include "base/path_status.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
 
@@ -143,7 +143,7 @@ void StoreReader::open(std::uint64_t memory_bytes) {
   index_ = BrickIndex::decode(data, lattices, path);
 }
 
-BrickFrame StoreReader::frame(const BrickKey& key) const {
+BrickDesc StoreReader::frame(const BrickKey& key) const {
   return {key, manifest_.type, manifest_.brick_size, manifest_.apron, level(key.level).geometry};
 }
 
@@ -173,7 +173,7 @@ Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const 
 template <class Bytes>
 Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
   const BrickEntry& entry = index_.at(key);
-  Span span(Activity::kRead);
+  ProfileScope span(Activity::kRead);
   if (span.traced()) {
     span.note("brick", brickPath(key).native());
     span.note("bytes", entry.file_bytes);
@@ -207,7 +207,7 @@ bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) co
 }
 
 BrickBlock StoreReader::decode(const BrickKey& key, std::span<const std::byte> file) const {
-  Span span(Activity::kDecode);
+  ProfileScope span(Activity::kDecode);
   if (span.traced()) span.note("brick", brickPath(key).native());
   return decodeBrick(frame(key), file, directory_ / brickPath(key));
 }

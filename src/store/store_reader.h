@@ -32,7 +32,7 @@ class StoreReader {
   /// throws: Error kUsage where the store has no such level.
   void requireLevel(int level) const;
   const LevelInfo& level(int level) const { return manifest_.levels[static_cast<std::size_t>(level)]; }
-  BrickFrame frame(const BrickKey& key) const;
+  BrickDesc frame(const BrickKey& key) const;
 
   /// Reads, checks and decodes a brick; a constant one costs no I/O. thread: safe.
   /// throws: Error kDamaged naming the file and both checksums, kNotFound, kIo; kReplaced as requireUnchanged, where a

@@ -68,13 +68,13 @@ std::shared_ptr<const SubRanges> StoreWriter::subRangesAt(std::size_t place) con
   return std::make_shared<const SubRanges>(along, bytes);
 }
 
-BrickFrame StoreWriter::frame(const BrickKey& key) const {
+BrickDesc StoreWriter::frame(const BrickKey& key) const {
   return {key, manifest_.type, manifest_.brick_size, manifest_.apron,
           manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
 }
 
 EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
-  const BrickFrame brick = frame(key);
+  const BrickDesc brick = frame(key);
   EncodedBrick out{key, {}, {}};
   BrickEntry& entry = out.entry;
   entry.core = ranges.core;

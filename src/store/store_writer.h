@@ -42,7 +42,7 @@ class StoreWriter {
   /// safe for different keys.
   void keep(const BrickKey& key, const BrickEntry& entry);
   bool contains(const BrickKey& key) const { return index_.contains(key); }
-  BrickFrame frame(const BrickKey& key) const;
+  BrickDesc frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
   /// Without sub-ranges where these are on disk. requires: the brick was encoded or kept. thread: safe beside encoding
   /// other bricks.

@@ -15,7 +15,7 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, AnyPart any_part,
+BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, VisiblePart any_part,
                      std::int64_t ghosts)
     : store_(store),
       levels_(levels),
@@ -185,10 +185,10 @@ BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
   };
 }
 
-BrickWalk::AnyPart wholeBrick(const Classifier& classifier) {
+BrickWalk::VisiblePart wholeBrick(const Classifier& classifier) {
   constexpr int kAll = std::numeric_limits<int>::max();
   return
-      [&classifier](int /*level*/, const VoxelBox& /*core*/, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+      [&classifier](int /*level*/, const VoxelBox& /*core*/, const BrickEntry& entry, const BrickWalk::RectTest& test) {
         return classifier.interesting(entry.core) && test({-kAll, -kAll, kAll, kAll});
       };
 }

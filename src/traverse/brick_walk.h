@@ -40,13 +40,14 @@ class BrickWalk {
   using Choice = std::function<Use(int level, const VoxelBox& box)>;
   /// Whether any part of a brick with the voxels of `core` is interesting and passes the test, which is told what of
   /// the plane of the image the part can touch, and perhaps more.
-  using PartTest = std::function<bool(const PixelRect&)>;
-  using AnyPart = std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const PartTest& test)>;
+  using RectTest = std::function<bool(const PixelRect&)>;
+  using VisiblePart =
+      std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test)>;
 
   /// requires: `store` and `levels`, which are of this store, outlive this; no brick of the finest level has finer
   /// ones. What is drawn of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of
   /// 12 bytes a brick and a seventh.
-  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, AnyPart any_part,
+  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, VisiblePart any_part,
             std::int64_t ghosts = 0);
 
   /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
@@ -87,7 +88,7 @@ class BrickWalk {
 
   const StoreReader& store_;
   const FrameLevels& levels_;
-  const AnyPart any_part_;
+  const VisiblePart any_part_;
   std::int64_t brick_size_, ghosts_;
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
@@ -96,6 +97,6 @@ class BrickWalk {
 /// `levels` outlives the result.
 BrickWalk::Choice voxelChoice(const FrameLevels& levels);
 /// The brick as one part: whether its own voxels show anything. requires: `classifier` outlives the result.
-BrickWalk::AnyPart wholeBrick(const Classifier& classifier);
+BrickWalk::VisiblePart wholeBrick(const Classifier& classifier);
 
 }  // namespace kiln

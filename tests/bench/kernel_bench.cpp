@@ -231,7 +231,7 @@ void layBatch(benchmark::State& state) {
     if (on.plain())
       test::layVoxelsScalar(s.view, s.projected, s.shaded, s.projected.touching, tile, 2, *none);
     else
-      layVoxels(s.view, s.projected, s.shaded, s.projected.touching, planes, 2, *none);
+      rasterizeFootprints(s.view, s.projected, s.shaded, s.projected.touching, planes, 2, *none);
     benchmark::ClobberMemory();
   }
   report(state, state.iterations() * kVoxelBatch, 32 * pixels, 60 + 45 * pixels);
@@ -242,7 +242,7 @@ void layBatch(benchmark::State& state) {
 void splatVoxels(benchmark::State& state) {
   const Scene& s = scene();
   const VisibilityOptions options{.method = static_cast<VisibilityMethod>(state.range(0))};
-  SplatFrame frame;
+  SplatContext frame;
   frame.classifier = &s.plan.classifier;
   frame.projector = &s.plan.levels.projector(0);
   frame.shader = Shader(s.request.shading, s.request.view, 1e-3f, *frame.projector);

@@ -1,13 +1,12 @@
 // A stranger's program: makes a volume file, converts it, draws it.
 #include <kiln/base/module.h>
 #include <kiln/convert/convert.h>
-#include <kiln/render/render_job_run.h>
+#include <kiln/ingest/open_source.h>
+#include <kiln/sequence/render_job_run.h>
 
 #include <cstdio>
 #include <fstream>
 #include <string>
-
-#include "ingest/open_source.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

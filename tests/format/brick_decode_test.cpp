@@ -27,8 +27,8 @@ namespace {
 constexpr std::int64_t kBrickEdge = 32;
 
 // At the corner of the volume, cut off on one side, with neighbours on the others.
-BrickFrame brickFrame(VoxelType type) {
-  BrickFrame out;
+BrickDesc brickFrame(VoxelType type) {
+  BrickDesc out;
   out.key = {0, {1, 0, 1}};
   out.type = type;
   out.brick_size = kBrickEdge;
@@ -49,7 +49,7 @@ T brickValue(int number) {
                           number);
 }
 
-std::vector<std::byte> brickVoxels(const BrickFrame& frame) {
+std::vector<std::byte> brickVoxels(const BrickDesc& frame) {
   const VoxelBox box = frame.stored();
   std::vector<std::byte> out(static_cast<std::size_t>(box.extent().count()) * sizeOf(frame.type));
   std::mt19937 random(5);
@@ -67,14 +67,14 @@ std::vector<std::byte> brickVoxels(const BrickFrame& frame) {
   return out;
 }
 
-std::vector<std::byte> encodedBrick(const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+std::vector<std::byte> encodedBrick(const BrickDesc& frame, const std::vector<std::byte>& voxels) {
   return encodeBrick(
       frame, voxels,
       cellRanges(voxels, frame.type, frame.stored(), frame.core(), static_cast<int>(frame.brick_size / kCellSize)));
 }
 
 // Of what is beyond the volume, too, which repeats its last voxels.
-void expectBrickVoxels(const BrickBlock& block, const BrickFrame& frame, const std::vector<std::byte>& voxels) {
+void expectBrickVoxels(const BrickBlock& block, const BrickDesc& frame, const std::vector<std::byte>& voxels) {
   const VoxelBox box = frame.stored(), all = dilated(frame.core(), frame.apron);
   const Extent3 n = box.extent();
   const std::size_t bytes = sizeOf(frame.type);
@@ -95,7 +95,7 @@ void expectBrickVoxels(const BrickBlock& block, const BrickFrame& frame, const s
 // Which are kept as such.
 TEST(BrickDecode, GivesBackHalves) {
   for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
-    const BrickFrame frame = brickFrame(type);
+    const BrickDesc frame = brickFrame(type);
     std::vector<std::byte> voxels = brickVoxels(frame);
     withVoxelType(type, [&]<class T>(std::type_identity<T>) {
       T* const values = reinterpret_cast<T*>(voxels.data());
@@ -110,7 +110,7 @@ TEST(BrickDecode, GivesBackHalves) {
 TEST(BrickDecode, GivesBackWhatWasEncoded) {
   for (const VoxelType type : kAllTypes) {
     SCOPED_TRACE(nameOf(type));
-    const BrickFrame frame = brickFrame(type);
+    const BrickDesc frame = brickFrame(type);
     const std::vector<std::byte> voxels = brickVoxels(frame);
     expectBrickVoxels(decodeBrick(frame, encodedBrick(frame, voxels), "b.vdb"), frame, voxels);
   }
@@ -120,7 +120,7 @@ TEST(BrickDecode, GivesBackWhatWasEncoded) {
 TEST(BrickDecode, ReadsSplitBlocks) {
   for (const VoxelType type : kAllTypes) {
     SCOPED_TRACE(nameOf(type));
-    const BrickFrame frame = brickFrame(type);
+    const BrickDesc frame = brickFrame(type);
     const std::vector<std::byte> voxels = brickVoxels(frame), today = encodedBrick(frame, voxels);
     blosc_set_splitmode(BLOSC_FORWARD_COMPAT_SPLIT);
     const std::vector<std::byte> split = encodedBrick(frame, voxels);
@@ -131,9 +131,9 @@ TEST(BrickDecode, ReadsSplitBlocks) {
 }
 
 TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
-  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> file = encodedBrick(frame, brickVoxels(frame));
-  BrickFrame wider = frame, nearer = frame;
+  BrickDesc wider = frame, nearer = frame;
   wider.geometry.dims.x = 54;
   nearer.apron = 5;
   for (const auto& [expected, what] : {std::pair{wider, "density"}, {nearer, "apron"}}) {
@@ -151,7 +151,7 @@ TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
 
 // Damaged values, and what is said of their length, are either refused by name or other values.
 TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
-  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
   constexpr std::array kHead = {std::byte{2}, std::byte{1}, std::byte{0x31}, std::byte{4}};
   std::vector<std::size_t> frames;
@@ -201,7 +201,7 @@ std::vector<std::size_t> framesOf(const std::vector<std::byte>& file, const char
 
 // OpenVDB and Blosc believe what a leaf says of its length, and write as much.
 TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
-  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
   for (const auto& [grid, next] :
        {std::pair{kCellMinGrid, kCellMaxGrid}, std::pair{kCellMaxGrid, static_cast<const char*>(nullptr)}}) {
@@ -229,7 +229,7 @@ TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
 // The heads of the file and of its four grids, every four bytes as a length of some GiB: an error, or the voxels as
 // they were. OpenVDB would clear as many bytes as a length says before it reads them.
 TEST(BrickDecode, HostileLengthsInMetadata_areRefusedInLittleMemory) {
-  const BrickFrame frame = brickFrame(VoxelType::u16);
+  const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> voxels = brickVoxels(frame), whole = encodedBrick(frame, voxels);
   const std::uint64_t before = peakResidentBytes();
   const std::string type = "Tree_int32_5_4_3";

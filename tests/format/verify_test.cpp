@@ -58,7 +58,7 @@ Findings findingsOf(const fs::path& store, std::uint64_t memory_bytes = kPlenty)
 }
 
 // The voxels of a block that a store keeps. shape: frame.stored(), x fastest.
-std::vector<std::byte> storedVoxels(const BrickBlock& block, const BrickFrame& frame) {
+std::vector<std::byte> storedVoxels(const BrickBlock& block, const BrickDesc& frame) {
   const VoxelBox box = frame.stored();
   const std::size_t row_bytes = static_cast<std::size_t>(box.extent().x) * sizeOf(block.type);
   std::vector<std::byte> out;

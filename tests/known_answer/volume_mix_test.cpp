@@ -27,7 +27,7 @@ TransferFunction uniformFunction(const glm::dvec3& color, double opacity) { retu
 
 // A box of 40³ around one of 20³ voxels of 0.8, turned about the line of sight: along the rays through the middle 12
 // of the one, 16 of both, 12 of the one. Light comes from each as much as it absorbs.
-TEST(VolumeMix, MediaThroughEachOtherHaveTheirClosedForm) {
+TEST(MultiVolume, MediaThroughEachOtherHaveTheirClosedForm) {
   const DenseVolume outer = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
   glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(19.5));
   turned = glm::rotate(turned, 0.7, glm::dvec3(0, 0, 1));

@@ -11,7 +11,7 @@
 #include "support/procedural.h"
 #include "support/random_scene.h"
 #include "support/test_store.h"
-#include "traverse/lookahead.h"
+#include "traverse/prefetcher.h"
 
 namespace kiln::test {
 namespace {
@@ -142,11 +142,11 @@ TEST(HiddenBricks, AreNotRead) {
 }
 
 // What is read ahead are the next bricks in order, without those that are hidden by then.
-TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
+TEST(Prefetcher, NamesTheNextBricksThatAreNotHidden) {
   const auto mask = makeMaskVisibility(64, 64);
   std::vector<BrickInView> in_view;
   for (std::int32_t i = 0; i < 8; ++i) in_view.push_back({{0, {i, 0, 0}}, {8 * i, 0, 8 * i + 8, 8}});
-  Lookahead lookahead(in_view, [&](const BrickInView& brick, auto) { return mask->hidden(brick.rect); });
+  Prefetcher lookahead(in_view, [&](const BrickInView& brick, auto) { return mask->hidden(brick.rect); });
   const auto names = [&](std::int32_t drawn) {
     std::vector<std::int32_t> out;
     lookahead.turnOf({0, {drawn, 0, 0}});
@@ -166,11 +166,11 @@ TEST(Lookahead, NamesTheNextBricksThatAreNotHidden) {
 
 // Bricks behind one another and one beside them: those behind are named until two of them have shown nothing, and again
 // once so much else has been drawn that two are few.
-TEST(Lookahead, GuessesAsLongAsGuessesProveRight) {
+TEST(Prefetcher, GuessesAsLongAsGuessesProveRight) {
   const PixelRect front{0, 0, 8, 8}, beside{8, 0, 16, 8};
   std::vector<BrickInView> in_view;
   for (std::int32_t i = 0; i < 50; ++i) in_view.push_back({{0, {i, 0, 0}}, i == 5 || i > 12 ? beside : front});
-  Lookahead lookahead(in_view, [](const BrickInView& brick, std::span<const PixelRect> covered) {
+  Prefetcher lookahead(in_view, [](const BrickInView& brick, std::span<const PixelRect> covered) {
     return std::any_of(covered.begin(), covered.end(), [&](const PixelRect& r) { return r.contains(brick.rect); });
   });
   const auto names = [&](std::int32_t drawn, bool changed) {

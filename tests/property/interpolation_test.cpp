@@ -78,7 +78,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const std::vector<SlabZone> zones = slabZones(zonedVolume(volume, levels, request.sampling()), view, 0);
   for (std::size_t i = 0; i < zones.size(); ++i) {
     const SlabZone& zone = zones[i];
-    const SampleLook look{request.shading,
+    const Appearance look{request.shading,
                           Shader(request.shading, view, noise, projector),
                           GradientOpacity(request.transfer_function, unit, projector),
                           &levels.clipRegion(0),
@@ -86,7 +86,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
                           request.interpolation};
     const SlabFrame frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
     const std::vector<SlabCell> cells = allCells(frame, block);
-    skipped += cells.size() - interestingCells(frame, block).size();
+    skipped += cells.size() - visibleCells(frame, block).size();
     const RaySlabs rays(zones, i, projector, levels.dims(0), levels.endVoxels(0));
     for (const TilePixels& square : squaresOf(tile))
       castCells(rays, frame, block, cells, square, *visibility, static_cast<float>(request.opacity_threshold), counts);

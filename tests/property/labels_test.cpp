@@ -104,15 +104,15 @@ TEST_P(Labels, SkippingChangesNoBit) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     FrameRequest request = labelRequest(seed, volume, GetParam());
     request.level.reset();
-    std::erase_if(request.transfer_function.labels, [](const LabelLook& look) { return look.label == 40; });
+    std::erase_if(request.transfer_function.labels, [](const LabelStyle& look) { return look.label == 40; });
     request.transfer_function.labels.push_back({201, "", glm::dvec3(1), 0.5});
     FrameStatistics few, many;
     const Image truth = draw(store, request, 1u << 30, &few);
-    std::vector<LabelLook>& labels = request.transfer_function.labels;
+    std::vector<LabelStyle>& labels = request.transfer_function.labels;
     for (int label = 1; label < 200; ++label) {
       if (label % 40 != 0) labels.push_back({static_cast<double>(label), "", glm::dvec3(1), 1});
     }
-    std::sort(labels.begin(), labels.end(), [](const LabelLook& a, const LabelLook& b) { return a.label < b.label; });
+    std::sort(labels.begin(), labels.end(), [](const LabelStyle& a, const LabelStyle& b) { return a.label < b.label; });
     EXPECT_TRUE(equalBits(truth, draw(store, request, 1u << 30, &many)));
     interesting += few.bricks_interesting, with_all += many.bricks_interesting;
   }

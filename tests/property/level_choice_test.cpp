@@ -69,7 +69,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
   void check(const View& view, std::uint64_t seed) {
     const FrameLevels levels(store_->manifest(), std::nullopt, view, ProjectedArea::kBox);
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
-    const auto always = [&](int, const VoxelBox&, const BrickEntry&, const BrickWalk::PartTest& test) {
+    const auto always = [&](int, const VoxelBox&, const BrickEntry&, const BrickWalk::RectTest& test) {
       return test(anywhere);
     };
     const BrickWalk walk(*store_, levels, voxelChoice(levels), always);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 
 namespace kiln::test {
 namespace {
@@ -34,7 +34,7 @@ ReferenceLabels::ReferenceLabels(const DenseVolume& volume, const TransferFuncti
                                  Interpolation interpolation, int smoothing)
     : opacity_(smoothed(voxelByVoxel(volume, [&](double label) { return function.at(label).opacity; }), smoothing),
                Interpolation::kCubic) {
-  for (const LabelLook& look : function.labels) {
+  for (const LabelStyle& look : function.labels) {
     if (!(look.opacity > 0)) continue;
     const DenseVolume is = voxelByVoxel(volume, [&](double label) { return label == look.label ? 1.0 : 0.0; });
     labels_.push_back({{look.color, look.opacity}, ReferenceField(is, interpolation)});

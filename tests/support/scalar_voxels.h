@@ -2,7 +2,7 @@
 // instruction set is held against, and measured beside.
 #pragma once
 
-#include "engine/voxel/lay_voxels.h"
+#include "engine/voxel/rasterize_footprints.h"
 
 namespace kiln::test {
 
@@ -10,7 +10,7 @@ namespace kiln::test {
 void projectVoxelsScalar(const VoxelView& view, const VoxelCoord& lo, const std::int32_t* codes, int count,
                          const PixelRect& tile, ProjectedVoxels& out);
 
-/// layVoxels.
+/// rasterizeFootprints.
 void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
                      std::uint32_t drawn, const TilePixels& tile, float opaque_at, Visibility& visibility);
 

@@ -1,17 +1,17 @@
 // What is begun beside its owner is done by another thread, and what it throws is heard by whoever waits.
-#include "base/thread/beside_thread.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <stdexcept>
 
+#include "base/thread/worker_thread.h"
+
 namespace kiln::test {
 namespace {
 
 // Known because the work waits for its owner, who could not go on if it were done here.
-TEST(BesideThread, DoesOneThingWhileItsOwnerGoesOn) {
-  BesideThread beside("works");
+TEST(WorkerThread, DoesOneThingWhileItsOwnerGoesOn) {
+  WorkerThread beside("works");
   std::atomic<bool> owner_went_on = false;
   std::thread::id where;
   for (int i = 0; i < 3; ++i) {
@@ -28,8 +28,8 @@ TEST(BesideThread, DoesOneThingWhileItsOwnerGoesOn) {
   }
 }
 
-TEST(BesideThread, WhatIsThrownIsHeardOnce) {
-  BesideThread beside("works");
+TEST(WorkerThread, WhatIsThrownIsHeardOnce) {
+  WorkerThread beside("works");
   beside.begin([] { throw std::runtime_error("full disk"); });
   EXPECT_THROW(beside.wait(), std::runtime_error);
   EXPECT_NO_THROW(beside.wait());
@@ -39,10 +39,10 @@ TEST(BesideThread, WhatIsThrownIsHeardOnce) {
   EXPECT_EQ(done, 1);
 }
 
-TEST(BesideThread, WaitsBeforeItGoesAway) {
+TEST(WorkerThread, WaitsBeforeItGoesAway) {
   int done = 0;
   {
-    BesideThread beside("works");
+    WorkerThread beside("works");
     beside.begin([&] { ++done; });
   }
   EXPECT_EQ(done, 1);

@@ -32,7 +32,7 @@ const DenseVolume& volume() {
 VoxelBox storedOf(std::int64_t brick, std::int64_t brick_size) {
   const Extent3& dims = volume().geometry.dims;
   const BrickKey key{0, brickAt(brickLattice(dims, brick_size), brick)};
-  return BrickFrame{key, volume().type, brick_size, kApron, volume().geometry}.stored();
+  return BrickDesc{key, volume().type, brick_size, kApron, volume().geometry}.stored();
 }
 
 std::vector<std::byte> voxelsIn(const VoxelBox& box) {

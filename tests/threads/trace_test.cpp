@@ -36,15 +36,15 @@ TEST(Spans, TimeInsideIsNotTheOutersOwn) {
   Trace trace(path);
   const BusyTimes before = BusyTimes::now();
   {
-    const Span outer(Activity::kBrick);
+    const ProfileScope outer(Activity::kBrick);
     work();
     {
-      Span inner(Activity::kTile);
+      ProfileScope inner(Activity::kTile);
       inner.note("splats", 7);
       inner.note("tile", "64,0");
       work();
     }
-    const Span second(Activity::kCells);
+    const ProfileScope second(Activity::kCells);
     work();
   }
   const BusyTimes busy = BusyTimes::now().since(before);
@@ -75,7 +75,7 @@ TEST(Traces, EveryThreadHasATrackAndEverySpanIsThere) {
     threads.emplace_back([i] {
       if (i == 0) Trace::nameThread("reads");
       for (int k = 0; k < kSpans; ++k) {
-        Span span(Activity::kTile);
+        ProfileScope span(Activity::kTile);
         span.note("k", static_cast<std::uint64_t>(k));
       }
     });
@@ -104,11 +104,11 @@ TEST(Traces, UnfinishedOnesLeaveNothing) {
   const fs::path directory = freshDirectory("trace_unfinished");
   {
     const Trace trace(directory / "t.json");
-    const Span span(Activity::kTile);
+    const ProfileScope span(Activity::kTile);
     EXPECT_TRUE(span.traced());
   }
   EXPECT_TRUE(fs::is_empty(directory));
-  const Span span(Activity::kTile);
+  const ProfileScope span(Activity::kTile);
   EXPECT_FALSE(span.traced());
 }
 

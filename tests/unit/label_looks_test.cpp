@@ -1,6 +1,4 @@
 // What labels look like, from ITK-SNAP's files, from a job, and where nobody says. Known from the texts.
-#include "scene/transfer/label_looks.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "job/transfer_function_choice.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/label_palette.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
 #include "scene/transfer/transfer_function_fade.h"
 
@@ -53,7 +52,7 @@ std::string saidOf(const std::function<void()>& call) {
   return "";
 }
 
-TEST(LabelLooks, AreReadFromItkSnapsFiles) {
+TEST(LabelStyles, AreReadFromItkSnapsFiles) {
   EXPECT_TRUE(isLabelDescription(kSnap));
   EXPECT_TRUE(isLabelDescription("1 2 3 4 0.5 1 1 \"a\"\n"));
   EXPECT_FALSE(isLabelDescription("{\"points\": []}"));
@@ -77,7 +76,7 @@ TEST(LabelLooks, AreReadFromItkSnapsFiles) {
   EXPECT_FALSE(f.labelsShownIn(13, 100));
 }
 
-TEST(LabelLooks, AWrongLineIsNamed) {
+TEST(LabelStyles, AWrongLineIsNamed) {
   const auto said = [](const std::string& line) {
     return saidOf([&] { labelDescription("# ITK-SnAP Label Description File\n" + line, "s.txt"); });
   };
@@ -88,7 +87,7 @@ TEST(LabelLooks, AWrongLineIsNamed) {
   EXPECT_NE(said("# nothing").find("describes no label"), std::string::npos);
 }
 
-TEST(LabelLooks, AreCountedAndThoseOfNobodyNamed) {
+TEST(LabelStyles, AreCountedAndThoseOfNobodyNamed) {
   const Manifest manifest = labelManifest();
   const auto counts = labelsOf(manifest);
   ASSERT_TRUE(counts);
@@ -109,7 +108,7 @@ TEST(LabelLooks, AreCountedAndThoseOfNobodyNamed) {
   EXPECT_FALSE(labelsOf(wide));
 }
 
-TEST(LabelLooks, ThePaletteHasAColourForEach) {
+TEST(LabelStyles, ThePaletteHasAColourForEach) {
   Manifest manifest = labelManifest();
   const TransferFunction f = presetFor("auto", manifest);
   ASSERT_EQ(f.labels.size(), 2u);
@@ -118,7 +117,7 @@ TEST(LabelLooks, ThePaletteHasAColourForEach) {
   manifest.range = {0, 300};
   manifest.histogram = {-0.5, 300.5, std::vector<std::uint64_t>(301, 1)};
   std::set<std::array<int, 3>> colors;
-  for (const LabelLook& look : labelPalette(manifest).labels) {
+  for (const LabelStyle& look : labelPalette(manifest).labels) {
     std::array<int, 3> color;
     for (int c = 0; c < 3; ++c)
       color[static_cast<std::size_t>(c)] = static_cast<int>(255 * srgbFromLinear(look.color[c]));
@@ -140,7 +139,7 @@ glm::dvec3 labOf(const glm::dvec3& linear) {
 }
 
 // A difference of 2.3 is just noticed side by side. Measured: 65.1 of 8, 32.5 of 32, 13.2 of 256.
-TEST(LabelLooks, ColoursOfThePaletteAreFarApart) {
+TEST(LabelStyles, ColoursOfThePaletteAreFarApart) {
   const auto least = [](int labels) {
     double out = 1e9;
     for (int a = 1; a <= labels; ++a) {
@@ -154,7 +153,7 @@ TEST(LabelLooks, ColoursOfThePaletteAreFarApart) {
   EXPECT_GT(glm::distance(labOf(paletteColor(1)), labOf(paletteColor(200))), 30);
 }
 
-TEST(LabelLooks, FitLabelVolumesOnly) {
+TEST(LabelStyles, FitLabelVolumesOnly) {
   const Manifest labels = labelManifest();
   Manifest amounts = labels;
   amounts.volume_class = VolumeClass::kUnknown;
@@ -174,7 +173,7 @@ TEST(LabelLooks, FitLabelVolumesOnly) {
   EXPECT_NE(said(of_labels, large).find("number them anew"), std::string::npos);
 }
 
-TEST(LabelLooks, AJobSaysThem) {
+TEST(LabelStyles, AJobSaysThem) {
   const auto from = [](const std::string& text) { return transferFunctionFrom(JobObject::parse(text, "f.json")); };
   const TransferFunction f = from(R"({"unit": 2, "colorSpace": "srgb", "labels": [
     {"label": 5, "name": "liver", "color": [1, 0, 0], "opacity": 0.25}, {"label": -2, "color": [0, 1, 0]}]})");
@@ -197,7 +196,7 @@ TEST(LabelLooks, AJobSaysThem) {
 }
 
 // Between two functions each label goes its own way.
-TEST(LabelLooks, FadeOneByOne) {
+TEST(LabelStyles, FadeOneByOne) {
   TransferFunction a, b;
   a.unit = b.unit = 1;
   a.labels = {{1, "", {1, 0, 0}, 0.8}, {2, "", {0, 1, 0}, 0.4}};
@@ -210,7 +209,7 @@ TEST(LabelLooks, FadeOneByOne) {
   EXPECT_EQ(half.at(3).color, glm::dvec3(0, 0, 1));
 }
 
-TEST(LabelLooks, TheTableKnowsWhatARangeShows) {
+TEST(LabelStyles, TheTableKnowsWhatARangeShows) {
   TransferFunction f;
   f.labels = {{-5, "", glm::dvec3(1), 0}, {20, "", {1, 0, 0}, 0.5}, {30000, "", {0, 1, 0}, 1}};
   const SampleTable table(f, 1, VoxelType::i16, {-100, 32000});

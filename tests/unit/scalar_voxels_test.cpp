@@ -59,7 +59,7 @@ void layIntoTile(const VoxelView& view, const ProjectedVoxels& voxels, const Sha
   TilePlanes planes;
   planes.reserve(tile.rect);
   planes.take(tile);
-  layVoxels(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+  rasterizeFootprints(view, voxels, shaded, drawn, planes, opaque_at, visibility);
   planes.putBack();
 }
 

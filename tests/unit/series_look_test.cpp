@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "scene/camera/framing.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 
 namespace kiln::test {
 namespace {

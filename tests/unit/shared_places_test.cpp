@@ -15,7 +15,7 @@
 #include "base/file_lock.h"
 #include "base/same_file.h"
 #include "base/temporary_file.h"
-#include "convert/resume/destination.h"
+#include "convert/resume/output_directory.h"
 #include "support/test_store.h"
 
 namespace kiln::test {
@@ -89,7 +89,7 @@ TEST(SharedPlaces, ALinkOfAnotherUser_IsRefused) {
 
 TEST(SharedPlaces, AnEmptyDirectoryThatOthersControl_IsNoPlaceForAStore) {
   const fs::path out = freshDirectory("shared_out") / "v.kiln";
-  const auto begin = [&] { Destination(out, false, false, FileSystem::real()); };
+  const auto begin = [&] { OutputDirectory(out, false, false, FileSystem::real()); };
   fs::create_directory(out);
   EXPECT_EQ(refusal(begin), "");
   fs::permissions(out, fs::perms::all);
@@ -98,7 +98,7 @@ TEST(SharedPlaces, AnEmptyDirectoryThatOthersControl_IsNoPlaceForAStore) {
   EXPECT_EQ(refusal(begin), "");
   // A link to an own directory is a usual way to another disk.
   fs::create_symlink("v.kiln", out.parent_path() / "link.kiln");
-  EXPECT_EQ(refusal([&] { Destination(out.parent_path() / "link.kiln", false, false, FileSystem::real()); }), "");
+  EXPECT_EQ(refusal([&] { OutputDirectory(out.parent_path() / "link.kiln", false, false, FileSystem::real()); }), "");
   if (!mayChangeOwners()) GTEST_SKIP() << "needs the administrator to change a directory's owner";
   ASSERT_EQ(::chown(out.c_str(), kOther, kOther), 0);
   EXPECT_NE(refusal(begin).find("belongs to another user"), std::string::npos);

@@ -14,7 +14,7 @@
 #include "image/file/image_file.h"
 #include "job/job_names.h"
 #include "say.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
 

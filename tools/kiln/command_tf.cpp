@@ -78,7 +78,7 @@ void print(const TransferFunction& f, const Subject& subject) {
 
 void printLabels(const TransferFunction& f) {
   say("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
-  for (const LabelLook& look : f.labels)
+  for (const LabelStyle& look : f.labels)
     say("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
         hexOf(look.color), look.name);
   say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);

@@ -63,7 +63,7 @@ std::int64_t Trace::nowNs() const noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin_).count();
 }
 
-void Trace::add(const TracedSpan& span, std::string_view notes) noexcept {
+void Trace::add(const TracedScope& span, std::string_view notes) noexcept {
   const std::lock_guard lock(mutex_);
   if (failure_) return;
   try {

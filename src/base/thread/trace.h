@@ -14,12 +14,12 @@
 #include <string_view>
 
 #include "base/temporary_file.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 
 namespace kiln {
 
 /// A span that has ended. unit: nanoseconds since the trace began; `busy_ns` of processor time.
-struct TracedSpan {
+struct TracedScope {
   Activity activity;
   std::int64_t begin_ns, end_ns, busy_ns;
 };
@@ -45,7 +45,7 @@ class Trace {
   static Trace* active() noexcept;
   std::int64_t nowNs() const noexcept;
   /// `notes` are members of a JSON object, each after a comma. thread: safe. A failure is kept for `finish`.
-  void add(const TracedSpan& span, std::string_view notes) noexcept;
+  void add(const TracedScope& span, std::string_view notes) noexcept;
 
   /// What the calling thread is, from now on in every trace; else it is one of those that draw. requires: a literal.
   static void nameThread(const char* name) noexcept;

@@ -76,8 +76,8 @@ VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
 // A brick of one value is known by its index entry.
 bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.level) && !writer_.entry(key).constant; }
 
-CoarsePart PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
-                                  const BrickRanges& ranges) const {
+HalfBrick PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                                 const BrickRanges& ranges) const {
   const bool labels = writer_.manifest().volume_class == VolumeClass::kLabels;
   return coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by,
                       labels ? Coarse::kMostFrequent : Coarse::kMean);
@@ -109,12 +109,12 @@ std::map<int, VoxelBox> PyramidBuilder::takenOf(const BrickKey& key) const {
 std::vector<BrickKey> PyramidBuilder::add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                           const BrickRanges& ranges) {
   if (!hasNext(key.level)) return {};
-  std::optional<CoarsePart> part;
+  std::optional<HalfBrick> part;
   if (keepsPart(key)) part = partOf(key, voxels, box, ranges);
   for (const auto& [rank, taken] : takenOf(key)) {
     if (rank == share_.rank) continue;
     if (part) {
-      const CoarsePart piece = cropped(*part, taken);
+      const HalfBrick piece = cropped(*part, taken);
       share_.give(rank, key, &piece);
     } else {
       share_.give(rank, key, nullptr);
@@ -125,7 +125,7 @@ std::vector<BrickKey> PyramidBuilder::add(const BrickKey& key, std::span<const s
 }
 
 std::vector<BrickKey> PyramidBuilder::addGiven(const BrickKey& key, const BrickEntry& entry,
-                                               std::optional<CoarsePart> piece) {
+                                               std::optional<HalfBrick> piece) {
   writer_.keep(key, entry);
   if (piece) leave(key, *std::move(piece));
   return arrived(key);
@@ -153,8 +153,8 @@ std::vector<BrickKey> PyramidBuilder::waitingFor(const BrickKey& key) const {
   return out;
 }
 
-void PyramidBuilder::leave(const BrickKey& key, CoarsePart part) {
-  std::vector<PartPiece> pieces;
+void PyramidBuilder::leave(const BrickKey& key, HalfBrick part) {
+  std::vector<HalfBrickPiece> pieces;
   std::optional<BrickKey> whole;
   for (const BrickKey& parent : waitingFor(key)) {
     const VoxelBox taken = writer_.frame(parent).stored();
@@ -169,10 +169,10 @@ void PyramidBuilder::leave(const BrickKey& key, CoarsePart part) {
 
 void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels,
                             BrickRanges& below) {
-  const BrickFrame frame = writer_.frame(key), fine = writer_.frame(child);
+  const BrickDesc frame = writer_.frame(key), fine = writer_.frame(child);
   const BrickEntry& entry = writer_.entry(child);
   const Extent3& by = levels_[static_cast<std::size_t>(child.level)].by;
-  const CoarsePart part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.take(child, key);
+  const HalfBrick part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.take(child, key);
   copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
   const VoxelBox core = frame.core();
   if (intersection(part.box, core).empty()) return;  // the apron has ranges of its own
@@ -194,7 +194,7 @@ void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vec
 }
 
 PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
-  const BrickFrame frame = writer_.frame(key);
+  const BrickDesc frame = writer_.frame(key);
   const VoxelBox box = frame.stored();
   std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
   const auto edge = static_cast<std::size_t>(frame.brick_size / kCellSize);

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "convert/pyramid/part_store.h"
+#include "convert/pyramid/half_brick_store.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -20,7 +20,7 @@ namespace kiln {
 struct PyramidShare {
   int rank = 0, ranks = 1;
   /// Gives what another rank's parents need of a brick: null where it is of one value, and its entry says all.
-  std::function<void(int to, const BrickKey& key, const CoarsePart* piece)> give = {};
+  std::function<void(int to, const BrickKey& key, const HalfBrick* piece)> give = {};
 };
 
 class PyramidBuilder {
@@ -36,7 +36,7 @@ class PyramidBuilder {
   std::vector<BrickKey> add(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                             const BrickRanges& ranges);
   /// The same of a brick that another rank made and gave. thread: as `add`.
-  std::vector<BrickKey> addGiven(const BrickKey& key, const BrickEntry& entry, std::optional<CoarsePart> piece);
+  std::vector<BrickKey> addGiven(const BrickKey& key, const BrickEntry& entry, std::optional<HalfBrick> piece);
   /// The coarser bricks that this rank builds.
   std::uint64_t ownBricks() const;
   bool owns(const BrickKey& key) const { return ownerOf(key) == share_.rank; }
@@ -71,20 +71,20 @@ class PyramidBuilder {
   VoxelBox parentsOf(const BrickKey& key) const;
   VoxelBox childrenOf(const BrickKey& key) const;
   bool keepsPart(const BrickKey& key) const;
-  CoarsePart partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
-                    const BrickRanges& ranges) const;
+  HalfBrick partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
+                   const BrickRanges& ranges) const;
   int ownerOf(const BrickKey& key) const;
   /// What each rank's bricks take of the voxels that `key` makes in the next level.
   std::map<int, VoxelBox> takenOf(const BrickKey& key) const;
   /// This rank's parents that still need a brick's part.
   std::vector<BrickKey> waitingFor(const BrickKey& key) const;
   /// Leaves what they need of it; of what another rank gave, which may be less than the whole, too.
-  void leave(const BrickKey& key, CoarsePart part);
+  void leave(const BrickKey& key, HalfBrick part);
   void gather(const BrickKey& child, const BrickKey& key, std::vector<std::byte>& voxels, BrickRanges& below);
   std::vector<BrickKey> arrived(const BrickKey& key);
 
   StoreWriter& writer_;
-  PartStore parts_;
+  HalfBrickStore parts_;
   const bool half_;
   const PyramidShare share_;
   std::vector<Level> levels_;

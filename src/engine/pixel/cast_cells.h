@@ -15,7 +15,7 @@ namespace kiln {
 
 /// Adds what the cells show to the tile. requires: all in front of them, as pixels' rays see it, has been added; `rays`
 /// and `frame` are of one zone, `block` of its level; `cells` are its interesting ones, front to back; the tile
-/// is at most kSquareEdge pixels wide and high. Of `opaque_at` SplatFrame says what it is.
+/// is at most kSquareEdge pixels wide and high. Of `opaque_at` SplatContext says what it is.
 void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
                const TilePixels& tile, Visibility& visibility, float opaque_at, DrawCounts& counts);
 

@@ -19,18 +19,18 @@ struct SampleSite {
   glm::vec3 gradient;  // unit: value per voxel; 0 where it is not finite
 };
 
-inline float finishedExtinction(const SampleLook& look, float tau, const SampleSite& site) {
+inline float finishedExtinction(const Appearance& look, float tau, const SampleSite& site) {
   return look.gradient_opacity.active() ? look.gradient_opacity(tau, site.gradient) : tau;
 }
 
-inline Color finishedColor(const SampleLook& look, const Material& material, const SampleSite& site) {
+inline Color finishedColor(const Appearance& look, const Material& material, const SampleSite& site) {
   const glm::vec3* const face = look.clip->cutGradient(site.index);
   return face != nullptr ? look.shader.onCut(material, *face, site.view)
                          : look.shader(material, site.gradient, site.view);
 }
 
 /// In view space, of unit length, or 0 where it has no direction.
-inline glm::vec3 finishedNormal(const SampleLook& look, const SampleSite& site) {
+inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) {
   const glm::vec3* const face = look.clip->cutGradient(site.index);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
 }

@@ -12,7 +12,7 @@
 
 #include "engine/pixel/sample_table.h"
 #include "engine/pixel/unit_load.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 #include "store/codec/brick_block.h"
 
 namespace kiln {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/pixel/cast_cells.h"
-#include "traverse/tile_span.h"
+#include "traverse/tile_scope.h"
 
 namespace kiln {
 PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, const View& view,
@@ -12,7 +12,7 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
     : brick_size_(volume.brick_size),
       table_(transfer_function, transfer_function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range),
       zones_(levels, slabZones(zonedVolume(volume, levels, sampling), view, sampling.level)) {
-  const VolumeLook look{
+  const VolumeAppearance look{
       transfer_function,     shading, view, transfer_function.unitIn(volume.geometry().meanSpacing()), gradient_noise,
       sampling.interpolation};
   for (std::size_t i = 0; i < zones_.zones().size(); ++i) {
@@ -23,8 +23,8 @@ PixelLattice::PixelLattice(const Manifest& volume, const FrameLevels& levels, co
   }
 }
 
-BrickWalk::AnyPart PixelLattice::anyPart() const {
-  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+BrickWalk::VisiblePart PixelLattice::anyPart() const {
+  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::RectTest& test) {
     const DepthZones::Depths depths = zones_.depthsOf(level, core);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const SlabZone& zone = zones_.zones()[i];
@@ -36,13 +36,13 @@ BrickWalk::AnyPart PixelLattice::anyPart() const {
 }
 
 std::vector<PixelLattice::ZoneCells> PixelLattice::cellsOf(const BrickBlock& block) const {
-  const Span span(Activity::kCells);
+  const ProfileScope span(Activity::kCells);
   const DepthZones::Depths depths = zones_.depthsOf(block.key.level, block.core);
   std::vector<ZoneCells> out;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
     if (zone.level != block.key.level || !DepthZones::reaches(depths, zone)) continue;
-    out.push_back({frames_[i].get(), &rays_[i], interestingCells(*frames_[i], block)});
+    out.push_back({frames_[i].get(), &rays_[i], visibleCells(*frames_[i], block)});
   }
   return out;
 }
@@ -55,7 +55,7 @@ std::uint64_t PixelLattice::cellBytes(std::int64_t brick_size) {
 
 void PixelLattice::drawTile(const BrickBlock& block, const std::vector<ZoneCells>& zones, const TilePixels& tile,
                             Visibility& visibility, float opaque_at, DrawCounts& counts) const {
-  const TileSpan span(block.key, tile.rect, counts);
+  const TileScope span(block.key, tile.rect, counts);
   const std::vector<TilePixels> squares = squaresOf(tile);
   for (const ZoneCells& zone : zones) {
     for (const TilePixels& square : squares)

@@ -25,7 +25,7 @@ class PixelLattice {
   /// requires: this outlives the result.
   BrickWalk::Choice choice() const { return zones_.choice(); }
   /// Parts are sub-bricks (store/ranges/sub_bricks.h), in each zone of their level. requires: this outlives the result.
-  BrickWalk::AnyPart anyPart() const;
+  BrickWalk::VisiblePart anyPart() const;
 
   /// What of a brick may be seen in one zone.
   struct ZoneCells {

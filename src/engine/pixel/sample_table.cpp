@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "engine/shared/telling_range.h"
+#include "engine/shared/classified_range.h"
 
 namespace kiln {
 namespace {
@@ -29,7 +29,7 @@ double changeBetween(const Material& a, const Material& b) {
 
 SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& all) {
   const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
-  const ValueRange range = whole ? all : tellingRange(function, all);
+  const ValueRange range = whole ? all : classifiedRange(function, all);
   const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
   lo_ = lo;
   if (!function.labels.empty()) {
@@ -69,10 +69,10 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     changes_.push_back(changes_.back() + changeBetween(entries_[i - 1], entries_[i]));
 }
 
-void SampleTable::addLabels(const std::vector<LabelLook>& looks, double unit) {
+void SampleTable::addLabels(const std::vector<LabelStyle>& looks, double unit) {
   of_labels_ = true;
   visible_before_ = std::numeric_limits<float>::max();
-  for (const LabelLook& look : looks) {
+  for (const LabelStyle& look : looks) {
     if (!(look.opacity > 0)) continue;
     labels_.push_back(static_cast<float>(look.label - lo_));
     label_opacities_.push_back(static_cast<float>(look.opacity));

@@ -15,7 +15,7 @@ namespace kiln {
 class SampleTable {
  public:
   /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value,
-  /// others as many as fit over tellingRange.
+  /// others as many as fit over classifiedRange.
   SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
   /// Whether values are labels: then `at` is not asked for values.
@@ -63,7 +63,7 @@ class SampleTable {
  private:
   std::size_t entryBelow(double value) const;
   std::size_t entryAbove(double value) const;
-  void addLabels(const std::vector<LabelLook>& looks, double unit);
+  void addLabels(const std::vector<LabelStyle>& looks, double unit);
 
   double lo_ = 0;
   float scale_ = 1, last_ = 0;

@@ -24,7 +24,7 @@ double shortestEdge(const Projector& projector) {
   return std::min({glm::length(projector.axis(0)), glm::length(projector.axis(1)), glm::length(projector.axis(2))});
 }
 SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
-                            const SampleLook& look, bool detailed) {
+                            const Appearance& look, bool detailed) {
   SampleLattice out;
   out.interpolation = look.interpolation;
   out.perspective = projector.perspective();
@@ -67,7 +67,7 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
 }  // namespace
 
 SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-                     const SampleTable& table, const SampleLook& look)
+                     const SampleTable& table, const Appearance& look)
     : zone_(zone),
       projector_(projector),
       dims_(dims),
@@ -109,7 +109,7 @@ PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
   return {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
 }
 
-std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block) {
+std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block) {
   std::vector<SlabCell> out;
   const int n = block.supports.edge();
   // A cubic, and what a sample between the voxels of a coarser level stands for, reach a voxel farther than the

@@ -16,7 +16,7 @@
 namespace kiln {
 
 /// How samples of a level look beside what the table says. requires: all outlive those who have it.
-struct SampleLook {
+struct Appearance {
   Shading shading;
   Shader shader;  // of the level
   GradientOpacity gradient_opacity;
@@ -30,7 +30,7 @@ class SlabFrame {
  public:
   /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
   SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-            const SampleTable& table, const SampleLook& look);
+            const SampleTable& table, const Appearance& look);
 
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }
@@ -43,7 +43,7 @@ class SlabFrame {
   bool cutOff(const VoxelBox& samples) const;
   /// Whether two samples of a cell may be one, twice as long, that interpolate `range`.
   bool inPairs(const SampledRange& range) const;
-  const SampleLook& look() const { return look_; }
+  const Appearance& look() const { return look_; }
   /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
   bool detailed() const { return detailed_; }
   const SampleLattice& lattice() const { return lattice_; }
@@ -57,7 +57,7 @@ class SlabFrame {
   const Extent3 dims_;
   const EndVoxels ends_;
   const SampleTable& table_;
-  SampleLook look_;
+  Appearance look_;
   bool detailed_;
   SampleLattice lattice_;
   double voxel_length_;   // the mean of its edges. unit: world
@@ -72,6 +72,6 @@ struct SlabCell {
 
 /// The cells of the brick that the transfer function shows, front to back. cost: a look at each cell's range; for a
 /// cubic also at the voxels of cells beside one that is shown.
-std::vector<SlabCell> interestingCells(const SlabFrame& frame, const BrickBlock& block);
+std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block);
 
 }  // namespace kiln

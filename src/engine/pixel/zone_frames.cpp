@@ -8,9 +8,9 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
 }
 
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
-                                     const VolumeLook& look) {
+                                     const VolumeAppearance& look) {
   const Projector& projector = levels.projector(zone.level);
-  const SampleLook of_sample{look.shading,
+  const Appearance of_sample{look.shading,
                              Shader(look.shading, look.view, look.gradient_noise, projector),
                              GradientOpacity(look.transfer_function, look.unit, projector),
                              &levels.clipRegion(zone.level),
@@ -21,7 +21,7 @@ std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& le
 }
 
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
-               const BrickWalk::PartTest& test) {
+               const BrickWalk::RectTest& test) {
   if (!frame.interesting(entry.support)) return false;
   const auto passes = [&](const VoxelBox& samples) {
     if (frame.cutOff(samples)) return false;

@@ -14,7 +14,7 @@
 namespace kiln {
 
 /// How a volume looks. requires: what it refers to outlives the frames made of it.
-struct VolumeLook {
+struct VolumeAppearance {
   const TransferFunction& transfer_function;
   const Shading& shading;
   const View& view;
@@ -28,12 +28,12 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
 
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
-                                     const VolumeLook& look);
+                                     const VolumeAppearance& look);
 
-/// As BrickWalk::AnyPart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// As BrickWalk::VisiblePart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
 /// (store/ranges/sub_bricks.h).
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
-               const BrickWalk::PartTest& test);
+               const BrickWalk::RectTest& test);
 
 /// The tile in squares of kSquareEdge pixels: pixels of a tile are closed by one thread at a time.
 std::vector<TilePixels> squaresOf(const TilePixels& tile);

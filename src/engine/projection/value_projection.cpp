@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "base/thread/parallel.h"
-#include "traverse/tile_span.h"
+#include "traverse/tile_scope.h"
 
 namespace kiln {
 namespace {
@@ -58,8 +58,8 @@ VoxelBox ValueProjection::coreOf(const BrickKey& key) const {
   return coreBox(key.brick, store_.manifest().brick_size, levels_.dims(key.level));
 }
 
-BrickWalk::AnyPart ValueProjection::anyPart() const {
-  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::PartTest& test) {
+BrickWalk::VisiblePart ValueProjection::anyPart() const {
+  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::RectTest& test) {
     constexpr int kAll = std::numeric_limits<int>::max();
     if (entry.support.empty() || levels_.clipRegion(level).classify(core) == ClipRegion::Overlap::kOutside)
       return false;
@@ -138,7 +138,7 @@ DrawCounts ValueProjection::draw(const BrickInView& brick, const BrickBlock* blo
   parallelFor(tiles.size(), [&](std::size_t i) {
     const PixelRect rect = intersection(tiles[i], brick.rect);
     if (rect.empty()) return;
-    const TileSpan span(brick.key, rect, counts[i]);
+    const TileScope span(brick.key, rect, counts[i]);
     drawTile(brick, block, bound, rect, values, counts[i]);
   });
   DrawCounts total;

@@ -21,7 +21,7 @@ class ValueProjection {
   static constexpr std::int64_t kGhosts = 1;
   /// requires: this outlives the results.
   BrickWalk::Choice choice() const { return zones_.choice(); }
-  BrickWalk::AnyPart anyPart() const;
+  BrickWalk::VisiblePart anyPart() const;
 
   /// Pixels without a value, those that no sample lies behind left out.
   ProjectedValues begin(const PixelRect& pixels) const;

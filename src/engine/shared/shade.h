@@ -10,10 +10,10 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "engine/shared/classified_range.h"
 #include "engine/shared/classifier.h"
 #include "engine/shared/plain_light.h"
 #include "engine/shared/projector.h"
-#include "engine/shared/telling_range.h"
 #include "scene/camera/camera.h"
 #include "scene/shading.h"
 #include "store/manifest/manifest.h"
@@ -26,7 +26,7 @@ inline constexpr double kGradientNoise = 1e-5;
 inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& function) {
   // Of labels it is the gradient of their opacity.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
-  const ValueRange range = tellingRange(function, manifest.range);
+  const ValueRange range = classifiedRange(function, manifest.range);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 

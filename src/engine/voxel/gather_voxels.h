@@ -8,8 +8,8 @@
 #include <cstdint>
 
 #include "engine/shared/classifier.h"
-#include "engine/voxel/lay_voxels.h"
 #include "engine/voxel/project_voxels.h"
+#include "engine/voxel/rasterize_footprints.h"
 #include "grid/visiting_order.h"
 #include "store/codec/brick_block.h"
 

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "engine/voxel/gather_voxels.h"
-#include "engine/voxel/lay_voxels.h"
 #include "engine/voxel/project_voxels.h"
+#include "engine/voxel/rasterize_footprints.h"
 
 namespace kiln {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 // what a batch's own voxels close of each other is asked of the next one.
 class CellSplatter {
  public:
-  CellSplatter(const SplatFrame& frame, const BrickBlock& block, TilePlanes& planes, DrawCounts& counts)
+  CellSplatter(const SplatContext& frame, const BrickBlock& block, TilePlanes& planes, DrawCounts& counts)
       : frame_(frame), block_(block), planes_(planes), counts_(counts) {}
 
   void cell(const VoxelBox& box) {
@@ -54,7 +54,7 @@ class CellSplatter {
     ShadedVoxels shaded;
     takeVoxels(*frame_.classifier, block_, found_, first, drawn, frame_.view.light.phong || more_, shaded);
     if (more_) forEach(drawn, [&](std::size_t n) { takeMore(codes[n], n, shaded); });
-    layVoxels(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
+    rasterizeFootprints(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
   }
 
   // Those of `asked` that have an open pixel. All of a batch are nearly as large, and where that is large, the
@@ -105,7 +105,7 @@ class CellSplatter {
     return {v.x, v.y, v.z};
   }
 
-  const SplatFrame& frame_;
+  const SplatContext& frame_;
   const BrickBlock& block_;
   TilePlanes& planes_;
   DrawCounts& counts_;
@@ -119,7 +119,7 @@ class CellSplatter {
 
 }  // namespace
 
-void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
+void splatCell(const SplatContext& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                DrawCounts& counts) noexcept {
   const VoxelBox drawn = intersection(cell, frame.part);
   if (!drawn.empty()) CellSplatter(frame, block, planes, counts).cell(drawn);

@@ -19,7 +19,7 @@
 namespace kiln {
 
 /// What all cells of a brick share.
-struct SplatFrame {
+struct SplatContext {
   const Projector* projector = nullptr;         // of the brick's level
   EndVoxels ends;                               // the same
   Shader shader;                                // the same
@@ -37,7 +37,7 @@ struct SplatFrame {
 /// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kSplatCellSize voxels along an
 /// axis. Voxels outside of the frame's part are not drawn.
 /// The result for a pixel does not depend on the tile's rectangle.
-void splatCell(const SplatFrame& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
+void splatCell(const SplatContext& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                DrawCounts& counts) noexcept;
 
 }  // namespace kiln

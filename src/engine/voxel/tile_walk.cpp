@@ -9,7 +9,7 @@ namespace {
 static_assert(kCellSize / 2 == kSplatCellSize);
 
 struct Walk {
-  const SplatFrame& frame;
+  const SplatContext& frame;
   const BrickBlock& block;
   const TilePixels& tile;
   TilePlanes& planes;
@@ -86,7 +86,7 @@ struct Walk {
 
 }  // namespace
 
-void walkTile(const SplatFrame& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+void walkTile(const SplatContext& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               DrawCounts& counts, NodeLog* log) noexcept {
   Walk walk{frame, block, tile, planes, counts, log};
   walk.node(block.octree.depth() - 1, block.core, walk.brick_rect);

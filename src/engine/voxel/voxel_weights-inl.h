@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "engine/shared/sample_math-inl.h"
-#include "engine/voxel/lay_voxels.h"
+#include "engine/voxel/rasterize_footprints.h"
 #include "engine/voxel/voxel_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "scene/transfer/color_map.h"
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/named_color_maps.h"
 
 namespace kiln {

@@ -10,9 +10,9 @@ namespace kiln {
 
 namespace {
 
-auto firstFrom(const std::vector<LabelLook>& labels, double value) {
+auto firstFrom(const std::vector<LabelStyle>& labels, double value) {
   return std::lower_bound(labels.begin(), labels.end(), value,
-                          [](const LabelLook& look, double v) { return look.label < v; });
+                          [](const LabelStyle& look, double v) { return look.label < v; });
 }
 
 }  // namespace

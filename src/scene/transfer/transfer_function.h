@@ -28,7 +28,7 @@ struct Classified {
 };
 
 /// How a label of a label volume looks.
-struct LabelLook {
+struct LabelStyle {
   double label = 0;
   std::string name;
   glm::dvec3 color{1};  // linear light, 0..1
@@ -48,7 +48,7 @@ struct TransferFunction {
 
   /// Of a label volume instead of points: sorted, none twice; labels that are not here are transparent. Between voxels
   /// a label is where more than half of what is interpolated is.
-  std::vector<LabelLook> labels = {};
+  std::vector<LabelStyle> labels = {};
 
   /// The length that opacity is per in a volume of that spacing. unit: world.
   double unitIn(double mean_spacing) const { return unit > 0 ? unit : mean_spacing; }

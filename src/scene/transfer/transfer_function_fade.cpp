@@ -41,9 +41,9 @@ TransferPoint mixedPoint(double value, const Classified& a, const Classified& b,
 bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
 
 // Of labels, each by itself; one that is in one of them only comes or goes.
-std::vector<LabelLook> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
-  std::vector<LabelLook> out;
-  for (const double label : valuesOf(a.labels, b.labels, [](const LabelLook& look) { return look.label; })) {
+std::vector<LabelStyle> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
+  std::vector<LabelStyle> out;
+  for (const double label : valuesOf(a.labels, b.labels, [](const LabelStyle& look) { return look.label; })) {
     Classified at_b = b.at(label);
     at_b.opacity = inUnit(at_b.opacity, b.unit, a.unit);
     const TransferPoint mixed = mixedPoint(label, a.at(label), at_b, t);

@@ -13,7 +13,7 @@
 namespace kiln {
 
 /// What both directions need to know of a brick's surroundings.
-struct BrickFrame {
+struct BrickDesc {
   BrickKey key;
   VoxelType type = VoxelType::u8;
   std::int64_t brick_size = 0;
@@ -26,7 +26,7 @@ struct BrickFrame {
 
 /// The bytes of the brick's file. shape: `voxels` covers frame.stored(), x fastest, in frame.type; `cells` as
 /// BrickRanges has them. The same arguments give the same bytes. thread: safe. cost: about 20 ms for 128³ floats.
-std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
+std::vector<std::byte> encodeBrick(const BrickDesc& frame, std::span<const std::byte> voxels,
                                    std::span<const ValueRange> cells);
 
 /// Before a store of this geometry is begun: that its files have a place for the affine. throws: Error kUnsupported,
@@ -35,16 +35,16 @@ void requireTransform(const VolumeGeometry& geometry, const std::filesystem::pat
 
 /// Decodes what `encodeBrick` made. requires: the bytes have passed their checksum.
 /// throws: Error kDamaged naming `path` where they are not such a file all the same.
-BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path);
+BrickBlock decodeBrick(const BrickDesc& frame, std::span<const std::byte> file, const std::filesystem::path& path);
 
 /// A constant brick, which has no file.
-BrickBlock constantBrick(const BrickFrame& frame, double value);
+BrickBlock constantBrick(const BrickDesc& frame, double value);
 
 /// The most memory `decodeBrick` holds beside the file's bytes, its result included. unit: bytes.
-std::size_t decodeBytes(const BrickFrame& frame);
+std::size_t decodeBytes(const BrickDesc& frame);
 
 /// The most that the decoded brick takes. unit: bytes.
-std::size_t blockBytes(const BrickFrame& frame);
+std::size_t blockBytes(const BrickDesc& frame);
 
 /// "OpenVDB 10.0.1".
 std::string containerVersion();

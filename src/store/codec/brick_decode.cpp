@@ -163,7 +163,7 @@ class LeafReader {
 template <class T>
 class Decoder {
  public:
-  Decoder(const BrickFrame& frame, const std::filesystem::path& path, MemoryReader& buffer, std::istream& in,
+  Decoder(const BrickDesc& frame, const std::filesystem::path& path, MemoryReader& buffer, std::istream& in,
           BrickBlock& block)
       : core_(frame.core()),
         stored_(frame.stored()),
@@ -347,7 +347,7 @@ class Decoder {
   BrickBlock& block_;
 };
 
-BrickBlock emptyBlock(const BrickFrame& frame) {
+BrickBlock emptyBlock(const BrickDesc& frame) {
   BrickBlock block;
   block.key = frame.key;
   block.type = frame.type;
@@ -363,7 +363,7 @@ CellSupports supportsOf(const BrickBlock& block) {
 
 }  // namespace
 
-BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file, const std::filesystem::path& path) {
+BrickBlock decodeBrick(const BrickDesc& frame, std::span<const std::byte> file, const std::filesystem::path& path) {
   initializeOpenVdb();
   try {
     MemoryReader buffer(file);
@@ -384,7 +384,7 @@ BrickBlock decodeBrick(const BrickFrame& frame, std::span<const std::byte> file,
   }
 }
 
-BrickBlock constantBrick(const BrickFrame& frame, double value) {
+BrickBlock constantBrick(const BrickDesc& frame, double value) {
   BrickBlock block = emptyBlock(frame);
   withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
     T* const voxels = reinterpret_cast<T*>(block.voxels.data());
@@ -396,7 +396,7 @@ BrickBlock constantBrick(const BrickFrame& frame, double value) {
   return block;
 }
 
-std::size_t blockBytes(const BrickFrame& frame) {
+std::size_t blockBytes(const BrickDesc& frame) {
   const std::int64_t edge = frame.brick_size / kCellSize;
   const auto octree = static_cast<std::size_t>(edge * edge * edge * 8 / 7 + 1) * sizeof(ValueRange);
   return sizeof(BrickBlock) +
@@ -404,7 +404,7 @@ std::size_t blockBytes(const BrickFrame& frame) {
          CellSupports::bytesFor(edge);
 }
 
-std::size_t decodeBytes(const BrickFrame& frame) {
+std::size_t decodeBytes(const BrickDesc& frame) {
   // One grid's leaves and frames at a time, or the tree of its cells.
   const std::size_t leaves =
       LeafLattice(frame.stored()).count() * (sizeof(PackedLeaves::Leaf) + sizeof(std::span<const std::byte>));

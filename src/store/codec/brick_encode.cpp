@@ -43,7 +43,7 @@ int unitExponentOf(const VolumeGeometry& geometry, const std::filesystem::path& 
 template <class T>
 class Encoder {
  public:
-  Encoder(const BrickFrame& frame, std::span<const std::byte> voxels)
+  Encoder(const BrickDesc& frame, std::span<const std::byte> voxels)
       : frame_(frame),
         core_(frame.core()),
         box_(frame.stored()),
@@ -193,7 +193,7 @@ class Encoder {
     return grid;
   }
 
-  const BrickFrame& frame_;
+  const BrickDesc& frame_;
   VoxelBox core_, box_;
   Extent3 size_;
   const T* voxels_;
@@ -216,7 +216,7 @@ void requireTransform(const VolumeGeometry& geometry, const std::filesystem::pat
   unitExponentOf(geometry, source);
 }
 
-std::vector<std::byte> encodeBrick(const BrickFrame& frame, std::span<const std::byte> voxels,
+std::vector<std::byte> encodeBrick(const BrickDesc& frame, std::span<const std::byte> voxels,
                                    std::span<const ValueRange> cells) {
   initializeOpenVdb();
   return withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {

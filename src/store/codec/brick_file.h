@@ -105,7 +105,7 @@ void forEachLeafOfGrid(const VoxelBox& core, const VoxelBox& stored, bool of_cor
 inline constexpr int kBrickFileFormat = 1;
 
 /// The file's own metadata, by which a reader knows that it has the right brick.
-inline openvdb::MetaMap metadataOf(const BrickFrame& frame) {
+inline openvdb::MetaMap metadataOf(const BrickDesc& frame) {
   openvdb::MetaMap out;
   const BrickCoord& brick = frame.key.brick;
   out.insertMeta("kiln_format", openvdb::Int32Metadata(kBrickFileFormat));

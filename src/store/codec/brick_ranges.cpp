@@ -15,7 +15,7 @@ BrickRanges rangesIn(const VoxelBox& core, std::int64_t brick_size, VoxelType ty
 
 }  // namespace
 
-BrickRanges rangesOf(const BrickFrame& frame, std::span<const std::byte> voxels) {
+BrickRanges rangesOf(const BrickDesc& frame, std::span<const std::byte> voxels) {
   return rangesIn(frame.core(), frame.brick_size, frame.type, voxels, frame.stored());
 }
 

@@ -19,7 +19,7 @@ struct BrickRanges {
 };
 
 /// The ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.
-BrickRanges rangesOf(const BrickFrame& frame, std::span<const std::byte> voxels);
+BrickRanges rangesOf(const BrickDesc& frame, std::span<const std::byte> voxels);
 /// The same of a decoded brick.
 BrickRanges rangesOf(const BrickBlock& block);
 

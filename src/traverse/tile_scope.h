@@ -1,28 +1,28 @@
 // What a brick shows in a tile, as a span that tells what was drawn.
 #pragma once
 
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "engine/shared/draw_counts.h"
 #include "grid/coords.h"
 #include "image/pixel_rect.h"
 
 namespace kiln {
 
-class TileSpan {
+class TileScope {
  public:
   /// requires: `tile` and `counts`, which drawing adds to, outlive this.
-  TileSpan(const BrickKey& brick, const PixelRect& tile, const DrawCounts& counts) noexcept
+  TileScope(const BrickKey& brick, const PixelRect& tile, const DrawCounts& counts) noexcept
       : brick_(brick), tile_(tile), counts_(counts), before_(counts) {}
-  ~TileSpan();
-  TileSpan(const TileSpan&) = delete;
-  TileSpan& operator=(const TileSpan&) = delete;
+  ~TileScope();
+  TileScope(const TileScope&) = delete;
+  TileScope& operator=(const TileScope&) = delete;
 
  private:
   const BrickKey brick_;
   const PixelRect& tile_;
   const DrawCounts& counts_;
   const DrawCounts before_;
-  Span span_{Activity::kTile};
+  ProfileScope span_{Activity::kTile};
 };
 
 }  // namespace kiln

@@ -9,12 +9,12 @@
 #include "base/file.h"
 #include "cluster/ranks.h"
 #include "convert/convert.h"
-#include "convert/resume/destination.h"
 #include "convert/resume/journal.h"
+#include "convert/resume/output_directory.h"
 
 namespace kiln {
 
-struct Beginning {
+struct ResumeState {
   bool finished = false;  // by an earlier conversion
   std::filesystem::path directory;
   ConversionIdentity identity;  // of an earlier conversion that goes on, else of this one
@@ -27,10 +27,10 @@ void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ran
 
 /// What is at the destination. On the first rank; the others get it by `share`. throws: Error kExists where an earlier
 /// conversion was of another volume.
-Beginning beginAt(Destination& destination, const Manifest& draft, const ConvertOptions& options, const Ranks& ranks,
-                  FileSystem& disk);
+ResumeState beginAt(OutputDirectory& destination, const Manifest& draft, const ConvertOptions& options,
+                    const Ranks& ranks, FileSystem& disk);
 
 /// Collective. Gives all ranks what the first has.
-void share(Beginning& beginning, Ranks& ranks);
+void share(ResumeState& beginning, Ranks& ranks);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-#include "base/thread/beside_thread.h"
+#include "base/thread/worker_thread.h"
 
 #include <cassert>
 #include <utility>
@@ -7,13 +7,13 @@
 
 namespace kiln {
 
-BesideThread::BesideThread(const char* name)
+WorkerThread::WorkerThread(const char* name)
     : thread_([this, name] {
         Trace::nameThread(name);
         run();
       }) {}
 
-BesideThread::~BesideThread() {
+WorkerThread::~WorkerThread() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -22,7 +22,7 @@ BesideThread::~BesideThread() {
   thread_.join();
 }
 
-void BesideThread::begin(std::function<void()> work) {
+void WorkerThread::begin(std::function<void()> work) {
   {
     const std::lock_guard lock(mutex_);
     assert(!work_ && !failure_);
@@ -31,13 +31,13 @@ void BesideThread::begin(std::function<void()> work) {
   changed_.notify_all();
 }
 
-void BesideThread::wait() {
+void WorkerThread::wait() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return !work_; });
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-void BesideThread::run() {
+void WorkerThread::run() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return work_ || closing_; });

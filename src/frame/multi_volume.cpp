@@ -1,10 +1,10 @@
-#include "frame/volume_mix.h"
+#include "frame/multi_volume.h"
 
 #include <algorithm>
 #include <set>
 
 #include "base/thread/parallel.h"
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 #include "engine/pixel/cast_cells.h"
 #include "engine/pixel/composite_slabs.h"
 #include "traverse/depth_zones.h"
@@ -18,13 +18,13 @@ double unitOf(const MixedVolume& volume) {
 
 }  // namespace
 
-VolumeMix::Volume::Volume(MixedVolume the_mixed, const MixView& view)
+MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
     : mixed(std::move(the_mixed)),
       unit(unitOf(mixed)),
       levels(mixed.store->manifest(), view.sampling.level, view.view, view.area, mixed.clipping),
       table(mixed.transfer_function, unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
 
-VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : view_(view) {
+MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) : view_(view) {
   std::vector<ZonedVolume> zoned;
   for (MixedVolume& mixed : volumes) {
     volumes_.push_back(std::make_unique<Volume>(std::move(mixed), view_));
@@ -36,12 +36,12 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (Zone& zone : zones_) {
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
-      const VolumeLook look{volume.mixed.transfer_function,
-                            volume.mixed.shading,
-                            view_.view,
-                            volume.unit,
-                            gradientNoiseOf(volume.mixed.store->manifest(), volume.mixed.transfer_function),
-                            view_.sampling.interpolation};
+      const VolumeAppearance look{volume.mixed.transfer_function,
+                                  volume.mixed.shading,
+                                  view_.view,
+                                  volume.unit,
+                                  gradientNoiseOf(volume.mixed.store->manifest(), volume.mixed.transfer_function),
+                                  view_.sampling.interpolation};
       const bool reaches = zone.slabs[v].slabs > 0;
       zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look) : nullptr);
     }
@@ -51,7 +51,7 @@ VolumeMix::VolumeMix(std::vector<MixedVolume> volumes, const MixView& view) : vi
   for (std::size_t v = 0; v < volumes_.size(); ++v) addBricks(v, picture);
 }
 
-void VolumeMix::addRays(std::size_t volume) {
+void MultiVolume::addRays(std::size_t volume) {
   const FrameLevels& levels = volumes_[volume]->levels;
   std::vector<SlabZone> zones;
   for (const Zone& zone : zones_) zones.push_back(zone.slabs[volume]);
@@ -62,7 +62,7 @@ void VolumeMix::addRays(std::size_t volume) {
   }
 }
 
-void VolumeMix::addBricks(std::size_t volume, const PixelRect& picture) {
+void MultiVolume::addBricks(std::size_t volume, const PixelRect& picture) {
   std::set<int> levels;
   for (const Zone& zone : zones_) {
     if (zone.frames[volume]) levels.insert(zone.slabs[volume].level);
@@ -74,7 +74,7 @@ void VolumeMix::addBricks(std::size_t volume, const PixelRect& picture) {
   }
 }
 
-void VolumeMix::addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture) {
+void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture) {
   const StoreReader& store = *volumes_[volume]->mixed.store;
   const FrameLevels& levels = volumes_[volume]->levels;
   const std::int64_t brick_size = store.manifest().brick_size;
@@ -107,13 +107,13 @@ void VolumeMix::addBrick(std::size_t volume, const BrickKey& key, const PixelRec
   counts_.interesting += interesting ? 1 : 0;
 }
 
-std::uint64_t VolumeMix::bricksIn(std::size_t zone, const PixelRect& tile) const {
+std::uint64_t MultiVolume::bricksIn(std::size_t zone, const PixelRect& tile) const {
   const std::vector<Brick>& bricks = zones_[zone].bricks;
   return static_cast<std::uint64_t>(std::count_if(
       bricks.begin(), bricks.end(), [&](const Brick& brick) { return !intersection(brick.rect, tile).empty(); }));
 }
 
-std::vector<StoredBrick> VolumeMix::inView(const PixelRect& pixels) const {
+std::vector<StoredBrick> MultiVolume::inView(const PixelRect& pixels) const {
   std::set<StoredBrick> out;
   for (const Zone& zone : zones_) {
     for (const Brick& brick : zone.bricks) {
@@ -123,13 +123,13 @@ std::vector<StoredBrick> VolumeMix::inView(const PixelRect& pixels) const {
   return {out.begin(), out.end()};
 }
 
-std::uint64_t VolumeMix::bytesFor(std::span<const Brick* const> bricks) const {
+std::uint64_t MultiVolume::bytesFor(std::span<const Brick* const> bricks) const {
   std::uint64_t sum = reading_bytes_;
   for (const Brick* const brick : bricks) sum += brick->bytes;
   return sum;
 }
 
-std::uint64_t VolumeMix::mostBytes(std::span<const PixelRect> tiles) const {
+std::uint64_t MultiVolume::mostBytes(std::span<const PixelRect> tiles) const {
   std::uint64_t most = 0;
   std::vector<const Brick*> touching;
   for (const Zone& zone : zones_) {
@@ -144,20 +144,19 @@ std::uint64_t VolumeMix::mostBytes(std::span<const PixelRect> tiles) const {
   return most;
 }
 
-std::vector<DrawCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                        const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
-                                        const std::function<void(std::size_t)>& tile_drawn) {
+std::vector<DrawCounts> MultiVolume::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
+                                          const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
+                                          const std::function<void(std::size_t)>& tile_drawn) {
   const Zone& of = zones_[zone];
   Cells cells(bricks.size());
   parallelFor(bricks.size(), [&](std::size_t i) {
-    const Span span(Activity::kCells);
-    if (blocks[i])
-      cells[i] = interestingCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
+    const ProfileScope span(Activity::kCells);
+    if (blocks[i]) cells[i] = visibleCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
   });
   const ZoneBricks drawn{of, bricks, blocks, cells};
   std::vector<std::vector<DrawCounts>> counts(tiles.size(), std::vector<DrawCounts>(volumes_.size()));
   parallelFor(tiles.size(), [&](std::size_t t) {
-    const Span span(Activity::kTile);
+    const ProfileScope span(Activity::kTile);
     drawTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
     tile_drawn(t);
   });
@@ -169,8 +168,8 @@ std::vector<DrawCounts> VolumeMix::draw(std::size_t zone, std::span<const Brick*
 }
 
 // Sums are added volume by volume, so that no bit of them depends on the order of bricks.
-void VolumeMix::drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
-                         std::span<DrawCounts> counts) {
+void MultiVolume::drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
+                           std::span<DrawCounts> counts) {
   const Zone& zone = drawn.zone;
   const int slabs = std::max_element(zone.slabs.begin(), zone.slabs.end(), [](const SlabZone& a, const SlabZone& b) {
                       return a.slabs < b.slabs;

@@ -1,22 +1,22 @@
-#include "traverse/lookahead.h"
+#include "traverse/prefetcher.h"
 
 #include <algorithm>
 
 namespace kiln {
 
 // One guess for nothing is free, so that there are some to learn from.
-bool Lookahead::guesses() const {
+bool Prefetcher::guesses() const {
   constexpr std::size_t kPartThatMayBeWrong = 32;
   return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
 }
 
-std::size_t Lookahead::turnOf(const BrickKey& brick) {
+std::size_t Prefetcher::turnOf(const BrickKey& brick) {
   while (next_ < in_view_.size() && in_view_[next_].key != brick) ++next_;
   if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
   return next_;
 }
 
-std::vector<NextBrick> Lookahead::next(std::size_t count) {
+std::vector<NextBrick> Prefetcher::next(std::size_t count) {
   // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
   constexpr std::size_t kLooks = 64;
   std::vector<PixelRect> covered;
@@ -40,7 +40,7 @@ std::vector<NextBrick> Lookahead::next(std::size_t count) {
   return out;
 }
 
-void Lookahead::drew(const BrickKey& key, bool changed) {
+void Prefetcher::drew(const BrickKey& key, bool changed) {
   std::erase_if(undrawn_, [&](const BrickInView& brick) { return brick.key == key; });
   const bool guessed = guessed_.erase(key) > 0;
   drawn_ += changed ? 1 : 0;

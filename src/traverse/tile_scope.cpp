@@ -1,4 +1,4 @@
-#include "traverse/tile_span.h"
+#include "traverse/tile_scope.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 namespace kiln {
 
-TileSpan::~TileSpan() {
+TileScope::~TileScope() {
   if (!span_.traced()) return;
   span_.note("brick", brickPath(brick_).native());
   span_.note("tile", fmt::format("{},{}", tile_.x0, tile_.y0));

@@ -11,30 +11,30 @@
 #include <vector>
 
 #include "base/file.h"
-#include "convert/pyramid/coarse_part.h"
+#include "convert/pyramid/half_brick.h"
 
 namespace kiln {
 
 /// What a brick gives to one parent.
-struct PartPiece {
+struct HalfBrickPiece {
   BrickKey parent;
-  CoarsePart part;
+  HalfBrick part;
 };
 
-class PartStore {
+class HalfBrickStore {
  public:
   /// `directory` is emptied, or made. Pieces of `memory_bytes` together have no file. throws: Error kNoSpace, kIo.
-  PartStore(const std::filesystem::path& directory, std::uint64_t memory_bytes, FileSystem& disk);
+  HalfBrickStore(const std::filesystem::path& directory, std::uint64_t memory_bytes, FileSystem& disk);
   /// Removes it.
-  ~PartStore();
-  PartStore(const PartStore&) = delete;
-  PartStore& operator=(const PartStore&) = delete;
+  ~HalfBrickStore();
+  HalfBrickStore(const HalfBrickStore&) = delete;
+  HalfBrickStore& operator=(const HalfBrickStore&) = delete;
 
   /// Keeps all of a brick's pieces. thread: safe for different keys. throws: Error kNoSpace, kIo.
-  void put(const BrickKey& key, std::vector<PartPiece> pieces);
+  void put(const BrickKey& key, std::vector<HalfBrickPiece> pieces);
   /// Gives back a brick's piece for a parent, which is then forgotten. requires: it was put, and not taken. thread:
   /// safe. throws: Error kIo, kFormat, kNotFound.
-  CoarsePart take(const BrickKey& key, const BrickKey& parent);
+  HalfBrick take(const BrickKey& key, const BrickKey& parent);
 
   /// What a brick's places of so many pieces take, in memory or on disk, beside the parts themselves. unit: bytes.
   static std::uint64_t placesBytes(std::uint64_t pieces) { return kNodeBytes + pieces * sizeof(Piece); }
@@ -46,7 +46,7 @@ class PartStore {
   };
   struct Piece {
     BrickKey parent;
-    std::unique_ptr<CoarsePart> part;  // null where it is on disk, at `stretch`
+    std::unique_ptr<HalfBrick> part;  // null where it is on disk, at `stretch`
     Stretch stretch;
   };
   using Pieces = std::vector<Piece>;
@@ -54,7 +54,7 @@ class PartStore {
   static constexpr std::uint64_t kNodeBytes = 96;
 
   bool reserve(std::uint64_t bytes);
-  Pieces written(const BrickKey& key, const std::vector<PartPiece>& pieces);
+  Pieces written(const BrickKey& key, const std::vector<HalfBrickPiece>& pieces);
   std::filesystem::path pathOf(const BrickKey& key) const;
 
   std::filesystem::path directory_;

@@ -1,4 +1,4 @@
-#include "convert/pyramid/exchange.h"
+#include "convert/pyramid/rank_exchange.h"
 
 #include <algorithm>
 #include <chrono>
@@ -40,7 +40,7 @@ FinishedBrick brickFrom(std::span<const std::byte> bytes, int from) {
 
 }  // namespace
 
-Exchange::Exchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers)
+RankExchange::RankExchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers)
     : ranks_(ranks),
       most_bytes_(most_bytes),
       handlers_(std::move(handlers)),
@@ -49,12 +49,12 @@ Exchange::Exchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers)
 
 // A handler's failure is looked for in between, whoever waits for what.
 template <class Ready>
-void Exchange::await(std::unique_lock<std::mutex>& lock, const Ready& ready) {
+void RankExchange::await(std::unique_lock<std::mutex>& lock, const Ready& ready) {
   changed_.wait(lock, [&] { return failure_ || ready(); });
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void Exchange::give(int to, const BrickKey& key, const BrickEntry& entry, const CoarsePart* piece) {
+void RankExchange::give(int to, const BrickKey& key, const BrickEntry& entry, const HalfBrick* piece) {
   const std::vector<std::byte> brick = bytesOf(FinishedBrick{key, entry, {}});
   std::vector<std::byte> bytes = letter(
       Kind::kPiece, {bytesIn(brick.size()), brick, piece != nullptr ? bytesOf(*piece) : std::vector<std::byte>()});
@@ -66,24 +66,24 @@ void Exchange::give(int to, const BrickKey& key, const BrickEntry& entry, const 
   ranks_.send(to, kTag, std::move(bytes));
 }
 
-void Exchange::tellFinished(const FinishedBrick& brick) {
+void RankExchange::tellFinished(const FinishedBrick& brick) {
   ranks_.send(0, kTag, letter(Kind::kFinished, {bytesOf(brick)}));
 }
 
-void Exchange::throwIfFailed() {
+void RankExchange::throwIfFailed() {
   const std::scoped_lock lock(mutex_);
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void Exchange::tellFound(std::span<const std::byte> found) { ranks_.send(0, kTag, letter(Kind::kFound, {found})); }
+void RankExchange::tellFound(std::span<const std::byte> found) { ranks_.send(0, kTag, letter(Kind::kFound, {found})); }
 
-std::vector<std::vector<std::byte>> Exchange::awaitFound() {
+std::vector<std::vector<std::byte>> RankExchange::awaitFound() {
   std::unique_lock lock(mutex_);
   await(lock, [&] { return finders_ == ranks_.count(); });
   return found_;
 }
 
-void Exchange::serve(const std::stop_token& stop) {
+void RankExchange::serve(const std::stop_token& stop) {
   try {
     while (!stop.stop_requested()) {
       if (const std::optional<RankMessage> message = ranks_.poll(kTag))
@@ -98,12 +98,12 @@ void Exchange::serve(const std::stop_token& stop) {
   changed_.notify_all();
 }
 
-void Exchange::handle(const RankMessage& message) {
+void RankExchange::handle(const RankMessage& message) {
   ByteTaker taker{message.bytes};
   switch (taker.take<Kind>()) {
     case Kind::kPiece: {
       const FinishedBrick brick = brickFrom(taker.takeBytes(taker.take<std::uint64_t>()), message.from);
-      std::optional<CoarsePart> piece;
+      std::optional<HalfBrick> piece;
       if (!taker.left.empty()) piece = partFrom(taker.left, "a message of rank " + std::to_string(message.from));
       handlers_.given(brick, std::move(piece));
       ranks_.send(message.from, kTag, letter(Kind::kTaken, {bytesIn(message.bytes.size())}));

@@ -32,7 +32,7 @@ struct ShadedVoxels {
 /// Draws those of the voxels that have their bit in `drawn` into what `planes` holds. A pixel that reaches the alpha
 /// `opaque_at`, above 0, is divided by it and closed, so that its alpha of one lets nothing more in, whatever the
 /// visibility method. A pixel's result does not depend on the tile's rectangle.
-void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-               TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
+void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
+                         std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
 
 }  // namespace kiln

@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-struct CoarsePart {
+struct HalfBrick {
   /// The coarse voxels that the brick's core makes. unit: index coordinates of the coarser level.
   VoxelBox box;
   /// shape: box, x fastest, in the volume's type.
@@ -33,19 +33,19 @@ enum class Coarse { kMean, kMostFrequent };
 /// Halves a brick along the axes where `by` is 2. A coarse voxel is the mean of the voxels below it that exist (in the
 /// volume, and no NaN), rounded to the nearest value of the type, halves upwards; NaN where none exists; or the most
 /// frequent of them. shape: `voxels` covers `box`, x fastest, which contains the core. thread: safe.
-CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
-                        const BrickRanges& ranges, const Extent3& by, Coarse coarse = Coarse::kMean);
+HalfBrick coarsePartOf(const BrickDesc& fine, std::span<const std::byte> voxels, const VoxelBox& box,
+                       const BrickRanges& ranges, const Extent3& by, Coarse coarse = Coarse::kMean);
 
 /// The part of a brick that has one value.
-CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by);
+HalfBrick constantPartOf(const BrickDesc& fine, double value, const Extent3& by);
 
 /// What of a part lies in `box`; with all of its voxels it keeps its cells, else it has none: who needs those needs
 /// all.
-CoarsePart cropped(const CoarsePart& part, const VoxelBox& box);
+HalfBrick cropped(const HalfBrick& part, const VoxelBox& box);
 
 /// As bytes, for a file or another process of the same machine type, and back. throws: Error kDamaged naming `place`.
-std::vector<std::byte> bytesOf(const CoarsePart& part);
-CoarsePart partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place);
+std::vector<std::byte> bytesOf(const HalfBrick& part);
+HalfBrick partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place);
 
 /// Copies the voxels that two boxes have in common. shape: each span covers its box, x fastest, `voxel_bytes` each.
 void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,

@@ -14,7 +14,7 @@ namespace kiln {
 /// Whether a store may be built there without anything being lost: nothing has the name, or an empty directory.
 bool isNothing(const std::filesystem::path& path);
 
-class Destination {
+class OutputDirectory {
  public:
   /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with
   /// `resume` what an interrupted conversion left is gone on with; with both, resumed where there is something to
@@ -22,8 +22,8 @@ class Destination {
   /// or OUT.old, a name that replacing needs, is somebody's; kUsage where `out` is in another store; kIo where others
   /// could change what is made there. From here on no other process makes a store at `out`: a lock is held (lockOf),
   /// unless `locked` is the caller's, and where another process holds it Error kExists is thrown.
-  Destination(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk,
-              const FileLock* locked = nullptr);
+  OutputDirectory(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk,
+                  const FileLock* locked = nullptr);
 
   /// The lock on `out`.
   const FileLock& lock() const { return *lock_; }

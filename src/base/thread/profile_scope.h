@@ -48,12 +48,12 @@ struct BusyTimes {
 };
 
 /// thread: belongs to the one that made it. cost: 1 to 2 microseconds, most of it to ask for the processor's time.
-class Span {
+class ProfileScope {
  public:
-  explicit Span(Activity activity) noexcept;
-  ~Span();
-  Span(const Span&) = delete;
-  Span& operator=(const Span&) = delete;
+  explicit ProfileScope(Activity activity) noexcept;
+  ~ProfileScope();
+  ProfileScope(const ProfileScope&) = delete;
+  ProfileScope& operator=(const ProfileScope&) = delete;
 
   /// Whether anybody reads the notes.
   bool traced() const { return trace_ != nullptr; }
@@ -64,7 +64,7 @@ class Span {
  private:
   const Activity activity_;
   Trace* const trace_;
-  Span* const around_;
+  ProfileScope* const around_;
   std::int64_t begin_ns_ = 0;       // of the trace's clock
   std::int64_t cpu_begin_ns_ = 0;   // of the thread's processor time
   std::int64_t cpu_inside_ns_ = 0;  // that spans inside have taken

@@ -11,7 +11,7 @@ namespace kiln {
 
 /// The values of `range` that a table of the function covers: all of them; but where its points span less than a 512th,
 /// as much as 128 times their span to both sides of them. Beyond its points the function is constant.
-inline ValueRange tellingRange(const TransferFunction& function, const ValueRange& range) {
+inline ValueRange classifiedRange(const TransferFunction& function, const ValueRange& range) {
   constexpr double kSmallPart = 1.0 / 512, kBeside = 128;
   if (range.empty() || function.points.empty()) return range;
   const double first = function.points.front().value, last = function.points.back().value, span = last - first;

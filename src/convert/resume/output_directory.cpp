@@ -1,4 +1,4 @@
-#include "convert/resume/destination.h"
+#include "convert/resume/output_directory.h"
 
 #include <fmt/format.h>
 
@@ -102,7 +102,8 @@ fs::path placeOf(const fs::path& out) {
 
 }  // namespace
 
-Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileSystem& disk, const FileLock* locked)
+OutputDirectory::OutputDirectory(const fs::path& out, bool overwrite, bool resume, FileSystem& disk,
+                                 const FileLock* locked)
     : out_(placeOf(out)), building_(out_), disk_(disk), lock_(locked) {
   requireOutsideStores(out_);
   if (lock_ == nullptr) {
@@ -118,7 +119,7 @@ Destination::Destination(const fs::path& out, bool overwrite, bool resume, FileS
     requireOwner(building_);
 }
 
-void Destination::choosePlace(bool overwrite, bool resume) {
+void OutputDirectory::choosePlace(bool overwrite, bool resume) {
   const fs::path partial = out_.string() + ".partial";
   if (resume && holdsOnlyAStore(partial) && (isUnfinished(partial) || isStore(partial))) {
     building_ = partial;
@@ -157,28 +158,28 @@ void Destination::choosePlace(bool overwrite, bool resume) {
   disk_.removeAll(partial);
 }
 
-fs::path Destination::old() const { return out_.string() + ".old"; }
+fs::path OutputDirectory::old() const { return out_.string() + ".old"; }
 
-void Destination::requirePlaceForOld() const {
+void OutputDirectory::requirePlaceForOld() const {
   if (isNothing(out_) || mayBeRemoved(old())) return;
   throw Error(ErrorCode::kExists, old(), "",
               "is in the way of replacing the store: one that somebody kept, or that an interrupted --overwrite was to "
               "remove; move or remove it");
 }
 
-void Destination::clear() {
+void OutputDirectory::clear() {
   std::error_code ignored;
   if (fs::exists(building_, ignored)) disk_.removeAll(building_);
 }
 
-void Destination::make() {
+void OutputDirectory::make() {
   disk_.makeDirectories(building_);
   requireOwner(building_);
 }
 
 // Takes the name of the old store without a moment in which a reader finds none. Returns false, with nothing changed,
 // where the file system cannot exchange names. A crash between both calls leaves the old store where it was.
-bool Destination::exchange() {
+bool OutputDirectory::exchange() {
   bool exchanged = false;
   std::error_code ignored;
   try {
@@ -194,7 +195,7 @@ bool Destination::exchange() {
   return exchanged;
 }
 
-void Destination::replaceInSteps(bool replaces) {
+void OutputDirectory::replaceInSteps(bool replaces) {
   std::error_code ignored;
   if (replaces) disk_.rename(out_, old());
   try {
@@ -208,7 +209,7 @@ void Destination::replaceInSteps(bool replaces) {
   }
 }
 
-void Destination::commit() {
+void OutputDirectory::commit() {
   if (building_ == out_) return tidy();
   requirePlaceForOld();
   const bool replaces = !isNothing(out_);
@@ -227,18 +228,18 @@ void Destination::commit() {
   tidy();
 }
 
-void Destination::tidy() noexcept {
+void OutputDirectory::tidy() noexcept {
   std::error_code ignored;
   fs::remove(Journal::pathIn(out_), ignored);
   fs::remove_all(out_ / "parts", ignored);
 }
 
-void Destination::keepForResuming() noexcept {
+void OutputDirectory::keepForResuming() noexcept {
   std::error_code ignored;
   fs::remove(building_ / "manifest.json", ignored);
 }
 
-void Destination::abandon() noexcept {
+void OutputDirectory::abandon() noexcept {
   std::error_code ignored;
   fs::remove_all(building_, ignored);
 }

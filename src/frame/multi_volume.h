@@ -31,7 +31,7 @@ struct MixView {
   Sampling sampling;  // of all volumes
 };
 
-class VolumeMix {
+class MultiVolume {
  public:
   /// A brick that shows something in a zone, and where.
   struct Brick {
@@ -43,9 +43,9 @@ class VolumeMix {
 
   /// requires: the stores outlive this; kMostVolumes of them at most. throws: as FrameLevels. cost: a look at every
   /// brick of the levels that the view asks for.
-  VolumeMix(std::vector<MixedVolume> volumes, const MixView& view);
-  VolumeMix(const VolumeMix&) = delete;
-  VolumeMix& operator=(const VolumeMix&) = delete;
+  MultiVolume(std::vector<MixedVolume> volumes, const MixView& view);
+  MultiVolume(const MultiVolume&) = delete;
+  MultiVolume& operator=(const MultiVolume&) = delete;
 
   /// From the nearest to the farthest.
   std::size_t zones() const { return zones_.size(); }

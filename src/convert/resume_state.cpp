@@ -1,4 +1,4 @@
-#include "convert/beginning.h"
+#include "convert/resume_state.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ std::string identityOf(Manifest draft) {
 }
 
 // What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
-std::optional<ConversionIdentity> resumable(Destination& destination, const Manifest& draft,
+std::optional<ConversionIdentity> resumable(OutputDirectory& destination, const Manifest& draft,
                                             const ConvertOptions& options) {
   std::optional<ConversionIdentity> found = Journal::identityIn(destination.building());
   if (found && found->volume != identityOf(draft)) {
@@ -47,7 +47,7 @@ void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ran
   requireAgreement(ranks, facts);
 }
 
-void share(Beginning& beginning, Ranks& ranks) {
+void share(ResumeState& beginning, Ranks& ranks) {
   if (ranks.alone()) return;
   std::vector<std::byte> bytes;
   appendValue(bytes, beginning.finished);
@@ -63,9 +63,9 @@ void share(Beginning& beginning, Ranks& ranks) {
   for (std::string* text : {&identity.volume, &identity.command, &identity.time}) *text = taker.takeText();
 }
 
-Beginning beginAt(Destination& destination, const Manifest& draft, const ConvertOptions& options, const Ranks& ranks,
-                  FileSystem& disk) {
-  Beginning out{destination.finished(), destination.building(), {identityOf(draft), options.command, options.time}};
+ResumeState beginAt(OutputDirectory& destination, const Manifest& draft, const ConvertOptions& options,
+                    const Ranks& ranks, FileSystem& disk) {
+  ResumeState out{destination.finished(), destination.building(), {identityOf(draft), options.command, options.time}};
   if (out.finished) return out;
   if (options.resume) {
     if (std::optional<ConversionIdentity> found = resumable(destination, draft, options)) {

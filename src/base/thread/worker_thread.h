@@ -9,14 +9,14 @@
 
 namespace kiln {
 
-class BesideThread {
+class WorkerThread {
  public:
   /// `name` is what a trace calls it. requires: a literal.
-  explicit BesideThread(const char* name);
+  explicit WorkerThread(const char* name);
   /// Waits for what was begun; what it threw is lost.
-  ~BesideThread();
-  BesideThread(const BesideThread&) = delete;
-  BesideThread& operator=(const BesideThread&) = delete;
+  ~WorkerThread();
+  WorkerThread(const WorkerThread&) = delete;
+  WorkerThread& operator=(const WorkerThread&) = delete;
 
   /// requires: what was begun before has been waited for.
   void begin(std::function<void()> work);

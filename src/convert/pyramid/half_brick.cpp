@@ -1,4 +1,4 @@
-#include "convert/pyramid/coarse_part.h"
+#include "convert/pyramid/half_brick.h"
 
 #include <algorithm>
 #include <array>
@@ -165,8 +165,8 @@ struct PartHead {
   std::uint64_t voxel_bytes = 0;
 };
 
-CoarsePart emptyPart(const BrickFrame& fine, const Extent3& by) {
-  CoarsePart part;
+HalfBrick emptyPart(const BrickDesc& fine, const Extent3& by) {
+  HalfBrick part;
   part.box = coarseBox(fine.core(), by);
   part.voxels.resize(static_cast<std::size_t>(part.box.count()) * sizeOf(fine.type));
   part.cell_box = cellsOf(part.box);
@@ -176,9 +176,9 @@ CoarsePart emptyPart(const BrickFrame& fine, const Extent3& by) {
 
 }  // namespace
 
-std::uint64_t CoarsePart::bytesOf(const Extent3& voxels, std::uint64_t voxel_bytes) {
+std::uint64_t HalfBrick::bytesOf(const Extent3& voxels, std::uint64_t voxel_bytes) {
   const std::int64_t cells = cellsOf(boxOf(voxels)).count();
-  const std::uint64_t bytes = sizeof(CoarsePart) + static_cast<std::uint64_t>(voxels.count()) * voxel_bytes +
+  const std::uint64_t bytes = sizeof(HalfBrick) + static_cast<std::uint64_t>(voxels.count()) * voxel_bytes +
                               static_cast<std::uint64_t>(cells) * sizeof(ValueRange);
   return bytes + bytes / 4;  // measured: they lie between the buffers of bricks, which come and go
 }
@@ -192,9 +192,9 @@ VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
   return out;
 }
 
-CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxels, const VoxelBox& box,
-                        const BrickRanges& ranges, const Extent3& by, Coarse coarse) {
-  CoarsePart part = emptyPart(fine, by);
+HalfBrick coarsePartOf(const BrickDesc& fine, std::span<const std::byte> voxels, const VoxelBox& box,
+                       const BrickRanges& ranges, const Extent3& by, Coarse coarse) {
+  HalfBrick part = emptyPart(fine, by);
   const VoxelBox core = fine.core();
   withVoxelType(fine.type, [&]<class T>(std::type_identity<T>) {
     const T* const from = reinterpret_cast<const T*>(voxels.data());
@@ -222,8 +222,8 @@ CoarsePart coarsePartOf(const BrickFrame& fine, std::span<const std::byte> voxel
   return part;
 }
 
-CoarsePart constantPartOf(const BrickFrame& fine, double value, const Extent3& by) {
-  CoarsePart part = emptyPart(fine, by);
+HalfBrick constantPartOf(const BrickDesc& fine, double value, const Extent3& by) {
+  HalfBrick part = emptyPart(fine, by);
   withVoxelType(fine.type, [&]<class T>(std::type_identity<T>) {
     std::fill_n(reinterpret_cast<T*>(part.voxels.data()), part.box.count(), static_cast<T>(value));
   });
@@ -249,17 +249,17 @@ void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::
   }
 }
 
-CoarsePart cropped(const CoarsePart& part, const VoxelBox& box) {
+HalfBrick cropped(const HalfBrick& part, const VoxelBox& box) {
   const VoxelBox common = intersection(part.box, box);
   if (common == part.box) return part;
   const auto voxel_bytes = part.voxels.size() / static_cast<std::size_t>(part.box.count());
-  CoarsePart out{common, {}, {}, {}, part.support};
+  HalfBrick out{common, {}, {}, {}, part.support};
   out.voxels.resize(static_cast<std::size_t>(common.count()) * voxel_bytes);
   copyCommon(part.voxels, part.box, out.voxels, common, voxel_bytes);
   return out;
 }
 
-std::vector<std::byte> bytesOf(const CoarsePart& part) {
+std::vector<std::byte> bytesOf(const HalfBrick& part) {
   const PartHead head{part.box, part.cell_box, part.support, part.voxels.size()};
   const auto cells = std::as_bytes(std::span(part.cells));
   std::vector<std::byte> out;
@@ -270,10 +270,10 @@ std::vector<std::byte> bytesOf(const CoarsePart& part) {
   return out;
 }
 
-CoarsePart partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place) {
+HalfBrick partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place) {
   ByteTaker taker{bytes};
   const auto head = taker.take<PartHead>();
-  CoarsePart part{head.box, {}, head.cell_box, {}, head.support};
+  HalfBrick part{head.box, {}, head.cell_box, {}, head.support};
   const std::span<const std::byte> voxels = taker.takeBytes(head.voxel_bytes);
   if (!taker.ok || taker.left.size() != static_cast<std::uint64_t>(part.cell_box.count()) * sizeof(ValueRange))
     throw Error(ErrorCode::kDamaged, place, "", "is no part of a brick; run the conversion again");

@@ -1,4 +1,4 @@
-#include "scene/transfer/label_looks.h"
+#include "scene/transfer/label_styles.h"
 
 #include <fmt/format.h>
 
@@ -75,7 +75,7 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
     if (!known.insert(found->label).second)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
                   fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
-    LabelLook look{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
+    LabelStyle look{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
     for (int c = 0; c < 3; ++c) look.color[c] = linearFromSrgb(found->channels[c] / 255);
     out.labels.push_back(std::move(look));
   }
@@ -84,8 +84,8 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
   return out;
 }
 
-void sortLabels(std::vector<LabelLook>& labels) {
-  std::sort(labels.begin(), labels.end(), [](const LabelLook& a, const LabelLook& b) { return a.label < b.label; });
+void sortLabels(std::vector<LabelStyle>& labels) {
+  std::sort(labels.begin(), labels.end(), [](const LabelStyle& a, const LabelStyle& b) { return a.label < b.label; });
 }
 
 void requireFitting(const TransferFunction& function, bool has_window, const Manifest& manifest) {
@@ -146,7 +146,7 @@ std::string unknownLabelsText(const std::vector<TransferFunction>& functions, co
   for (const LabelCount& count : *known) {
     const bool given = std::any_of(functions.begin(), functions.end(), [&](const TransferFunction& function) {
       return std::any_of(function.labels.begin(), function.labels.end(),
-                         [&](const LabelLook& look) { return look.label == count.label; });
+                         [&](const LabelStyle& look) { return look.label == count.label; });
     });
     if (given || count.label == 0) continue;
     if (++unknown <= 8) list += fmt::format("{}{:.0f}", list.empty() ? "" : ", ", count.label);

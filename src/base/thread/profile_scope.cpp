@@ -1,4 +1,4 @@
-#include "base/thread/span.h"
+#include "base/thread/profile_scope.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 namespace kiln {
 namespace {
 
-thread_local Span* innermost = nullptr;
+thread_local ProfileScope* innermost = nullptr;
 std::array<std::atomic<std::int64_t>, kActivities> busy_ns{};
 
 std::int64_t threadTimeNs() noexcept {
@@ -52,13 +52,14 @@ BusyTimes BusyTimes::now() {
   return out;
 }
 
-Span::Span(Activity activity) noexcept : activity_(activity), trace_(Trace::active()), around_(innermost) {
+ProfileScope::ProfileScope(Activity activity) noexcept
+    : activity_(activity), trace_(Trace::active()), around_(innermost) {
   innermost = this;
   if (trace_ != nullptr) begin_ns_ = trace_->nowNs();
   cpu_begin_ns_ = threadTimeNs();
 }
 
-Span::~Span() {
+ProfileScope::~ProfileScope() {
   const std::int64_t spent = threadTimeNs() - cpu_begin_ns_;
   innermost = around_;
   if (around_ != nullptr) around_->cpu_inside_ns_ += spent;
@@ -66,9 +67,9 @@ Span::~Span() {
   if (trace_ != nullptr) trace_->add({activity_, begin_ns_, trace_->nowNs(), spent}, notes_);
 }
 
-void Span::note(std::string_view key, std::uint64_t value) { notes_ += fmt::format(R"(,"{}":{})", key, value); }
+void ProfileScope::note(std::string_view key, std::uint64_t value) { notes_ += fmt::format(R"(,"{}":{})", key, value); }
 
-void Span::note(std::string_view key, std::string_view value) {
+void ProfileScope::note(std::string_view key, std::string_view value) {
   notes_ += fmt::format(R"(,"{}":")", key);
   while (!value.empty()) {
     const auto byte = static_cast<unsigned char>(value.front());

@@ -1,4 +1,4 @@
-#include "convert/pyramid/part_store.h"
+#include "convert/pyramid/half_brick_store.h"
 
 #include <fmt/format.h>
 
@@ -9,30 +9,30 @@
 namespace kiln {
 namespace fs = std::filesystem;
 
-PartStore::PartStore(const fs::path& directory, std::uint64_t memory_bytes, FileSystem& disk)
+HalfBrickStore::HalfBrickStore(const fs::path& directory, std::uint64_t memory_bytes, FileSystem& disk)
     : directory_(directory), disk_(disk), free_bytes_(memory_bytes) {
   std::error_code ignored;
   if (fs::exists(directory, ignored)) disk_.removeAll(directory);
   disk_.makeDirectories(directory);
 }
 
-PartStore::~PartStore() {
+HalfBrickStore::~HalfBrickStore() {
   std::error_code ignored;
   fs::remove_all(directory_, ignored);
 }
 
-fs::path PartStore::pathOf(const BrickKey& key) const {
+fs::path HalfBrickStore::pathOf(const BrickKey& key) const {
   return directory_ / fmt::format("{}_{}_{}_{}.tmp", key.level, key.brick.x, key.brick.y, key.brick.z);
 }
 
-bool PartStore::reserve(std::uint64_t bytes) {
+bool HalfBrickStore::reserve(std::uint64_t bytes) {
   const std::scoped_lock lock(mutex_);
   if (bytes > free_bytes_) return false;
   free_bytes_ -= bytes;
   return true;
 }
 
-PartStore::Pieces PartStore::written(const BrickKey& key, const std::vector<PartPiece>& pieces) {
+HalfBrickStore::Pieces HalfBrickStore::written(const BrickKey& key, const std::vector<HalfBrickPiece>& pieces) {
   Pieces out;
   out.reserve(pieces.size());
   std::vector<std::byte> file;
@@ -45,14 +45,14 @@ PartStore::Pieces PartStore::written(const BrickKey& key, const std::vector<Part
   return out;
 }
 
-void PartStore::put(const BrickKey& key, std::vector<PartPiece> pieces) {
+void HalfBrickStore::put(const BrickKey& key, std::vector<HalfBrickPiece> pieces) {
   if (pieces.empty()) return;
   std::uint64_t bytes = 0;
-  for (const PartPiece& piece : pieces) bytes += piece.part.bytes();
+  for (const HalfBrickPiece& piece : pieces) bytes += piece.part.bytes();
   Pieces kept;
   if (reserve(bytes)) {
     kept.reserve(pieces.size());
-    for (auto& [parent, part] : pieces) kept.push_back({parent, std::make_unique<CoarsePart>(std::move(part)), {}});
+    for (auto& [parent, part] : pieces) kept.push_back({parent, std::make_unique<HalfBrick>(std::move(part)), {}});
   } else {
     kept = written(key, pieces);
   }
@@ -60,7 +60,7 @@ void PartStore::put(const BrickKey& key, std::vector<PartPiece> pieces) {
   left_[key] = std::move(kept);
 }
 
-CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
+HalfBrick HalfBrickStore::take(const BrickKey& key, const BrickKey& parent) {
   const auto find = [&](Pieces& pieces) {
     const auto found =
         std::find_if(pieces.begin(), pieces.end(), [&](const Piece& piece) { return piece.parent == parent; });
@@ -73,7 +73,7 @@ CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
     Pieces& pieces = left_.at(key);
     const auto piece = find(pieces);
     if (piece->part) {
-      CoarsePart out = std::move(*piece->part);
+      HalfBrick out = std::move(*piece->part);
       free_bytes_ += out.bytes();
       pieces.erase(piece);
       if (pieces.empty()) left_.erase(key);
@@ -84,7 +84,7 @@ CoarsePart PartStore::take(const BrickKey& key, const BrickKey& parent) {
   const fs::path path = pathOf(key);
   std::vector<std::byte> bytes(stretch.bytes);
   File(path).readAt(stretch.offset, bytes);
-  CoarsePart out = partFrom(bytes, path);
+  HalfBrick out = partFrom(bytes, path);
   {
     const std::scoped_lock lock(mutex_);
     Pieces& pieces = left_.at(key);

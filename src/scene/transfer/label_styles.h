@@ -47,6 +47,6 @@ std::string likelyLabelsText(const Manifest& manifest);
 void requireFitting(const TransferFunction& function, bool has_window, const Manifest& manifest);
 
 /// By label, as a function has them.
-void sortLabels(std::vector<LabelLook>& labels);
+void sortLabels(std::vector<LabelStyle>& labels);
 
 }  // namespace kiln

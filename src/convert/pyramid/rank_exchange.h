@@ -14,29 +14,29 @@
 #include <vector>
 
 #include "cluster/ranks.h"
-#include "convert/pyramid/coarse_part.h"
+#include "convert/pyramid/half_brick.h"
 #include "convert/resume/journal.h"
 
 namespace kiln {
 
-class Exchange {
+class RankExchange {
  public:
   struct Handlers {
     /// A piece of a brick of another rank, for this one's parents of it; none where the brick has one value. Of the
     /// brick only key and entry.
-    std::function<void(const FinishedBrick&, std::optional<CoarsePart>)> given;
+    std::function<void(const FinishedBrick&, std::optional<HalfBrick>)> given;
     /// On the first: another rank has written a brick.
     std::function<void(const FinishedBrick&)> finished;
   };
 
   /// At most `most_bytes` of pieces, but one at least, are on their way from this rank. requires: all outlive this.
   /// thread: the handlers are called by one of this object's own.
-  Exchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers);
-  Exchange(const Exchange&) = delete;
-  Exchange& operator=(const Exchange&) = delete;
+  RankExchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers);
+  RankExchange(const RankExchange&) = delete;
+  RankExchange& operator=(const RankExchange&) = delete;
 
   /// Waits while too much is on its way. thread: safe, as all that follows. throws: what a handler threw.
-  void give(int to, const BrickKey& key, const BrickEntry& entry, const CoarsePart* piece);
+  void give(int to, const BrickKey& key, const BrickEntry& entry, const HalfBrick* piece);
   /// requires: not the first rank.
   void tellFinished(const FinishedBrick& brick);
   /// throws: what a handler threw.

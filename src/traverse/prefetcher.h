@@ -15,11 +15,11 @@
 
 namespace kiln {
 
-class Lookahead {
+class Prefetcher {
  public:
   using Hidden = std::function<bool(const BrickInView&, std::span<const PixelRect> covered)>;
   /// `hidden` says of a brick that it touches nothing any more, or nothing but what lies in one of `covered`.
-  Lookahead(std::vector<BrickInView> in_view, Hidden hidden)
+  Prefetcher(std::vector<BrickInView> in_view, Hidden hidden)
       : in_view_(std::move(in_view)), is_hidden_(std::move(hidden)), known_hidden_(in_view_.size()) {}
 
   /// The turn of a brick has come: how many have had theirs, it and those that were passed over with them. requires:

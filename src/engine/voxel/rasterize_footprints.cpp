@@ -1,4 +1,4 @@
-#include "engine/voxel/lay_voxels.h"
+#include "engine/voxel/rasterize_footprints.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine/voxel/lay_voxels.cpp"
+#define HWY_TARGET_INCLUDE "engine/voxel/rasterize_footprints.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -18,10 +18,10 @@ namespace HWY_NAMESPACE {
 namespace {
 
 template <bool kAovs>
-class VoxelLayer {
+class FootprintRasterizer {
  public:
-  VoxelLayer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, TilePlanes& planes,
-             float opaque_at, Visibility& visibility)
+  FootprintRasterizer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
+                      TilePlanes& planes, float opaque_at, Visibility& visibility)
       : w_(view),
         p_(voxels),
         s_(shaded),
@@ -261,8 +261,8 @@ class VoxelLayer {
 
 void layVoxelsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
                  TilePlanes& planes, float opaque_at, Visibility& visibility) {
-  planes.aovs().any() ? VoxelLayer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
-                      : VoxelLayer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
+  planes.aovs().any() ? FootprintRasterizer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
+                      : FootprintRasterizer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
 }
 
 }  // namespace
@@ -275,8 +275,8 @@ namespace kiln {
 
 HWY_EXPORT(layVoxelsOn);
 
-void layVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-               TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
+void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
+                         std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
   HWY_DYNAMIC_DISPATCH(layVoxelsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
 }
 
