@@ -17,9 +17,6 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Rounded up.
-std::uint64_t wholeMebibytes(std::uint64_t bytes) { return (bytes + (1u << 20) - 1) >> 20; }
-
 std::uint64_t usefulLanes(const VolumeSource& source) {
   // What one thread inflates keeps a few busy; more would take memory from the window, and wait.
   constexpr std::uint64_t kLanesOfStream = 8;
@@ -146,10 +143,10 @@ void requireMemoryFor(const ConversionPlan& plan, const SourceInfo& info, const 
   const fs::path file = info.files.empty() ? fs::path() : info.files.front();
   if (plan.index_bytes > others) {
     throw Error(ErrorCode::kBudget, file, "--memory",
-                fmt::format("the tables of {} bricks take {} MiB, beside {} MiB to read and convert with (allowed: {} "
-                            "MiB); give --memory {}, or a --brick-size larger than {}",
-                            brickCountOf(info, options), wholeMebibytes(plan.index_bytes), wholeMebibytes(others),
-                            options.memory_bytes >> 20, roundedUpBytes(smallest), options.brick_size));
+                fmt::format("the tables of {} bricks take {}, beside {} to read and convert with (allowed: {}); give "
+                            "--memory {}, or a --brick-size larger than {}",
+                            brickCountOf(info, options), formatBytes(plan.index_bytes), formatBytes(others),
+                            formatBytes(options.memory_bytes), roundedUpBytes(smallest), options.brick_size));
   }
   throw Error(ErrorCode::kBudget, file, "--memory",
               fmt::format("{} is too little: {} is the smallest that works here ({} to read, {} a thread, {} for the "

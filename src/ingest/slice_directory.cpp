@@ -219,8 +219,9 @@ SliceFiles slicesIn(const fs::path& directory) {
                     out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
   }
   for (const fs::path& path : no_files) {
-    // Files of an export may have no ending, as the folders beside them.
-    if (!isNamedLike(path, out.files) || (!path.has_extension() && isFolder(path))) continue;
+    if (!isNamedLike(path, out.files)) continue;
+    // DICOM slices carry their places, and both their names and their folders' may be identifiers such as 1.3.6.1.
+    if (isFolder(path) && (out.format == SliceFormat::kDicom || !path.has_extension())) continue;
     throw Error(ErrorCode::kFormat, path, "",
                 fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
                             isFolder(path) ? "folder" : "pipe or a device"));

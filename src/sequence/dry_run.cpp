@@ -18,7 +18,9 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   if (!job.series) job.series = seriesLook(given, {});
   job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
-  const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(job);
+  RenderJob unbounded = job;
+  unbounded.speed.memory_bytes = UINT64_MAX;
+  const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(unbounded);
   const std::vector<const StoreReader*> stores = readersOf(opened);
   const SceneOfJob scenes(job, manifestsOf(opened));
   DryRun out;

@@ -95,10 +95,10 @@ Aovs drawnAovs(const RenderJob& job) {
 
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
   std::vector<std::unique_ptr<StoreReader>> out;
-  std::uint64_t left = job.speed.memory_bytes;
+  std::uint64_t held = 0;
   const auto open = [&](const std::filesystem::path& path) {
-    out.push_back(std::make_unique<StoreReader>(path, left));
-    left -= std::min(left, out.back()->index().bytes());
+    out.push_back(std::make_unique<StoreReader>(path, job.speed.memory_bytes, held));
+    held += out.back()->index().bytes();
   };
   for (const VolumeOptions& volume : job.volumes) open(volume.volume);
   if (out.empty()) open(job.volume);

@@ -70,7 +70,8 @@ Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expe
 }
 
 // A manifest may say more bricks than the file of its index has entries.
-void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, const fs::path& store) {
+void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, std::uint64_t held_bytes,
+                        const fs::path& store) {
   const std::uint64_t entries = manifest.index_bytes / BrickIndex::fileBytes(0, 1, manifest.brick_size);
   std::uint64_t bricks = 0, stored = 0;
   for (const LevelInfo& level : manifest.levels) {
@@ -79,12 +80,14 @@ void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, co
   }
   bricks = std::min(bricks, entries), stored = std::min(stored, bricks);
   const std::uint64_t needed = manifest.index_bytes + BrickIndex::bytesOf(stored, bricks - stored, manifest.brick_size);
-  if (needed <= memory_bytes) return;
+  if (held_bytes <= memory_bytes && needed <= memory_bytes - held_bytes) return;
+  const std::string beside = held_bytes > 0 ? fmt::format(" beside {} of other stores", formatBytes(held_bytes)) : "";
   throw Error(
       ErrorCode::kBudget, store, "--memory",
-      fmt::format("reading the index of {} bricks takes {} (allowed: {}); give --memory {}, or convert the "
-                  "source again with a --brick-size larger than {}",
-                  bricks, formatBytes(needed), formatBytes(memory_bytes), roundedUpBytes(needed), manifest.brick_size));
+      fmt::format("reading the index of {} bricks takes {}{} (allowed: {}); give --memory {} or more, or convert "
+                  "the source again with a --brick-size larger than {}",
+                  bricks, formatBytes(needed), beside, formatBytes(memory_bytes), roundedUpBytes(held_bytes + needed),
+                  manifest.brick_size));
 }
 
 template <class BytesOf>
@@ -119,12 +122,13 @@ Manifest readManifest(const fs::path& directory) {
   return parseManifest(readTextFile(path, kLargestManifest), path);
 }
 
-StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes) : directory_(directory) {
+StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, std::uint64_t held_bytes)
+    : directory_(directory) {
   // A store that was replaced between both files is opened anew; one that is replaced so often is read by nobody.
   constexpr int kTries = 5;
   for (int i = 1;; ++i) {
     try {
-      open(memory_bytes);
+      open(memory_bytes, held_bytes);
       return;
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kReplaced || i == kTries) throw;
@@ -132,10 +136,10 @@ StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes) 
   }
 }
 
-void StoreReader::open(std::uint64_t memory_bytes) {
+void StoreReader::open(std::uint64_t memory_bytes, std::uint64_t held_bytes) {
   opened_ = identityOf(manifestOf(directory_));
   manifest_ = readManifest(directory_);
-  requireIndexWithin(manifest_, memory_bytes, directory_);
+  requireIndexWithin(manifest_, memory_bytes, held_bytes, directory_);
   const fs::path path = directory_ / "index.bin";
   const auto data = checkedFile<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
   std::vector<Extent3> lattices;

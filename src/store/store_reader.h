@@ -17,11 +17,12 @@ namespace kiln {
 
 class StoreReader {
  public:
-  /// Opens the store that stands at the name, also while a conversion puts a new one there. Its index is read within
-  /// `memory_bytes`, which is also to hold the index's file for a moment. throws: Error kNotFound, kFormat (no
-  /// manifest: an unfinished conversion or not a store), kDamaged; kBudget, before the index is read, with the memory
-  /// that suffices.
-  explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX);
+  /// Opens the store of that name, also while a conversion puts a new store there. The index, and for a moment its
+  /// file, take memory out of `memory_bytes`, of which `held_bytes` are in use. throws: Error kNotFound, kFormat (no
+  /// manifest: an unfinished conversion, or no store), kDamaged; kBudget, before the index is read, with the memory
+  /// that reading takes.
+  explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX,
+                       std::uint64_t held_bytes = 0);
 
   const std::filesystem::path& path() const { return directory_; }
   const Manifest& manifest() const { return manifest_; }
@@ -56,7 +57,7 @@ class StoreReader {
   std::uint64_t largestFileBytes() const;
 
  private:
-  void open(std::uint64_t memory_bytes);
+  void open(std::uint64_t memory_bytes, std::uint64_t held_bytes);
   template <class Bytes>
   Bytes checkedFile(const std::filesystem::path& path, std::uint64_t bytes, const Hash128& checksum) const;
   template <class Bytes>

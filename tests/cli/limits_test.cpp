@@ -133,6 +133,8 @@ TEST_F(Limits, EveryOptionThatIsANumber_takesDecimalDigitsOnly) {
       ++numbers;
       for (const char* none : {"nan", "0x10", " 5", "5x"})
         EXPECT_TRUE(refusal(none)) << command << " " << name << "='" << none << "'";
+      // A whole number with a leading 0 would be octal.
+      if (refusal("1.5")) EXPECT_TRUE(refusal("010")) << command << " " << name;
     }
   }
   EXPECT_GT(numbers, 30) << "the walk over the options has lost its point";

@@ -235,6 +235,34 @@ TEST_F(DicomSeries, SpacingThatIsNotPositive_IsAnError) {
   }
 }
 
+// Known: a file that is no slice of the volume moves no voxel, whatever its header holds.
+TEST_F(DicomSeries, FaultInAFileOfAnotherSeries_IsPassedOver) {
+  writeAt({{0, 0, 0}, {0, 0, 2}});
+  SourceOptions options;
+  options.series = DicomSpec().series;
+  DicomSpec other;
+  other.series = "9.9", other.spacing = "0\\0";
+  files_.write("z", slice(other, 5));
+  EXPECT_EQ(order(options), (std::vector{0, 1}));
+  other.spacing = "1\\1", other.slope = "1e300";
+  files_.write("z", slice(other, 5));
+  EXPECT_EQ(order(options), (std::vector{0, 1}));
+  options.series = "9.9";
+  expectError(ErrorCode::kFormat, "beyond what a float can hold", options);
+}
+
+// Known: archives name folders and files by identifiers, whose last number looks like an ending.
+TEST_F(DicomSeries, FolderNamedByAnIdentifier_IsSearched) {
+  const fs::path folder = files_.directory() / "1.3.6.7";
+  fs::create_directories(folder);
+  for (int i = 0; i < 8; ++i) {
+    DicomSpec spec;
+    spec.position = triple({0, 0, 2 * i});
+    files_.write("1.3.6.7/CT.1.3.6.7." + std::to_string(i), slice(spec, i));
+  }
+  EXPECT_EQ(order(), (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
 TEST_F(DicomSeries, SlopeOfZeroAndWhiteZero_AreNoted) {
   DicomSpec spec;
   spec.slope = "0", spec.intercept = "-5";

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "composite/composite_parts.h"
@@ -24,9 +26,12 @@ void run(const CompositeArguments& a, Context& context) {
   outputs.add(a.output);
   for (const std::string& part : a.parts) outputs.requireNone(part);
   for (const std::string& part : a.parts) refuseVolumeFile(part, "a partial image");
-  const CompositedParts made =
-      compositeParts({a.parts.begin(), a.parts.end()}, context.progress, parseBytes(a.memory, "--memory"));
-  writeImage(made.image, made.metadata, {a.exr_type == "float", a.png_bits, a.exr_compression}, a.output);
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress, memory_bytes);
+  writeImage(
+      made.image, made.metadata,
+      {a.exr_type == "float", a.png_bits, a.exr_compression, memory_bytes - std::min(memory_bytes, made.image.bytes())},
+      a.output);
   context.progress.clear();
   if (made.volume_share < 1)
     context.progress.warn(fmt::format("the parts hold {:.2f} % of the volume; the rest is missing from the picture",

@@ -184,6 +184,7 @@ void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
     return;
   }
   nlohmann::ordered_json& exr = job["exr"];
+  if (!exr.is_object()) exr = nlohmann::ordered_json::object();
   if (const std::string type = exrTypeOf(layout); type == "half" || type == "float") exr["type"] = type;
   if (std::find(kExrCompressionNames.begin(), kExrCompressionNames.end(), layout.compression) !=
       kExrCompressionNames.end())

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "frame/slice.h"
@@ -43,7 +45,9 @@ void run(const SliceArguments& a, Context& context) {
   refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store, request.memory_bytes);
   const Image image = renderSlice(store, request, context.progress);
-  writeImage(image, {}, {}, a.output);
+  ImageFileOptions file;
+  file.writer_bytes = request.memory_bytes - std::min(request.memory_bytes, image.bytes() + store.index().bytes());
+  writeImage(image, {}, file, a.output);
   if (request.window && !store.manifest().range.empty())
     warnBeside(a.output, *request.window, store.manifest().range, context.progress);
   context.progress.clear();

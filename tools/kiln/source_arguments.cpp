@@ -55,9 +55,7 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
 CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
   const auto refused = [least, most](std::string& text) {
     std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
-      return std::string();
+    if (isDecimalWhole(text, value) && value >= least && value <= most) return std::string();
     if (most < INT64_MAX) return fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
     return fmt::format("expected a whole number from {} on, found '{}'", least, text);
   };

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <type_traits>
 
@@ -23,16 +24,26 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 /// Of an option: a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
 
-/// Of an option: a number in decimal digits that T has. CLI11 itself also takes nan, infinities, blanks, hexadecimal
+/// Whether the text is a whole number in decimal digits. A leading 0 is refused: CLI11 reads 010 as octal 8.
+template <class T>
+bool isDecimalWhole(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
+  return error == std::errc() && end == text.data() + text.size() && (digits.size() == 1 || !digits.starts_with('0'));
+}
+
+/// Validates a number in decimal digits that T can hold. CLI11 itself also takes nan, infinities, blanks, hexadecimal
 /// and octal numbers.
 template <class T>
 CLI::Validator decimalNumber() {
   const auto refused = [](std::string& text) {
     T value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    bool legal = error == std::errc() && end == text.data() + text.size();
-    if constexpr (std::is_floating_point_v<T>) legal = legal && std::isfinite(value);
-    if (legal) return std::string();
+    if constexpr (std::is_integral_v<T>) {
+      if (isDecimalWhole(text, value)) return std::string();
+    } else {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value)) return std::string();
+    }
     return fmt::format("expected a {}number, found '{}'", std::is_integral_v<T> ? "whole " : "", text);
   };
   return {refused, ""};

@@ -21,7 +21,7 @@ bool isWhole(const FinishedBrick& brick, const fs::path& directory) {
   return fs::file_size(path, ignored) == brick.entry.file_bytes && hashOf(readFile(path)) == brick.entry.checksum;
 }
 
-// Bricks that are looked at together: of 128 bytes and, where a brick has a file, its sub-ranges of some hundred more.
+// Bricks that are looked at together: 128 bytes each and, for a brick with a file, up to 1 KiB of sub-ranges.
 constexpr std::size_t kAtOnce = 4096;
 
 // Collective. What the first rank has, on all.

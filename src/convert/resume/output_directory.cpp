@@ -163,8 +163,8 @@ fs::path OutputDirectory::old() const { return out_.string() + ".old"; }
 void OutputDirectory::requirePlaceForOld() const {
   if (isNothing(out_) || mayBeRemoved(old())) return;
   throw Error(ErrorCode::kExists, old(), "",
-              "is in the way of replacing the store: one that somebody kept, or that an interrupted --overwrite was to "
-              "remove; move or remove it");
+              "is in the way of replacing the store: a kept store, or the old or the new store of an interrupted "
+              "--overwrite; compare both with kiln info, then move or remove this one");
 }
 
 void OutputDirectory::clear() {
@@ -177,22 +177,39 @@ void OutputDirectory::make() {
   requireOwner(building_);
 }
 
+// Gives both stores the names that they had before an exchange that failed, as far as the file system lets it.
+void OutputDirectory::restoreNames(bool exchanged) const noexcept {
+  try {
+    if (exchanged && !FileSystem::real().exchange(old(), out_)) return;
+  } catch (const Error&) {
+    return;  // the first error is the one to report
+  }
+  std::error_code ignored;
+  fs::rename(old(), building_, ignored);
+}
+
 // Takes the name of the old store without a moment in which a reader finds none. Returns false, with nothing changed,
 // where the file system cannot exchange names. A crash between both calls leaves the old store where it was.
 bool OutputDirectory::exchange() {
   bool exchanged = false;
-  std::error_code ignored;
   try {
     disk_.rename(building_, old());
     exchanged = disk_.exchange(old(), out_);
     if (exchanged) disk_.syncAll(out_);
   } catch (...) {
-    if (exchanged) FileSystem::real().exchange(old(), out_);
-    fs::rename(old(), building_, ignored);
+    restoreNames(exchanged);
     throw;
   }
-  if (!exchanged) disk_.rename(old(), building_);
-  return exchanged;
+  if (exchanged) return true;
+  try {
+    disk_.rename(old(), building_);
+  } catch (const Error& error) {
+    throw Error(error.code(), old(), "",
+                fmt::format("holds the finished store, which could not be renamed ({}); rename it to {} and go on with "
+                            "--resume",
+                            error.what(), building_.string()));
+  }
+  return false;
 }
 
 void OutputDirectory::replaceInSteps(bool replaces) {

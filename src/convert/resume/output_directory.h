@@ -49,6 +49,7 @@ class OutputDirectory {
  private:
   void tidy() noexcept;
   bool exchange();
+  void restoreNames(bool exchanged) const noexcept;
   void replaceInSteps(bool replaces);
   // Where the store that is replaced waits until the new one has its name.
   std::filesystem::path old() const;

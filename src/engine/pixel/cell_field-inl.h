@@ -121,7 +121,7 @@ class LinearCellField {
  private:
   static constexpr int kPlane = CellInput::kPlane;
 
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SSE4
+#if HWY_MAX_BYTES < 32  // a vector holds one row of slopes
   using DRows = D4;
   static HWY_INLINE hn::Vec<DRows> bothOf(float first, float) { return hn::Set(DRows(), first); }
   static HWY_INLINE hn::Vec<DRows> bothFrom(const float* first, const float*) { return hn::LoadU(DRows(), first); }

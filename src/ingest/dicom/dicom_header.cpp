@@ -188,6 +188,19 @@ void requirePixels(const DicomPixels& pixels, const DicomFile& parsed, const Fil
                           pixels.columns, pixels.rows, count, pixels.bits_allocated, std::min(room, said)));
 }
 
+// throws: Error kFormat where the frame's numbers cannot be used.
+DicomFrame checkedFrame(const DicomSet& set, std::size_t index, const DicomHeader& header, const fs::path& path) {
+  DicomFrame out = frameOf(set, index, path);
+  const ValueMap map = out.map(header.pixels.storedType(), VoxelType::f32);
+  if (map.leavesFloat())
+    throw Error(
+        ErrorCode::kFormat, path, nameOf(kSlope),
+        fmt::format("slope {:g} and intercept {:g} take values beyond what a float can hold, {:g} to {:g}; "
+                    "correct the header",
+                    map.slope, map.intercept, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
+  return out;
+}
+
 }  // namespace
 
 VoxelType DicomPixels::storedType() const {
@@ -218,15 +231,12 @@ DicomHeader readDicomHeader(const fs::path& path) {
   if (!out.refusal.empty()) return out;
   requirePixels(out.pixels, parsed, file);
   const auto count = static_cast<std::size_t>(out.pixels.frames);
-  for (std::size_t i = 0; i < count; ++i) {
-    out.frames.push_back(frameOf(parsed.set, i, path));
-    const ValueMap map = out.frames.back().map(out.pixels.storedType(), VoxelType::f32);
-    if (map.leavesFloat())
-      throw Error(
-          ErrorCode::kFormat, path, nameOf(kSlope),
-          fmt::format("slope {:g} and intercept {:g} take values beyond what a float can hold, {:g} to {:g}; "
-                      "correct the header",
-                      map.slope, map.intercept, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
+  try {
+    for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
+  } catch (const Error& error) {
+    // Only a slice that is taken has to be right.
+    out.fault = error;
+    return out;
   }
   placeFrames(parsed.set, out.frames);
   if (!out.pixels.packed) return out;

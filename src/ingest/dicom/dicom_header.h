@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "grid/voxel_type.h"
 #include "ingest/bytes/value_map.h"
 #include "ingest/dicom/dicom_fragments.h"
@@ -67,6 +68,9 @@ struct DicomHeader {
   bool is_image = false;
   /// Why the pixels are not read ("holds RGB colours"); empty where they are.
   std::string refusal;
+  /// A number of the header that no slice can have; thrown once the file is taken as a slice. Empty where all are
+  /// right.
+  std::optional<Error> fault;
   DicomPixels pixels;
   std::vector<DicomFrame> frames;
 };

@@ -81,6 +81,8 @@ std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(con
 void requireAlike(const std::vector<DicomHeader>& files) {
   for (const DicomHeader& file : files)
     if (!file.refusal.empty()) throw Error(ErrorCode::kUnsupported, file.path, "", file.refusal);
+  for (const DicomHeader& file : files)
+    if (file.fault) throw *file.fault;
   const auto type = [](const DicomHeader& file) { return std::string(nameOf(file.pixels.storedType())); };
   const auto white = [](const DicomHeader& file) {
     return std::string(file.pixels.smallest_is_white ? "shows its smallest values white (MONOCHROME1)"

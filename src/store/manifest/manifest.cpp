@@ -54,6 +54,8 @@ Json number(double value) {
   return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
+constexpr const char* kStoreRemedy = "; restore this file of the store, or convert the source again";
+
 // Reads the values of one JSON object by key, and knows at the end whether there was a key nobody asked for.
 class Reader {
  public:
@@ -164,8 +166,7 @@ class Reader {
     std::string found = object_.is_object() ? (at == object_.end() ? "" : at->dump()) : object_.dump();
     if (found.size() > kMost) found = found.substr(0, kMost) + "...";
     if (!found.empty()) found = " (found " + found + ")";
-    throw Error(ErrorCode::kFormat, path_, place_ + key,
-                what + found + "; restore this file of the store, or convert the source again");
+    throw Error(ErrorCode::kFormat, path_, place_ + key, what + found + kStoreRemedy);
   }
 
  private:
@@ -369,7 +370,8 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   try {
     requireInvertible(geometry.world_from_index, "");
   } catch (const Error& error) {
-    root.fail("affine", error.what());
+    const std::string what = error.what();
+    throw Error(ErrorCode::kFormat, path, "affine", what.substr(0, what.rfind(';')) + kStoreRemedy);
   }
   const Json& levels = root.get("levels");
   if (!levels.is_array() || levels.empty()) root.fail("levels", "expected at least one level");
