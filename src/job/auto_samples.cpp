@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-// From this edge of a voxel on, one sample is enough (ARCHITECTURE.md has the figures): 3/4, less what a depth is
+// From this edge of a voxel on, one sample is enough (figures: job/decisions/samples-a-pixel.md): 3/4, less what a depth is
 // rounded by, which is not to decide where a scene is laid out for 3/4. unit: pixels.
 constexpr double kLargeEnough = 0.75 - 1e-9;
 // The same where the camera moves: a detail that a ray meets or not flickers. Turned by a tenth of a degree, scanned

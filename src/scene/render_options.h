@@ -23,7 +23,7 @@ struct VisibilityOptions {
   bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };
-/// Where samples are (ARCHITECTURE.md).
+/// Where samples are (engine/pixel/decisions/samples.md).
 /// - kPixel: where rays through pixels meet slabs, each in its pixel alone.
 /// - kVoxel: the voxels, as Lee and Ihm splat them.
 enum class Lattice { kPixel, kVoxel };

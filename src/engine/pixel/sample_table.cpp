@@ -14,8 +14,7 @@ namespace {
 // Entries of a table where values are not whole numbers of at most 16 bits.
 constexpr double kTableSteps = 1 << 15;
 
-// What the optical depth of a soft voxel, or its light, changes by over its values, at the most (ARCHITECTURE.md has
-// the figures).
+// The largest change of a soft voxel's optical depth, or light, over its values (figures: decisions/samples.md).
 constexpr double kSoftChange = 1;
 
 // By how much the extinction of two materials, or the light that they give off, differs at the most.

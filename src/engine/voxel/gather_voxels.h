@@ -17,7 +17,7 @@ namespace kiln {
 
 /// The voxels along an axis that are splatted at a time: smaller than the cells of the store, because a test is cheaper
 /// than eight rows of voxels behind an opaque surface, and not smaller still, because then the tests cost more than
-/// they save (ARCHITECTURE.md has the figures).
+/// they save (figures: engine/voxel/decisions/footprints.md).
 inline constexpr int kSplatCellSize = 4;
 
 /// Rows in front-to-back order, and so are their voxels.

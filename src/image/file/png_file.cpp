@@ -105,7 +105,7 @@ void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
 }
 
 // How rows are foretold and what is left is deflated: three times as fast as the libraries' own choices, and files as
-// large within some per cent (ARCHITECTURE.md has the figures). Of 16 bits the lower ones are as good as noise, in
+// large within some per cent (figures: image/file/decisions/compression.md). Of 16 bits the lower ones are as good as noise, in
 // which only runs are worth a search.
 void setCompression(png_structp png, int bits) noexcept {
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits == 16 ? PNG_FILTER_PAETH : PNG_FILTER_UP);
