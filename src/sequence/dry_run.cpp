@@ -1,7 +1,8 @@
 #include "sequence/dry_run.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <vector>
 
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
@@ -28,14 +29,18 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
-  std::set<StoredBrick> bricks;
+  std::vector<StoredBrick> bricks;
   FrameScene scene = scenes.at(framesOf(job).front());
   const FrameScene whole = scene;
   out.samples = scenes.mostSamples();
   for (const PictureOptions& picture : eyesOf(scene.picture)) {
     scene.picture = picture;
-    for (const StoredBrick& brick : bricksInView(stores, requestOf(scene, job.speed), counts)) bricks.insert(brick);
+    const std::vector<StoredBrick> seen = bricksInView(stores, requestOf(scene, job.speed), counts);
+    bricks.insert(bricks.end(), seen.begin(), seen.end());
   }
+  // Both eyes see most bricks.
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
   for (const StoredBrick& seen : bricks) {
     const StoreReader& store = *stores[static_cast<std::size_t>(seen.store)];
     const BrickEntry& entry = store.index().at(seen.key);

@@ -225,6 +225,20 @@ TEST(IngestNrrd, NarrowFirstAxisWithoutKinds_isNoted) {
 }
 
 // A header of another, smaller volume: nothing is wrong with its bytes.
+// Known: a spacing below 0 is legal, and more often a slip than a mirrored scan.
+TEST(IngestNrrd, NegativeSpacing_isNoted) {
+  const ForeignFiles files;
+  const auto notes = [&](const std::string& more) {
+    return openSource(files.write("a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n" +
+                                                more + "\n12345678"))
+        ->info()
+        .notes;
+  };
+  EXPECT_TRUE(notes("spacings: 1 2 3\n").empty());
+  ASSERT_EQ(notes("spacings: 1 -2 -3\n").size(), 1u);
+  EXPECT_NE(notes("spacings: 1 -2 -3\n")[0].find("negative along y, z"), std::string::npos);
+}
+
 TEST(IngestNrrd, BytesBehindTheVolumeAreToldOf) {
   const ForeignFiles files;
   const std::string header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n";

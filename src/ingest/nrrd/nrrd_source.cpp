@@ -186,6 +186,18 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
   return data;
 }
 
+// Names the axes that run backwards by the header's spacings or ranges; empty where none does, or where a
+// space or directions are given.
+std::string noteOfMirrored(const HeaderFields& fields, const VolumeGeometry& geometry) {
+  if (fields.find("space directions") || fields.find("space")) return "";
+  std::string axes;
+  for (int axis = 0; axis < 3; ++axis)
+    if (geometry.world_from_index[axis][axis] < 0) axes += std::string(axes.empty() ? "" : ", ") + "xyz"[axis];
+  return axes.empty()
+             ? ""
+             : "its spacing is negative along " + axes + ": the volume is mirrored there; --spacing sets another";
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
@@ -197,6 +209,8 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   info.type = typeOf(header.fields);
   info.geometry = nrrdGeometry(header.fields, options);
   if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
+    info.notes.push_back(std::move(note));
+  if (std::string note = noteOfMirrored(header.fields, info.geometry); !note.empty())
     info.notes.push_back(std::move(note));
   const LinearData data = dataOf(header, info.geometry.dims, info.type);
   return openDescribed(input, std::move(info), data);
