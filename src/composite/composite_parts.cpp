@@ -24,7 +24,7 @@ struct Part {
   fs::path path;
   RenderJob job;
   VoxelBox box;
-  ordered_json look;  // the job without what tells one part from another
+  ordered_json look;  // the job without the keys that differ between parts
   ordered_json volume;
   std::uint64_t damaged_bricks = 0;
 };
@@ -53,13 +53,13 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
   } catch (const nlohmann::json::exception& error) {
     throw Error(ErrorCode::kFormat, path, "kiln:volume", error.what());
   }
-  // Without a folder, names stay as they are.
+  // Without a folder, relative names stay relative.
   out.job = parseJob(of(ImageMetadata::kJob), {});
   if (!out.job.picture.clipping.part)
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "names no part; expected an image that kiln render --part drew");
   out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
-  // Only a part that met damage says that it was passed over.
+  // Only the header of a part with a damaged brick has "skipDamaged".
   for (const char* key : {"part", "volume", "skipDamaged"}) out.look.erase(key);
   if (const auto damaged = text.find(ImageMetadata::kDamagedBricks); damaged != text.end())
     std::from_chars(damaged->second.data(), damaged->second.data() + damaged->second.size(), out.damaged_bricks);
@@ -77,7 +77,7 @@ void requireSameScene(const Part& first, const Part& other) {
   if (first.look.size() != other.look.size()) refuse("job");
 }
 
-// Front to back.
+// Sorts the parts front to back.
 std::vector<Part> inOrder(std::vector<Part> parts, const View& view, const VolumeGeometry& volume) {
   std::vector<VoxelBox> boxes;
   for (const Part& part : parts) boxes.push_back(part.box);
@@ -144,7 +144,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const PixelRect& samples = window.samples;
   CompositedParts out;
   Image made = emptyPart(samples, picture.aovs);
-  // The picture's pixels are made when no part is in memory any more: a part has as many samples or more.
+  // Pixels are allocated after the last part is freed, and take no more memory than a part's samples.
   const std::uint64_t made_bytes = samples.count() * (4 + made.planes.size()) * sizeof(float);
   requireMemory(2 * made_bytes, memory_bytes, parts.front().path);
   std::vector<std::string> planes;

@@ -6,10 +6,10 @@
 namespace kiln {
 namespace {
 
-// Rays in the volume's index space.
+// The view's rays in the volume's index space.
 struct Rays {
   bool perspective;
-  glm::dvec3 vector;  // from where they start, or along which they run
+  glm::dvec3 vector;  // perspective: the eye; parallel: the direction
 };
 
 Rays raysOf(const View& view, const VolumeGeometry& volume) {
@@ -19,7 +19,7 @@ Rays raysOf(const View& view, const VolumeGeometry& volume) {
                                    : glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0))};
 }
 
-// Whether a ray may pass `a` and then `b`: along every axis that parts the boxes it would run from one to the other.
+// Returns whether a ray may pass `a` and then `b`: it runs from `a` to `b` along every axis that separates the boxes.
 bool mayHide(const VoxelBox& a, const VoxelBox& b, const Rays& rays) {
   for (int axis = 0; axis < 3; ++axis) {
     const double v = rays.vector[axis];

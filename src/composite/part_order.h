@@ -1,4 +1,5 @@
-// The order in which partial images hide one another.
+// Problem: sort partial images front to back. Method: box A is before box B where a ray could pass A first: along every
+// axis that separates the boxes, the eye is on A's side. Differs: needs only boxes, no tree of cuts.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@
 
 namespace kiln {
 
-/// The parts' places in `boxes`, front to back: one is before another where a ray could pass it first. Nothing where
-/// some hide one another in turn. requires: boxes of voxels of the volume, without a common voxel.
+/// Returns indices into `boxes`, front to back; nothing where boxes hide one another in a cycle. requires: boxes of
+/// voxels of the volume that share no voxel.
 std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, const View& view,
                                             const VolumeGeometry& volume);
 

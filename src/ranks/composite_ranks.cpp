@@ -9,10 +9,10 @@
 namespace kiln {
 namespace {
 
-// Beyond tags of the sequences (render/).
+// Tags above those of sequence/.
 constexpr int kStripTag = 10, kMadeTag = 11;
 
-// The smallest rectangle in rows y0 to y1 outside of which alpha is zero.
+// Returns the smallest rectangle in rows [y0, y1) outside of which alpha is zero.
 PixelRect shownIn(const Image& image, int y0, int y1) {
   PixelRect out{image.width, y1, 0, y0};
   for (int y = y0; y < y1; ++y) {
@@ -36,7 +36,7 @@ void forEachRun(SomeImage& image, const PixelRect& rect, int y, const F& f) {
     f(plane.values.data() + static_cast<std::ptrdiff_t>(y) * image.width + rect.x0, width);
 }
 
-// What shows something in rows of an image.
+// Packs the rectangle of rows [y0, y1) that shows something.
 std::vector<std::byte> packedRows(const Image& image, int y0, int y1) {
   const PixelRect rect = shownIn(image, y0, y1);
   std::vector<std::byte> out;
@@ -51,7 +51,7 @@ std::vector<std::byte> packedRows(const Image& image, int y0, int y1) {
   return out;
 }
 
-// The rectangle that packedRows has packed, as an image, and where it is.
+// A rectangle that packedRows packed, as an image with its place.
 struct Strip {
   PixelRect rect;
   Image image;

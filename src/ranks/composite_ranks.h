@@ -1,6 +1,6 @@
-// Composites the partial images of ranks in the order in which they are seen ("direct send", Hsu, "Segmented ray
-// casting for data parallel volume rendering", 1993): each rank composites a strip of rows, and gets only what shows
-// something.
+// Problem: put the partial images of all ranks over one another, front to back.
+// Method: direct send. Each rank composites one strip of rows and receives only rectangles that show something.
+// Source: Hsu, Segmented Ray Casting for Data Parallel Volume Rendering, 1993.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace kiln {
 
-/// Collective. Makes of all ranks' parts, in `order` front to back, the samples of the first rank's picture; the result
-/// of other ranks has no meaning. requires: parts of one size, with the planes of `aovs`.
+/// Collective. Composites the ranks' parts, in `order` front to back, into the samples of the picture on rank 0. Other
+/// ranks return an unspecified image. requires: parts of one size, with the planes of `aovs`.
 Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order, float opaque_at);
 
 }  // namespace kiln

@@ -10,10 +10,10 @@
 namespace kiln {
 namespace {
 
-// What a brick counts that shows nothing: it is looked at.
+// Weight of a brick that shows nothing: testing the brick costs a little. unit: whole visible bricks.
 constexpr double kLeastShare = 0.001;
 
-// The part of a brick that may show something, from 0 to 1.
+// Returns the share of a brick that may show something, from 0 to 1.
 double interestingPart(const BrickEntry& entry, const Classifier& classifier) {
   if (!classifier.interesting(entry.core)) return 0;
   if (!entry.sub_ranges) return 1;
@@ -58,7 +58,8 @@ class VolumeCutter {
   }
 
  private:
-  // Where `share` of the box's weight ends: between bricks, or in the middle of the only one.
+  // Returns the coordinate below which `share` of the box's weight lies: a border of bricks, or the middle of a single
+  // brick.
   std::int64_t cutAt(const VoxelBox& box, int axis, double share) const {
     const std::int64_t first = box.lo[axis] / brick_size_, last = (box.hi[axis] - 1) / brick_size_;
     if (first == last) return (box.lo[axis] + box.hi[axis]) / 2;

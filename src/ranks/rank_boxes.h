@@ -1,5 +1,6 @@
-// Which voxels each rank draws where ranks share bricks: boxes that fill the volume, made by cutting it again and again
-// so that each side has its share of what the transfer function shows.
+// Problem: give each rank a box of the volume with an equal share of the visible voxels (`--distribute bricks`).
+// Method: bisect the longest axis so that both sides have their share of visible sub-bricks, until each rank has a box.
+// Invariant: the boxes fill the volume and share no voxel.
 #pragma once
 
 #include <vector>
@@ -9,9 +10,9 @@
 
 namespace kiln {
 
-/// One box a rank, cut between bricks of level 0 where there are two of them along an axis. A brick counts as many
-/// voxels as its sub-bricks have that may show something. cost: bricks times the logarithm of the ranks. throws: Error
-/// kUsage where the volume has too few voxels.
+/// Returns one box per rank, cut between bricks of level 0 where an axis has two bricks. A brick weighs as much as the
+/// sub-bricks in it that may show something. cost: bricks times log(ranks). throws: Error kUsage where the volume has
+/// too few voxels.
 std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
 
 }  // namespace kiln

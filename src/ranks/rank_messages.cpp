@@ -7,7 +7,7 @@
 namespace kiln {
 namespace {
 
-// All of a frame's numbers, in one order for both ends.
+// Calls `what` for each number of a frame's statistics, in the same order for sender and receiver.
 template <class Statistics, class Do>
 void eachNumber(Statistics& s, const Do& what) {
   what(s.frame);
@@ -72,7 +72,7 @@ FrameReport reportFrom(const std::vector<std::byte>& bytes) {
 
 void requireTaken(const ByteTaker& taker) {
   if (!taker.ok || !taker.left.empty())
-    throw Error(ErrorCode::kIo, "a message between ranks is cut short; are all of them the same version of Kiln?");
+    throw Error(ErrorCode::kIo, "a message between ranks is cut short; run the same version of Kiln on all ranks");
 }
 
 }  // namespace kiln

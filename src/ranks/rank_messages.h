@@ -1,4 +1,4 @@
-// What ranks tell each other of frames. Frames are named by their place in the row of those that are to be drawn.
+// Messages between ranks about frames. A frame is named by its position in the list of frames to draw.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace kiln {
 
-/// Of a frame or a rank's share of it: what it has cost, or why there is none.
+/// Statistics of a frame, or of a rank's share of a frame; or the error that prevented drawing.
 struct FrameReport {
   std::uint32_t frame = 0;
   FrameStatistics statistics;
@@ -20,7 +20,7 @@ struct FrameReport {
 std::vector<std::byte> packed(const FrameReport& report);
 FrameReport reportFrom(const std::vector<std::byte>& bytes);
 
-/// Of a message that has been read: throws Error kIo where it was not what was taken.
+/// throws: Error kIo where a message was longer or shorter than the values taken from it.
 void requireTaken(const ByteTaker& taker);
 
 }  // namespace kiln

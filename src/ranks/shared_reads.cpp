@@ -13,26 +13,26 @@
 namespace kiln {
 namespace {
 
-// One tag for all, beside those of frames and conversions.
+// Tag of all messages here; frames and conversions have other tags.
 constexpr int kReadsTag = 800;
-// How often the mail is looked for: while something is on its way, and else.
+// Polling interval for messages: while an answer is expected, and otherwise.
 constexpr std::chrono::microseconds kShortPause(100), kLongPause(1000);
-// Files that are read for others at a time; and what they and those on their way may take, in largest files.
+// Server threads; and least and most memory for files being read or sent. unit: threads; largest files.
 constexpr unsigned kMostServers = 4;
 constexpr std::uint64_t kLeastServed = 2, kMostServed = 8;
-// A file that is served is in memory twice: as it was read, and in its message.
+// A served file is in memory twice: as read, and in its message.
 constexpr std::uint64_t kCopies = 2;
-// A message has less than 2 GiB.
+// MPI counts bytes of a message in an int.
 constexpr std::uint64_t kLargestSent = std::uint64_t{1} << 30;
 
 }  // namespace
 
-// The end of each message; before it the file's bytes, if it has any.
+// The last bytes of each message, behind the bytes of a file if the message carries a file.
 struct SharedReads::Letter {
   Kind kind = Kind::kAsk;
   std::int32_t from_disk = 0;
-  std::uint64_t number = 0;  // of the question; when a file has been taken, its bytes
-  Hash128 store;             // checksum of its index
+  std::uint64_t number = 0;  // of the request; in kTaken the file's size in bytes
+  Hash128 store;             // checksum of the store's index
   BrickKey key;
 };
 
@@ -125,7 +125,7 @@ void SharedReads::countRead(const std::vector<std::byte>& file) {
   counts_.read_bytes += file.size();
 }
 
-// What its home has, if it can be had.
+// Requests a file from its home. Returns nothing where the home has no valid file.
 std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, const BrickKey& key) {
   ProfileScope span(Activity::kRead);
   if (span.traced()) {
@@ -232,7 +232,7 @@ void SharedReads::serve(const std::stop_token& stop) {
   }
 }
 
-// A file that cannot be read, whatever is wrong, is left to who asks.
+// A file that fails to read is answered without bytes; the requesting rank then reads the file and reports the error.
 void SharedReads::answer(const Question& question, Lock& lock) {
   Letter letter{Kind::kAnswer, 0, question.number, question.store, question.key};
   const StoreReader* const store = openedStore(question.store);
@@ -273,7 +273,7 @@ void SharedReads::finish() {
     if (failure_) std::rethrow_exception(failure_);
   }
   ranks_.barrier();
-  // Everybody has what they asked for; what they say of having taken it is on its way.
+  // All ranks have their answers; only acknowledgements are still on their way.
   Lock lock(mutex_);
   changed_.wait(lock, [&] { return abandoned_ || (questions_.empty() && serving_ == 0 && serving_bytes_ == 0); });
 }

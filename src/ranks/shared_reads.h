@@ -1,10 +1,8 @@
-// Ranks that draw the same volumes read each brick file once among them. Every file has a home, the rank that all know
-// to be the one that reads it: it keeps the bytes as they are on the disk, and sends them to whoever asks. Who gets
-// none, because its home cannot read the file, or has another volume open, reads it itself; so every error is the one
-// that reading it here gives, and nothing depends on what another rank can do.
-//
-// Nobody waits in a ring: bytes for others are read by threads that ask nobody, and a thread of its own reads the mail,
-// so that a rank answers while it draws, while it waits for a file of another's, and when it has nothing left to draw.
+// Problem: ranks that draw the same volumes read each brick file once among all of them.
+// Method: every file has a home rank, known to all. The home keeps the file's bytes and sends them on request. A rank
+// that gets no bytes (the home cannot read the file, or has another volume open) reads the file itself.
+// Invariant: errors are those of reading locally. No cycle of waiting ranks exists: server threads never request files,
+// and a thread of its own receives messages while the rank draws, waits or has finished.
 #pragma once
 
 #include <condition_variable>
@@ -25,42 +23,42 @@
 
 namespace kiln {
 
-/// The rank that reads a brick of the first volume for all.
+/// The home rank of a brick of the first volume.
 struct BrickHome {
   BrickKey key;
   std::int32_t rank = 0;
-  std::int32_t others = 0;  // ranks that are likely to need it, too; of none it is the first to make room
+  std::int32_t others = 0;  // other ranks likely to need the brick; a brick with 0 is evicted first
 };
 
 class SharedReads : public BrickFiles {
  public:
-  /// Collective in effect: each rank has one, and calls `finish`. requires: `ranks` outlives this.
+  /// Every rank has one instance and calls `finish`. requires: `ranks` outlives this.
   explicit SharedReads(Ranks& ranks);
   ~SharedReads() override;
   SharedReads(const SharedReads&) = delete;
   SharedReads& operator=(const SharedReads&) = delete;
 
-  /// The largest file of all the stores. unit: bytes.
+  /// Returns the size of the stores' largest brick file. unit: bytes.
   static std::uint64_t largestFileOf(const std::vector<const StoreReader*>& stores);
-  /// What of `left_bytes` this rank takes for files: 0 where it is too little for files of `largest_bytes`.
+  /// Returns the part of `left_bytes` that holds shared files; 0 where files of `largest_bytes` do not fit.
   static std::uint64_t shareOf(std::uint64_t budget_bytes, std::uint64_t left_bytes, std::uint64_t largest_bytes);
 
-  /// Bricks that a rank of their own is likely to need; others' homes are scattered. requires: the same on all ranks,
-  /// before anything is fetched.
+  /// Sets the homes of the bricks that a frame needs; all other bricks get a home by hash. requires: equal arguments on
+  /// all ranks, before the first fetch.
   void settle(const std::vector<BrickHome>& homes);
 
-  /// From now on files of these stores are fetched and sent, with so much memory. requires: nothing is open; more than
-  /// 0 bytes, as `shareOf` has it; they stay until `close`.
+  /// Starts to fetch and send files of these stores, within `bytes` of memory. requires: no stores are open; `bytes` is
+  /// a result of `shareOf` above 0; the stores outlive `close`.
   void open(const std::vector<const StoreReader*>& stores, std::uint64_t bytes);
-  /// Others who ask get none from now on. requires: nobody fetches.
+  /// Stops sending files of the open stores. requires: no fetch is under way.
   void close();
 
   BrickFile fetch(const StoreReader& store, const BrickKey& key) override;
 
-  /// Collective. What is fetched from now on each rank reads itself; returns when nobody asks any more. throws: why
-  /// mail could not be read.
+  /// Collective. Each rank reads later fetches itself; returns once no rank has an open request. throws: the error that
+  /// stopped the receiving thread.
   void finish();
-  /// This rank has failed, and will end all: what waits for others waits no longer.
+  /// Wakes all waiting threads without an answer, after this rank has failed.
   void abandon();
 
   SharedReadCounts counts() const;
@@ -90,23 +88,23 @@ class SharedReads : public BrickFiles {
 
   Ranks& ranks_;
   std::map<BrickKey, BrickHome> homes_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards all members below
   std::condition_variable_any changed_;
-  bool asking_ = true;      // else each reads by itself
-  bool abandoned_ = false;  // nothing will be answered
+  bool asking_ = true;      // false: each rank reads for itself
+  bool abandoned_ = false;  // no request will be answered
   std::exception_ptr failure_;
   std::vector<const StoreReader*> stores_;
   std::unique_ptr<EncodedBricks> files_;
-  std::uint64_t largest_serving_bytes_ = 0, serving_bytes_ = 0;  // for others: being read, and on their way
+  std::uint64_t largest_serving_bytes_ = 0, serving_bytes_ = 0;  // files read or sent for other ranks: limit, now
   int serving_ = 0;                                              // threads that are answering
-  std::uint64_t asked_ = 0;                                      // numbers questions
-  std::map<std::uint64_t, Answer> answers_;                      // to those that are asked
-  std::deque<Question> questions_;                               // of others
+  std::uint64_t asked_ = 0;                                      // number of the last request
+  std::map<std::uint64_t, Answer> answers_;                      // by number of the request
+  std::deque<Question> questions_;                               // requests of other ranks
   SharedReadCounts counts_;
   std::vector<std::jthread> threads_;
 };
 
-/// Opens stores for as long as it lives, where there are other ranks and memory for it.
+/// Keeps stores open for other ranks during its lifetime, if there are other ranks and memory.
 class OpenedForRanks {
  public:
   OpenedForRanks(SharedReads* shared, const std::vector<const StoreReader*>& stores, std::uint64_t bytes)
@@ -118,7 +116,7 @@ class OpenedForRanks {
   }
   OpenedForRanks(const OpenedForRanks&) = delete;
   OpenedForRanks& operator=(const OpenedForRanks&) = delete;
-  /// Where bricks are to be fetched; null for the stores' own disk.
+  /// Returns the source of brick files; null: the disk of each store.
   BrickFiles* files() const { return shared_; }
 
  private:

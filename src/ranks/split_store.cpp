@@ -18,7 +18,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// How many voxels of level 0 a voxel of the level spans.
+// Returns the voxels of level 0 that a voxel of the level spans along each axis.
 Extent3 spanOf(const Manifest& volume, int level) {
   const auto edge = [&](int of, int axis) {
     return glm::length(glm::dvec3(volume.levels[static_cast<std::size_t>(of)].geometry.world_from_index[axis]));
@@ -34,8 +34,8 @@ void bring(const fs::path& from, const fs::path& to) {
   if (failed) FileSystem::real().writeOwn(to, readFile(from), WriteMode::kUnsynced);
 }
 
-// A directory with the name NAME.partial until all is in it; then it gets its own. Whoever holds the lock on it removes
-// what a killed process left.
+// A directory named NAME.partial until all files are in it, then renamed to NAME. The holder of the lock removes the
+// remains of a killed process.
 class NewDirectory {
  public:
   explicit NewDirectory(const fs::path& path) : path_(path), building_(path.string() + ".partial") {
@@ -65,8 +65,8 @@ class NewDirectory {
   const fs::path path_, building_;
 };
 
-// Whether a directory is a finished part for `box` of the same store: its manifest, which holds the index's checksum,
-// was written last.
+// Returns whether a directory is a finished part of the same store for `box`. The manifest, written last, holds the
+// checksum of the index.
 bool isPartOf(const StoreReader& store, const VoxelBox& box, const fs::path& directory) {
   try {
     return boxOfStorePart(directory) == box &&
@@ -116,7 +116,7 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
   };
   NewDirectory part(directory);
   const fs::path& building = part.building();
-  disk.writeOwn(building / kPartFile, textOf(box));  // marks what is unfinished as a part
+  disk.writeOwn(building / kPartFile, textOf(box));  // marks the unfinished folder as a part
   std::uint64_t bytes = 0, done = 0, bricks = 0;
   forEach([&](const BrickKey&) { ++bricks; });
   try {
@@ -131,7 +131,7 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
     bring(store.path() / "index.bin", building / "index.bin");
     disk.syncAll(building);
     const std::vector<std::byte> manifest = readFile(store.path() / "manifest.json");
-    // Files are brought by their names, so that all of them are of one store if that is still there.
+    // Files were copied by name; an unchanged store proves that all files belong to one store.
     store.requireUnchanged();
     disk.writeOwn(building / "manifest.json", manifest);
   } catch (const Error& error) {

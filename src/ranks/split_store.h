@@ -1,5 +1,5 @@
-// A store cut up for machines that hold a part of it on a disk of their own: what a rank reads that draws one box of
-// the volume, at every level, beside the whole manifest and index.
+// Cuts a store into parts for machines with disks of their own. A part holds the whole manifest and index, and at each
+// level the bricks that drawing one box of the volume reads.
 #pragma once
 
 #include <filesystem>
@@ -12,24 +12,24 @@
 namespace kiln {
 
 struct StorePart {
-  std::uint64_t bytes = 0;  // of the bricks that were linked or copied
-  bool was_there = false;   // an earlier call had made it
+  std::uint64_t bytes = 0;  // size of the bricks that were linked or copied
+  bool was_there = false;   // an earlier call made the part
 };
 
-/// Makes `directory` the part of the store that drawing `box` reads: its bricks are links to the store's where both are
-/// on one file system, else copies. A part for this box that was made of this store before is kept; what a killed
-/// process left unfinished is begun anew. throws: Error kExists where something else is there or another process makes
-/// it, kNoSpace, kIo, kNotFound.
+/// Writes the part of the store that drawing `box` reads to `directory`. Bricks are hard links where both folders are
+/// on one file system, else copies. A finished part of the same store and box is kept; a part that a killed process
+/// left unfinished is started anew. throws: Error kExists where the folder holds something else or another process
+/// writes the part, kNoSpace, kIo, kNotFound.
 StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const std::filesystem::path& directory,
                          Progress& progress);
 
-/// The box that `writeStorePart` made a directory for. throws: Error kNotFound, kFormat where it is no such part.
+/// Returns the box of a part. throws: Error kNotFound, kFormat where the folder is no part.
 VoxelBox boxOfStorePart(const std::filesystem::path& directory);
 
-/// Whether a part for `box` has a stored brick: whatever drawing it may ask for. requires: the store outlives it.
+/// Returns a test for the stored bricks that drawing `box` may read. requires: the store outlives the test.
 std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box);
 
-/// Of boxes that ranks hold: throws Error kUsage where they do not fill the volume, each voxel once.
+/// throws: Error kUsage where the boxes of the ranks do not fill the volume, each voxel once.
 void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims);
 
 }  // namespace kiln
