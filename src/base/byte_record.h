@@ -1,5 +1,5 @@
-// Values one after the other in a row of bytes, as this machine has them: journals, entries, messages between
-// processes.
+// Appends and reads values in a sequence of bytes, in the byte order of this machine. Journals, resume entries and
+// messages between processes are such sequences.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// Adds the bytes of a value. requires: T is trivially copyable and has no padding.
+/// Appends the bytes of a value. requires: T is trivially copyable and has no padding.
 template <class T>
 void appendValue(std::vector<std::byte>& out, const T& value) {
   const std::size_t at = out.size();
@@ -19,13 +19,13 @@ void appendValue(std::vector<std::byte>& out, const T& value) {
   std::memcpy(out.data() + at, &value, sizeof value);
 }
 
-/// Adds a text and the 0 that ends it. requires: there is none in it.
+/// Appends a text and a terminating 0. requires: the text holds no 0.
 inline void appendText(std::vector<std::byte>& out, const std::string& text) {
   const auto bytes = std::as_bytes(std::span(text.c_str(), text.size() + 1));
   out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
-/// Adds how many values a list has, and them. requires: as appendValue.
+/// Appends the number of values in a list (u64), then the values. requires: as appendValue.
 template <class T>
 void appendList(std::vector<std::byte>& out, const std::vector<T>& list) {
   appendValue(out, static_cast<std::uint64_t>(list.size()));
@@ -33,7 +33,8 @@ void appendList(std::vector<std::byte>& out, const std::vector<T>& list) {
   out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
-/// Takes values from the front of bytes; `ok` stays false once there was too little.
+/// Reads values from the front of a byte sequence. `ok` becomes false at the first value beyond the end and stays
+/// false.
 struct ByteTaker {
   std::span<const std::byte> left;
   bool ok = true;

@@ -1,4 +1,4 @@
-// How long something took.
+// Seconds since a point in time.
 #pragma once
 
 #include <chrono>

@@ -12,7 +12,7 @@ std::string sentence(const std::filesystem::path& path, const std::string& place
   std::string out = path.string();
   if (!place.empty()) out += (out.empty() ? "" : ": ") + place;
   out += (out.empty() ? "" : ": ") + what;
-  // Names of files and messages of libraries may hold anything.
+  // File names and messages of libraries may hold any bytes.
   return shown(out);
 }
 

@@ -25,7 +25,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Closes on every way out; a failed close after a write is an error of its own and is asked for explicitly.
+// Closes the file on destruction. After a write, call `close` explicitly, because a failed close is a failed write.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -41,7 +41,7 @@ class Descriptor {
   int fd_;
 };
 
-// At the file's own place where `offset` is not given.
+// Writes all bytes, at `offset`, or at the current position of the file if no offset is given.
 void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
               std::optional<std::uint64_t> offset = {}) {
   std::size_t done = 0;
@@ -56,13 +56,13 @@ void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
   }
 }
 
-// Writes the first of the bytes past the page cache; returns how many. The rest, which is all of them on a file system
-// that cannot do it, is to be written the other way, which also tells what is wrong with the disk.
+// Writes a first part of the bytes past the page cache and returns its length, which may be 0. The caller writes the
+// remaining bytes through the cache; that second write reports any failure of the disk.
 std::size_t writePastCache(int file, std::span<const std::byte> data) {
   constexpr std::size_t kBlock = 4096, kBuffer = 256 * kBlock;
   const int flags = ::fcntl(file, F_GETFL);
   if (data.size() < kBuffer || flags < 0 || ::fcntl(file, F_SETFL, flags | O_DIRECT) != 0) return 0;
-  // The kernel takes whole blocks, and memory that begins at one.
+  // O_DIRECT needs whole blocks and block-aligned memory.
   const std::unique_ptr<void, void (*)(void*)> buffer(std::aligned_alloc(kBlock, kBuffer), std::free);
   std::size_t done = 0;
   while (buffer && data.size() - done >= kBlock) {
@@ -83,27 +83,27 @@ int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {
   return uninterrupted([&] { return ::open(path.c_str(), flags, mode); });
 }
 
-// Opens a device, which may let its writer wait. A signal ends the wait (EINTR), so that Ctrl-C does.
+// Opens a device. Opening may block, so a signal must end the wait (EINTR): Ctrl-C then works.
 int openInPlace(const fs::path& path, int flags) { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags); }
 
-constexpr int kMostLinks = 40;  // as the system follows
+constexpr int kMostLinks = 40;  // the limit of Linux
 
-// What a link is a link to; nothing where it is none.
+// Returns the target of a link; nothing if `path` is no link.
 std::optional<fs::path> behindLink(const fs::path& path) {
   std::error_code unknown;
   if (!fs::is_symlink(fs::symlink_status(path, unknown))) return std::nullopt;
-  if (!mayBeFollowed(path))
-    throw Error(ErrorCode::kIo, path, "", "is a link that another user made; name what it leads to");
+  if (!mayBeFollowed(path)) throw Error(ErrorCode::kIo, path, "", "is a link made by another user; name its target");
   const fs::path target = fs::read_symlink(path, unknown);
   return unknown ? std::nullopt : std::optional(path.parent_path() / target);
 }
 
-// Of a name such as /dev/stdout, which of this process' open files it is.
+// Returns the file descriptor of this process that a name such as /dev/stdout stands for.
 std::optional<int> descriptorNamed(const fs::path& path) {
   std::error_code unknown;
   const fs::path own = fs::canonical("/proc/self/fd", unknown);
   if (unknown) return std::nullopt;
-  // By the last link but one: the last is to what is open, which may be anywhere, or nowhere any more.
+  // The last link but one decides: the last link leads to the open file, which may lie anywhere or have no name any
+  // more.
   std::optional<fs::path> at = path;
   for (int i = 0; at && i < kMostLinks; ++i, at = behindLink(*at)) {
     if (fs::canonical(at->has_parent_path() ? at->parent_path() : ".", unknown) != own || unknown) continue;
@@ -115,14 +115,15 @@ std::optional<int> descriptorNamed(const fs::path& path) {
   return std::nullopt;
 }
 
-// A file of its own to write from its start: a new one, or an own one of that name, emptied. A link or another user's
-// file of that name is removed and never written through, and so is a pipe, which would wait for a reader; a device or
-// an open file (isWrittenInPlace) is not new. Negative, with errno, where that fails.
+// Opens a file of this user for writing from its start: a new file, or an emptied one of this name.
+// Removes a link, a pipe or another user's file of this name and never writes through it.
+// Devices and open files (isWrittenInPlace) are opened as they are. Returns a negative number and sets errno on
+// failure.
 int openToWrite(const fs::path& path) {
   constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
   const int made = openUninterrupted(path, kNew, 0666);
   if (made >= 0 || errno != EEXIST) return made;
-  // Opened anew, an open file would be written from its start, over what it has been written to.
+  // A second open would start at offset 0 and overwrite the bytes already written, so the descriptor is duplicated.
   if (const std::optional<int> open = descriptorNamed(path)) return ::fcntl(*open, F_DUPFD_CLOEXEC, 0);
   if (isWrittenInPlace(path)) return openInPlace(path, 0);
   const int found = openUninterrupted(path, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -145,7 +146,7 @@ int openToAppend(const fs::path& path) {
 
 }  // namespace
 
-// Opening a pipe would wait for somebody who writes into it.
+// O_NONBLOCK: opening a pipe would block until a program writes into the pipe.
 File::File(const fs::path& path)
     : path_(path), descriptor_(openUninterrupted(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (descriptor_ < 0) throw systemError(errno, path, "opening for reading");
@@ -156,7 +157,7 @@ File::File(const fs::path& path)
   if (failed != 0) throw systemError(failed, path, "opening for reading");
   if (stream)
     throw Error(ErrorCode::kUnsupported, path, "",
-                "is a pipe or a device, which cannot be read from any place on; save it as a file first");
+                "is a pipe or a device, which cannot be read at an offset; save it as a file first");
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -177,7 +178,7 @@ std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) con
     done += static_cast<std::size_t>(got);
     countIo();
   }
-  // A reader that takes the end of the file for the end of the data would lose the rest without an error.
+  // An early end of file is an error: a caller would take it for the end of the data and lose the rest.
   if (done < out.size() && offset + done < size_) {
     throw Error(ErrorCode::kIo, path_, "byte " + std::to_string(offset + done),
                 "the file ends here, but it had " + std::to_string(size_) +
@@ -198,8 +199,7 @@ std::vector<std::byte> readFile(const fs::path& path, std::uint64_t limit_bytes)
   const File file(path);
   if (file.size() > limit_bytes) {
     throw Error(ErrorCode::kFormat, path, "",
-                "has " + std::to_string(file.size()) + " bytes, more than the " + std::to_string(limit_bytes) +
-                    " that are expected");
+                "has at most " + std::to_string(limit_bytes) + " bytes (found " + std::to_string(file.size()) + ")");
   }
   std::vector<std::byte> data(file.size());
   file.readAt(0, data);
@@ -265,7 +265,7 @@ void FileSystem::writeOwn(const fs::path& path, const std::function<void(const f
     write(temporary);
     rename(temporary, path);
   } catch (...) {
-    ::unlink(temporary.c_str());  // nobody's directory of that name
+    ::unlink(temporary.c_str());  // does not remove a directory of this name
     throw;
   }
 }
@@ -290,7 +290,7 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status there = fs::status(path, unknown);
   if (fs::is_directory(there)) throw Error(ErrorCode::kIo, path, "", "is a directory; name a file");
-  // A pipe waits for a reader without end, and a name of a disk is not to be a file's.
+  // A pipe would block until a reader opens it; the name of a disk must not become a file.
   if (fs::exists(there) && !fs::is_regular_file(there))
     throw Error(ErrorCode::kUsage, path, "",
                 fmt::format("is {}; name a file", fs::is_fifo(there)     ? "a named pipe"
@@ -304,15 +304,16 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   const long most = ::pathconf(directory.c_str(), _PC_NAME_MAX);
   const auto bytes = static_cast<long>(place.filename().native().size()) + TemporaryFile::kLongerBytes;
   if (most > 0 && bytes > most) {
-    throw Error(
-        ErrorCode::kIo, path, "",
-        fmt::format("its name is {} {} too long: {} are kept for what it is called until it is whole", bytes - most,
-                    bytes - most == 1 ? "byte" : "bytes", bytes - static_cast<long>(place.filename().native().size())));
+    throw Error(ErrorCode::kIo, path, "",
+                fmt::format("its name is {} {} too long: a temporary name beside it needs {} more; shorten the name",
+                            bytes - most, bytes - most == 1 ? "byte" : "bytes",
+                            bytes - static_cast<long>(place.filename().native().size())));
   }
   struct stat of_file, of_directory;
   if (::geteuid() == 0 || ::stat(place.c_str(), &of_file) != 0 || ::stat(directory.c_str(), &of_directory) != 0) return;
   if ((of_directory.st_mode & S_ISVTX) != 0 && of_file.st_uid != ::geteuid() && of_directory.st_uid != ::geteuid())
-    throw Error(ErrorCode::kIo, path, "", "is another user's, who alone may replace it there; name another file");
+    throw Error(ErrorCode::kIo, path, "",
+                "belongs to another user, who alone may replace it in this directory; name another file");
 }
 
 void FileSystem::requirePlaceToRename(const fs::path& path) {
@@ -369,7 +370,7 @@ void FileSystem::syncAll(const fs::path& path) {
 
 void FileSystem::removeAll(const fs::path& path) {
   std::error_code error;
-  // Removes in a second walk what a call that failed once has left.
+  // A second walk removes entries that a failing call left behind.
   for (int walks = 0; walks == 0 || (error && walks < 2); ++walks) {
     do {
       fs::remove_all(path, error);
@@ -379,10 +380,10 @@ void FileSystem::removeAll(const fs::path& path) {
 }
 
 File FileSystem::makeScratch(const fs::path& directory) {
-  // Where the process ends between the two calls, the name is one that an unfinished store may hold.
+  // A process that ends between the two calls leaves this name, which an unfinished store may hold.
   constexpr std::string_view kSuffix = ".tmp";
   std::string name;
-  // A failed call leaves any name behind, and the next one needs the pattern.
+  // A failed call changes the name, and the next call needs the pattern again.
   File file(directory, uninterrupted([&] {
               name = (directory / "scratch_XXXXXX").string() + std::string(kSuffix);
               return ::mkostemps(name.data(), static_cast<int>(kSuffix.size()), O_CLOEXEC);

@@ -1,5 +1,5 @@
-// Files as Kiln uses them: read whole or at an offset, and written so that a reader sees all of a file or none of it.
-// Every write to a store goes through `FileSystem`, so that a test can make the n-th one fail.
+// Reads files, whole or at an offset, and replaces files atomically: a reader sees a whole file or none.
+// Every write to a store goes through `FileSystem`, so a test can make the n-th write fail.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +29,9 @@ class File {
   /// unit: bytes.
   std::uint64_t size() const { return size_; }
 
-  /// Fills `out` from `offset`. throws: Error kFormat where the file ends before `out` is full, kIo.
+  /// Fills `out` from `offset`. throws: Error kFormat if the file ends before `out` is full, kIo.
   void readAt(std::uint64_t offset, std::span<std::byte> out) const;
-  /// Up to `out.size()` bytes from `offset`; returns how many there were. throws: Error kIo.
+  /// Reads up to `out.size()` bytes from `offset` and returns the number of bytes read. throws: Error kIo.
   std::size_t readSomeAt(std::uint64_t offset, std::span<std::byte> out) const;
 
  private:
@@ -43,7 +43,7 @@ class File {
   std::uint64_t size_ = 0;
 };
 
-/// The whole of a file. throws: Error kNotFound, kIo, kFormat where it is larger than `limit_bytes`.
+/// Returns the whole file. throws: Error kNotFound, kIo, kFormat if the file is larger than `limit_bytes`.
 std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
 
@@ -51,87 +51,90 @@ inline std::span<const std::byte> bytesOf(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-/// A name's ending in small letters, with its dot: kinds of files are told by it.
+/// Returns the extension of a file name in small letters, with the dot. The extension decides the kind of file.
 std::string extensionOf(const std::filesystem::path& path);
 
-/// What a name leads to: of a link, and of a link to one, what it is a link to, be it there or not; of others itself.
-/// So that a picture is put where a link says, and the link stays. throws: Error kIo where another user made a link.
+/// Follows a link, and a link to a link, to the last target, existing or not. Any path without a link is returned
+/// unchanged. Writing to the target keeps the link. throws: Error kIo if another user made a link.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
-/// Whether what has this name is written to as it is, never replaced: a device such as /dev/null, or a file that is
-/// named by who has it open, as /dev/stdout is.
+/// True if writing to `path` must not replace the file: a device such as /dev/null, or an open file of this process,
+/// such as /dev/stdout.
 bool isWrittenInPlace(const std::filesystem::path& path);
 
-/// Files by their names, of which several may be one's: by links, and of folders by other spellings.
+/// A set of files. Several names of one file (by links, or by other spellings of a folder) are one element.
 class FileNames {
  public:
-  /// False where the file is among them already, be it there or not.
+  /// Adds a file, existing or not. Returns false if the set already holds the file.
   bool add(const std::filesystem::path& path);
 
  private:
-  std::map<std::filesystem::path, std::filesystem::path> folders_;  // as they are named, and as they are
+  // folder as spelled by the caller -> resolved folder
+  std::map<std::filesystem::path, std::filesystem::path> folders_;
   std::unordered_set<std::string> names_;
 };
 
-/// What is true of a file when the call that writes it returns.
+/// State of a written file when the write call returns.
 enum class WriteMode {
-  kSynced,     // it is on its disk
-  kUnsynced,   // it is there for every reader; bringing it onto the disk is left to a later `syncAll`
-  kPastCache,  // as kUnsynced, but where the file system allows it, its bytes took no room in the page cache: for more
-               // bytes than that has room for, which nobody reads soon
+  kSynced,     // the bytes are on the disk
+  kUnsynced,   // every reader sees the bytes; a later `syncAll` brings them onto the disk
+  kPastCache,  // as kUnsynced, but past the page cache if the file system can; for large data not read soon
 };
 
-/// The changes Kiln makes to a disk. Tests derive from it to fail at the n-th call (tests/support).
+/// The changes that Kiln makes to a disk. Tests derive from this class to fail at the n-th call (tests/support).
 class FileSystem {
  public:
   virtual ~FileSystem() = default;
-  /// The machine's own.
+  /// The file system of the operating system.
   static FileSystem& real();
 
-  /// As `replace`; a device or an open file (isWrittenInPlace) is written to directly. throws: Error kNoSpace, kIo.
+  /// Writes a file by `replace`; a device or an open file (isWrittenInPlace) is written directly. throws: Error
+  /// kNoSpace, kIo.
   void writeAtomic(const std::filesystem::path& path, std::span<const std::byte> data);
   void writeAtomic(const std::filesystem::path& path, std::string_view text);
-  /// The same in a directory of Kiln's own, such as a store's, where one process writes at a time: the name beside is
-  /// always `path` and `.tmp`, so that who goes on after a kill replaces what that left.
+  /// Writes a file atomically in a directory that only one Kiln process writes to, such as a store. The temporary name
+  /// is always `path` plus `.tmp`, so a process that resumes after a kill replaces the leftover file.
   void writeOwn(const std::filesystem::path& path, std::span<const std::byte> data,
                 WriteMode mode = WriteMode::kSynced);
   void writeOwn(const std::filesystem::path& path, std::string_view text);
-  /// The same of a file that write(temporary) writes piece by piece.
+  /// Calls write(temporary), which makes the file, then renames the file to `path`, as the other overloads do.
   void writeOwn(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
   /// Calls make(temporary), which writes a TemporaryFile beside `path`, and renames that file to `path`: a reader sees
-  /// the old file or the new file, never a part. A link stays, and its target is replaced. On failure the temporary
-  /// file is removed. throws: what `make` throws, Error kIo.
+  /// the old file or the new file, never a part. If `path` is a link, its target is replaced. On failure the temporary
+  /// file is removed. throws: any exception of `make`, Error kIo.
   void replace(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& make);
 
-  /// Before hours of work whose result goes there: that a file of this name can be made. throws: Error kNotFound where
-  /// there is no such directory, kIo where a directory has the name, where nothing can be made beside it, where it is
-  /// too long for that, or another user's who alone may replace it; kNoSpace; kUsage where a pipe, a socket or a disk
-  /// has the name. What isWrittenInPlace is not asked.
+  /// Checks that a file of this name can be made, before hours of work that end with the file. Skips a path that is
+  /// written in place (isWrittenInPlace).
+  /// throws: Error kNotFound if the directory does not exist; kIo if a directory has the name, if no temporary file can
+  /// be made beside it, if the name is too long for a temporary name, or if only another user may replace the file;
+  /// kNoSpace; kUsage if a pipe, a socket or a disk has the name.
   void requirePlaceFor(const std::filesystem::path& path);
 
-  /// The same for what is made piece by piece and then gets its name. throws: as that; kUsage also where the name is
-  /// of what isWrittenInPlace.
+  /// Checks as requirePlaceFor for an output that is made in pieces and renamed at the end. throws: as requirePlaceFor;
+  /// also kUsage for a path that is written in place.
   void requirePlaceToRename(const std::filesystem::path& path);
 
   virtual void makeDirectories(const std::filesystem::path& path);
-  /// Makes a file of `data`. A link or another user's file of that name is replaced and never written through.
+  /// Makes a file that holds `data`. Replaces a link or another user's file of this name; never writes through either.
   virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);
-  /// Adds `data` to the end of a file, which is made where it is not there. A crash may leave a part of it.
+  /// Appends `data` to a file and makes the file if there is none. A crash may leave a part of `data`.
   virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);
-  /// Exchanges two names in one step, so that a reader finds something under each at any time. Returns false where the
-  /// file system cannot. throws: Error kIo.
+  /// Exchanges two names in one step: each name leads to a file at any time. Returns false if the file system cannot.
+  /// throws: Error kIo.
   virtual bool exchange(const std::filesystem::path& a, const std::filesystem::path& b);
-  /// Brings one file, whoever wrote it, onto its disk.
+  /// Brings one file, written by any process, onto its disk.
   virtual void syncFile(const std::filesystem::path& path);
-  /// Brings everything written to the file system that holds `path`, and every new name on it, onto its disk. cost: one
-  /// wait, where a sync of each of thousands of files would be thousands.
+  /// Brings all written data and all new names on the file system of `path` onto the disk. cost: one wait, instead of
+  /// one wait per file.
   virtual void syncAll(const std::filesystem::path& path);
   virtual void removeAll(const std::filesystem::path& path);
 
-  /// A new and empty file on the disk of `directory`, for `writeAt` and reading. It has no name any more, so nothing of
-  /// it is left once it is closed, however the process ends. throws: Error kNoSpace, kIo, naming `directory`.
+  /// Makes a new, empty file on the disk of `directory`, for `writeAt` and reading. The file has no name, so it
+  /// disappears when closed, even after a crash. throws: Error kNoSpace, kIo, naming `directory`.
   virtual File makeScratch(const std::filesystem::path& directory);
-  /// Writes `data` from `offset` of a file that `makeScratch` made. thread: safe for bytes that no other call touches.
+  /// Writes `data` at `offset` into a file made by `makeScratch`. thread: safe for bytes that no other call writes or
+  /// reads.
   virtual void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data);
 };
 

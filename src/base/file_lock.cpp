@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 namespace {
 
-// The text of a lock file; a file that begins otherwise is somebody's.
+// Start of the text in a lock file; a file with another start is no lock.
 constexpr std::string_view kHolder = "kiln process ";
 constexpr std::uint64_t kMostHolderBytes = 512;
 
-// Nothing where the lock does not say who holds it.
+// Returns the holder; empty if the lock file holds none.
 std::string holderOf(const fs::path& lock) {
   try {
     const std::string text = readTextFile(lock, kMostHolderBytes);
@@ -37,7 +37,7 @@ std::string holderOf(const fs::path& lock) {
   return "another process";
 }
 
-// What is no file and has the name of a lock; nothing where there is a file, or nothing to be seen.
+// Names the kind of a directory entry that is no regular file; null for a regular file or an unreadable entry.
 const char* otherKindOf(const fs::path& path) {
   std::error_code unknown;
   switch (fs::symlink_status(path, unknown).type()) {
@@ -57,7 +57,7 @@ const char* otherKindOf(const fs::path& path) {
   }
 }
 
-// An empty file is a lock that is about to be signed.
+// True for a lock file. An empty file is a lock whose holder has not signed yet.
 bool isLock(int file, const fs::path& path) {
   std::array<char, kHolder.size()> begin;
   const ssize_t got = uninterrupted([&] { return ::pread(file, begin.data(), begin.size(), 0); });
@@ -88,7 +88,7 @@ FileLock::Attempt FileLock::attempt() {
   };
   file_ = open(O_RDWR | O_CREAT);
   if (file_ < 0) file_ = open(O_RDONLY);  // another user's
-  // What cannot be made here fails when the output is made.
+  // If the lock cannot be made for one of these reasons, making the output fails with a better error.
   constexpr std::array kNoPlace = {EACCES, EPERM, EROFS, ENOENT, ENOTDIR, ENAMETOOLONG, ENOSPC, EDQUOT};
   if (file_ < 0 && std::find(kNoPlace.begin(), kNoPlace.end(), errno) != kNoPlace.end()) return Attempt::kDone;
   const int error = file_ < 0 ? errno : 0;
@@ -102,9 +102,9 @@ FileLock::Attempt FileLock::attempt() {
   if (file_ < 0) throw systemError(error, path_, "opening the lock");
   try {
     if (!isLock(file_, path_))
-      throw Error(ErrorCode::kExists, path_, "", "is in the way of a lock, and is none; move it");
+      throw Error(ErrorCode::kExists, path_, "", "has the name of a lock file, but is none; move it");
     const int failed = lockAtOnce(file_) ? 0 : errno;
-    // The former holder may have removed the file: then others lock a new file of that name.
+    // The former holder may have removed the file; other processes then lock a new file of this name.
     if (failed == 0 && leadsTo(path_, file_)) return Attempt::kDone;
     disk_has_locks_ = failed == 0 || failed == EWOULDBLOCK;
     if (!disk_has_locks_ && isEmpty(file_)) removeIfStill(path_, file_);
@@ -117,7 +117,8 @@ FileLock::Attempt FileLock::attempt() {
   }
 }
 
-// For whoever is refused. The lock is the kernel's, so that a failure here is of no consequence.
+// Writes the holder into the lock file, for error messages of other processes. Failure is harmless: the kernel holds
+// the lock.
 void FileLock::sign() const {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);

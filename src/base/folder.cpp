@@ -8,7 +8,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// False where a visit stopped the walk.
+// Returns false if a visit stopped the walk.
 bool walk(const fs::path& folder, bool below, const VisitEntry& visit) {
   std::error_code error;
   fs::directory_iterator at;

@@ -1,4 +1,4 @@
-// Lists folders of a disk that may fail.
+// Lists folders on a disk that may fail.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace kiln {
 
-/// How a walk goes on after an entry. kPassOver: without the entries of this folder.
+/// Continuation after an entry. kPassOver skips the contents of the entry, a folder.
 enum class Walk { kGoOn, kPassOver, kStop };
 using VisitEntry = std::function<Walk(const std::filesystem::directory_entry&)>;
 

@@ -1,4 +1,4 @@
-// 128-bit content hashes (XXH3): what the store's checksums and reproducible file identifiers are made of.
+// 128-bit content hashes (XXH3) for the checksums of a store and for reproducible file identifiers.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Hash128 {
 Hash128 hashOf(std::span<const std::byte> data);
 Hash128 hashOf(std::string_view text);
 
-/// The hash of bytes that come piece by piece: what hashOf returns for all of them.
+/// Hashes bytes that come in pieces; `value` equals hashOf of all bytes.
 class HashStream {
  public:
   HashStream();
@@ -32,7 +32,7 @@ class HashStream {
   std::unique_ptr<State> state_;
 };
 
-/// 32 lower-case hexadecimal digits, and back. throws: Error kFormat where `hex` is not 32 such digits.
+/// Converts to 32 lower-case hexadecimal digits and back. throws: Error kFormat if `hex` is not 32 such digits.
 std::string toHex(const Hash128& hash);
 Hash128 hashFromHex(std::string_view hex);
 

@@ -1,4 +1,5 @@
-// Counts finished reads and writes of this process, so that a watch can tell work from a disk that does not answer.
+// Counts finished reads and writes of this process, so a watchdog can distinguish progress from a disk that does not
+// answer.
 #pragma once
 
 #include <atomic>

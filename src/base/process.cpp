@@ -1,5 +1,5 @@
-// The input is a socket and not a pipe, because only there can a write to a program that has ended be asked not to
-// raise a signal.
+// The input is a socket, not a pipe: only a socket has a flag (MSG_NOSIGNAL) for writes to an ended program without a
+// signal.
 #include "base/process.h"
 
 #include <fcntl.h>
@@ -112,7 +112,7 @@ void FedProcess::finish(const Waiting& waiting) {
 }
 
 void FedProcess::fail(const std::string& what) const {
-  // The last line that it wrote.
+  // Last line of standard error.
   std::array<char, 2000> buffer;
   const off_t size = ::lseek(complaints_, 0, SEEK_END);
   const off_t from = size > static_cast<off_t>(buffer.size()) ? size - static_cast<off_t>(buffer.size()) : 0;

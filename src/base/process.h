@@ -1,4 +1,4 @@
-// The machine's name, and another program that is fed through a pipe, without a shell.
+// The name and limits of this machine, and a child program that reads its input from this process, without a shell.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@ namespace kiln {
 /// The name of this machine; "an unknown host" if the system has none.
 std::string hostName();
 
-/// How many files this process may have open at once (ulimit -n).
+/// The number of files this process may have open at once (ulimit -n).
 std::uint64_t mostOpenFiles();
 
-/// The program's standard input is what `write` is given, its standard output goes nowhere, and what it complains of is
-/// kept. Destroyed before `finish`, it is ended at once.
+/// Runs a program whose standard input is fed by `write`. Its standard output is discarded, its standard error is kept
+/// for error messages. Destruction before `finish` kills the program.
 class FedProcess {
  public:
   /// requires: `program` is a path, not a name to look up. throws: Error kNotFound, kIo.
@@ -28,11 +28,12 @@ class FedProcess {
   FedProcess(const FedProcess&) = delete;
   FedProcess& operator=(const FedProcess&) = delete;
 
-  /// Asked several times a second while the program keeps this one waiting; it may throw.
+  /// Called several times a second while the program does not read; may throw.
   using Waiting = std::function<void()>;
-  /// throws: Error kIo with the program's last complaint where it takes no more; what `waiting` throws.
+  /// throws: Error kIo, with the program's last error line, if the program stops reading; any exception of `waiting`.
   void write(std::span<const std::byte> data, const Waiting& waiting);
-  /// Ends its input and waits for it. throws: Error kIo with its last complaint where it fails; what `waiting` throws.
+  /// Closes the input and waits for the program to end. throws: Error kIo, with the program's last error line, if the
+  /// program fails; any exception of `waiting`.
   void finish(const Waiting& waiting);
 
  private:

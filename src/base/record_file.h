@@ -1,5 +1,5 @@
-// A file that grows by records, each with its hash: whatever ends the process, all whole ones are read again, and a
-// torn one at the end is known. What goes on from where another run stopped is kept like this.
+// A file of records, each with a hash of its bytes, that grows at its end. A torn record at the end is detected, and
+// all whole records before it are readable after any crash. Journals of resumable work are such files.
 #pragma once
 
 #include <array>
@@ -14,15 +14,15 @@
 
 namespace kiln {
 
-/// What the file begins with: which kind of it this is.
+/// The first bytes of the file, which name its kind.
 using RecordMagic = std::array<char, 8>;
 
-/// Adds a record: a u32 length, the hash of the payload, the payload.
+/// Appends a record: payload length (u32), hash of the payload, payload.
 void appendRecord(std::vector<std::byte>& out, std::span<const std::byte> payload);
 std::vector<std::byte> beginningOf(const RecordMagic& magic);
 
-/// Calls take(payload) for each whole record, up to the first that is none, or for which it says false. Returns how
-/// long the file is up to there; nothing where there is no file or it is of another kind. unit: bytes. throws: Error
+/// Calls take(payload) for each whole record, until a record is torn or `take` returns false. Returns the length of the
+/// file up to the last accepted record; nothing if the file is missing or of another kind. unit: bytes. throws: Error
 /// kIo.
 std::optional<std::uint64_t> readRecords(const std::filesystem::path& path, const RecordMagic& magic,
                                          const std::function<bool(std::span<const std::byte>)>& take);

@@ -23,7 +23,7 @@ struct stat directoryStatus(const fs::path& directory) {
   if (!S_ISDIR(status.st_mode)) throw Error(ErrorCode::kIo, directory, "", "is no directory; name another output");
   if (!isTrusted(status.st_uid))
     throw Error(ErrorCode::kIo, directory, "",
-                "belongs to another user, who could change what is written there; name another output");
+                "belongs to another user, who could change the output; name another output");
   return status;
 }
 
@@ -41,8 +41,8 @@ bool leadsTo(const fs::path& path, int open_file) {
 void removeIfStill(const fs::path& path, int open_file) noexcept {
   struct stat open, named;
   const auto known = [&] { return ::fstat(open_file, &open) == 0 && ::lstat(path.c_str(), &named) == 0; };
-  // A call that failed once is repeated. A name without a file stays alone: another process may give it to its own file
-  // before an unlink.
+  // A failed call is repeated once. If the name leads to no file, the name is left alone: another process may use it
+  // for its own file before an unlink.
   if (!known() && !known()) return;
   if (open.st_dev != named.st_dev || open.st_ino != named.st_ino) return;
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) ::unlink(path.c_str());
@@ -76,8 +76,7 @@ std::int64_t changeTimeNs(const fs::path& path) {
 void requireOwnDirectory(const fs::path& directory) {
   if ((directoryStatus(directory).st_mode & S_IWOTH) != 0)
     throw Error(ErrorCode::kIo, directory, "",
-                "may be written to by everybody, who could change what is made in it; name a new directory in it, or "
-                "chmod o-w");
+                "is writable by every user, who could change the output; name a new directory inside it, or chmod o-w");
 }
 
 void requireOwner(const fs::path& directory) { directoryStatus(directory); }

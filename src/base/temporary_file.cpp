@@ -14,7 +14,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 
 TemporaryFile::TemporaryFile(const fs::path& path) : destination_(path) {
-  // More processes than this do not write one file at once; on a disk without locks each killed one uses up a slot.
+  // Upper bound of processes that write one file at once. On a disk without locks each killed process uses up a slot.
   constexpr int kSlots = 99;
   for (int slot = 1; slot <= kSlots; ++slot) {
     path_ = fmt::format("{}.kiln-{:03}.tmp", path.string(), slot);
@@ -35,7 +35,7 @@ bool TemporaryFile::claim() {
   if (file_ < 0) return false;
   const bool locked = lockAtOnce(file_), no_locks = !locked && errno != EWOULDBLOCK;
   try {
-    // A file that was found is empty again, if its former owner has not renamed it to its destination meanwhile.
+    // A file found in the slot is emptied, unless its former owner renamed it to its destination meanwhile.
     if ((locked || (made && no_locks)) && leadsTo(path_, file_) &&
         (made || (isOwnFile(file_) && ::ftruncate(file_, 0) == 0)))
       return true;

@@ -5,7 +5,7 @@
 namespace kiln {
 namespace {
 
-// Unicode code point of a character of `bytes` bytes (bytesOfCharacter).
+// Returns the Unicode code point of a character that is `bytes` bytes long (bytesOfCharacter).
 unsigned codePoint(std::string_view text, std::size_t bytes) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   if (bytes == 1) return byte(0);
@@ -14,14 +14,14 @@ unsigned codePoint(std::string_view text, std::size_t bytes) {
   return out;
 }
 
-// True for characters with an effect on a terminal, on the order of a line, or on lines.
+// True for characters that control a terminal, change the order of a line, or break lines.
 bool isUnsafe(unsigned c) {
   return c < 0x20 || (c >= 0x7f && c <= 0x9f) || c == 0x061c || c == 0x200e || c == 0x200f ||
          (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
 }
 
-// Calls `plain` with the bytes of each safe or kept character, else `unsafe` with the code point and false, or with a
-// byte outside UTF-8 and true.
+// Calls `plain` with the bytes of each safe or kept character. For each unsafe character calls `unsafe` with its code
+// point and false; for each byte outside UTF-8, with the byte and true.
 template <class Keeps, class Plain, class Unsafe>
 void eachCharacter(std::string_view text, const Keeps& keeps, const Plain& plain, const Unsafe& unsafe) {
   while (!text.empty()) {
@@ -59,7 +59,8 @@ std::size_t bytesOfCharacter(std::string_view text) {
   if (first < 0xc2 || first > 0xf4 || count > text.size()) return 0;
   for (std::size_t i = 1; i < count; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Below are longer forms than need be (e0, f0), above what is half a character (ed) or none (f4).
+  // Second bytes below `least` make an overlong form (e0, f0). Second bytes above `most` make half a surrogate pair
+  // (ed) or exceed Unicode (f4).
   const unsigned char least = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const unsigned char most = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   return byte(1) >= least && byte(1) <= most ? count : 0;

@@ -1,12 +1,12 @@
-// Repeats system calls that a signal interrupts, as network and user-space file systems let signals do.
+// Repeats system calls interrupted by a signal; network and user-space file systems allow such interrupts.
 #pragma once
 
 #include <cerrno>
 
 namespace kiln {
 
-/// Returns the call's result once it is no EINTR. requires: the call returns a number below 0 where it fails, and sets
-/// errno.
+/// Repeats the call until it does not fail with EINTR, and returns its result. requires: the call returns a negative
+/// number and sets errno on failure.
 template <class Call>
 auto uninterrupted(const Call& call) {
   auto result = call();

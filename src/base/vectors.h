@@ -1,8 +1,8 @@
-// Functions that are compiled once for every machine and once for those with wide vectors; which runs is decided when
-// the program starts. Either gives the same bits: no sum is reordered, and none fused with a product.
+// KILN_VECTORS compiles a function for the baseline machine and for wide vectors; the program selects a version at its
+// start. All versions return equal bits: no sum is reordered, and no sum is fused with a product.
 #pragma once
 
-// The sanitizers' own start is too late for such a decision. Names of levels are known from GCC 12 on.
+// Sanitizers start too late for the selection. GCC knows the names of levels from version 12 on.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #if __GNUC__ >= 12

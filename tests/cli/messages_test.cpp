@@ -150,8 +150,10 @@ TEST_F(Messages, LinksThatLeadToOneAnother_AreNamedWithARemedy) {
     refused(command, 1, "Too many levels of symbolic links; the links lead to one another, so mend them or name");
   }
   for (const std::size_t bytes : {252, 255})
-    refused({"tf", "ct-bone", "-o", in(std::string(bytes - 4, 'n') + ".png")}, 1,
-            fmt::format(".png: its name is {} bytes too long: 13 are kept", bytes - 242));
+    refused(
+        {"tf", "ct-bone", "-o", in(std::string(bytes - 4, 'n') + ".png")}, 1,
+        fmt::format(".png: its name is {} bytes too long: a temporary name beside it needs 13 more; shorten the name",
+                    bytes - 242));
   const std::string name(256, 'n');
   refused({"convert", "phantom:head:16x16x16", in(name)}, 1,
           "File name too long; most file systems allow names of 255");
@@ -298,7 +300,7 @@ TEST_F(Messages, WhatIsInTheWayOfALock_IsNamedAndStays) {
   fs::create_symlink("h.kiln.lock", in("h.kiln.lock"));
   expectInTheWay("a link");
   writeText(in("h.kiln.lock"), "precious");
-  refused({"convert", "phantom:head:16x16x16", in("h.kiln")}, 1, "is in the way of a lock, and is none; move it");
+  refused({"convert", "phantom:head:16x16x16", in("h.kiln")}, 1, "has the name of a lock file, but is none; move it");
   EXPECT_EQ(readTextFile(in("h.kiln.lock")), "precious");
 }
 

@@ -29,7 +29,7 @@ TEST(Module, SaysWhatIsNotThereAndWhatThatMeans) {
     functionOfModule("libc.so.6", "kilnNone", "pigs cannot fly");
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()), "libc.so.6: is not of this version of Kiln; install it anew");
+    EXPECT_EQ(std::string(error.what()), "libc.so.6: belongs to another version of Kiln; reinstall Kiln");
   }
 }
 

@@ -82,7 +82,7 @@ TEST(SharedPlaces, ALinkOfAnotherUser_IsRefused) {
   ASSERT_EQ(::lchown((directory / "p.png").c_str(), kOther, kOther), 0);
   EXPECT_NE(refusal([&] {
               FileSystem::real().writeAtomic(directory / "p.png", std::string("text"));
-            }).find("is a link that another user made"),
+            }).find("is a link made by another user"),
             std::string::npos);
   EXPECT_EQ(readTextFile(victim), "precious");
 }
@@ -93,7 +93,7 @@ TEST(SharedPlaces, AnEmptyDirectoryThatOthersControl_IsNoPlaceForAStore) {
   fs::create_directory(out);
   EXPECT_EQ(refusal(begin), "");
   fs::permissions(out, fs::perms::all);
-  EXPECT_NE(refusal(begin).find("may be written to by everybody"), std::string::npos);
+  EXPECT_NE(refusal(begin).find("is writable by every user"), std::string::npos);
   fs::permissions(out, fs::perms::owner_all | fs::perms::group_all);  // of a group that works together
   EXPECT_EQ(refusal(begin), "");
   // A link to an own directory is a usual way to another disk.

@@ -15,7 +15,7 @@
 
 namespace kiln {
 
-// The address sanitizer knows the ends of what operator new gives, and not of pages.
+// The address sanitizer checks bounds of operator new, not of mapped pages.
 #ifdef __SANITIZE_ADDRESS__
 
 void* takePages(std::size_t bytes) { return ::operator new(bytes, std::align_val_t(kLargePage)); }
@@ -32,7 +32,8 @@ std::atomic<std::size_t> held_pages = 0;
 
 bool isPaged(const void* at) { return reinterpret_cast<std::uintptr_t>(at) % kLargePage == 0; }
 
-// From the heap, at a place that no large page begins at; the byte before it says how far it is from the beginning.
+// Allocates from the heap at an address that is no multiple of kLargePage. The byte before the address holds the offset
+// from the start of the allocation.
 void* takeFromHeap(std::size_t bytes) {
   constexpr std::size_t kRoom = 64;
   char* const room = static_cast<char*>(::operator new(bytes + 2 * kRoom));
@@ -48,11 +49,11 @@ void giveBackToHeap(void* at) {
 
 std::size_t roundedUp(std::size_t bytes, std::size_t step) { return (bytes + step - 1) / step * step; }
 
-// What is mapped for so many bytes: files of bricks have a few such sizes and not one each, so that what one had is
-// enough for another. What is not touched costs nothing.
+// Size of the mapping for a buffer. Rounding up gives brick files few distinct sizes, so a spared mapping fits the next
+// file. Untouched pages cost nothing.
 std::size_t mappedFor(std::size_t bytes) { return roundedUp(bytes, std::size_t{1} << 20); }
 
-// Null where the system has none.
+// Returns null if the system has no memory.
 void* map(std::size_t bytes) {
   const std::size_t mapped = mappedFor(bytes), room = mapped + kLargePage;
   void* const found = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -62,20 +63,21 @@ void* map(std::size_t bytes) {
   char* const pages = static_cast<char*>(found) + before;
   if (before > 0) ::munmap(found, before);
   if (before + mapped < room) ::munmap(pages + mapped, room - before - mapped);
-  // Only those that it fills: more would be charged to nobody. Where the system has none, they are small.
+  // Only full large pages: the rest of a last one would be memory outside the budget. The system may substitute small
+  // pages.
   const std::size_t filled = bytes / kLargePage * kLargePage;
 #ifdef MADV_HUGEPAGE
   ::madvise(pages, filled, MADV_HUGEPAGE);
 #endif
 #ifdef MADV_POPULATE_WRITE
-  // The rest at once instead of fault by fault.
+  // Populates the remaining small pages at once instead of fault by fault.
   const std::size_t used = roundedUp(bytes, small_page);
   if (used > filled) ::madvise(pages + filled, used - filled, MADV_POPULATE_WRITE);
 #endif
   return pages;
 }
 
-// Null where all that are to be had at a time are.
+// Returns null if kMostPaged buffers exist or the system has no memory.
 void* takeMapped(std::size_t bytes) {
   if (held_pages.fetch_add(1, std::memory_order_relaxed) < kMostPaged) {
     if (void* const pages = map(bytes)) return pages;
@@ -89,13 +91,13 @@ void unmap(void* pages, std::size_t bytes) {
   held_pages.fetch_sub(1, std::memory_order_relaxed);
 }
 
-// What is kept for whoever needs as much next.
+// Mappings kept for the next buffers of equal size.
 class SparePages {
  public:
-  // Keeping takes no memory.
+  // Reserved now, so `keep` never allocates.
   SparePages() { spare_.reserve(kMostSpare / kLargePage + 1); }
 
-  // Null where there are none for so many bytes.
+  // Returns null if no kept mapping has this size.
   void* take(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     const auto last = std::find_if(spare_.rbegin(), spare_.rend(),
@@ -107,7 +109,7 @@ class SparePages {
     return pages;
   }
 
-  // Those that were spared first go.
+  // Keeps a mapping and drops the oldest mappings beyond the bound.
   void keep(void* pages, std::size_t bytes) {
     const std::size_t mapped = mappedFor(bytes);
     const std::lock_guard lock(mutex_);
@@ -142,7 +144,7 @@ class SparePages {
   std::size_t held_bytes_ = 0, most_bytes_ = kMostSpare;
 };
 
-// Never destroyed: what is static may be given back last of all.
+// Never destroyed: static objects may free buffers after all destructors.
 SparePages& sparedPages() {
   static SparePages& spared = *new SparePages;
   return spared;
@@ -156,12 +158,13 @@ void* takePages(std::size_t bytes) {
   return takeFromHeap(bytes);
 }
 
-// What the system maps is zero.
+// Mapped pages are zero.
 void* takeZeroPages(std::size_t bytes) {
   void* const pages = takeMapped(bytes);
   if (pages == nullptr) return std::memset(takeFromHeap(bytes), 0, bytes);
 #ifdef MADV_POPULATE_WRITE
-  // The system gives a processor first what it has given back: a frame's picture gets the last one's pages.
+  // Populated now: the system reuses the pages that this processor freed last, so a frame's picture gets those of the
+  // previous frame.
   if (bytes <= kZerosAtOnce) ::madvise(pages, bytes, MADV_POPULATE_WRITE);
 #endif
   return pages;

@@ -1,5 +1,6 @@
-// Memory in pages of 2 MiB, for buffers of some MiB: a page costs a fault when it is first touched, and on virtual
-// machines 512 small ones cost up to twenty times what one large one does. Of a cold frame that was a third.
+// Memory in pages of 2 MiB, for buffers of some MiB.
+// The first touch of a page costs a page fault. On virtual machines 512 small faults cost up to 20 times as much as one
+// large fault: a third of a cold frame.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +12,32 @@
 
 namespace kiln {
 
-/// Buffers of at least this are worth pages of their own. unit: bytes.
+/// Least size of a buffer with pages of its own; smaller buffers come from the heap. unit: bytes.
 inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
 
-/// So many have them at a time; the rest is the heap's, as systems bound what a process maps (Linux to 65,530 pieces,
-/// of which each may be two).
+/// Upper bound of buffers with pages of their own; further buffers come from the heap. Linux limits a process to 65,530
+/// mappings, and a buffer may take two.
 inline constexpr std::size_t kMostPaged = 16384;
 
-/// unit: bytes.
+/// Zeroed buffers up to this size are populated when taken; larger ones page by page at the first touch. unit: bytes.
 inline constexpr std::size_t kZerosAtOnce = std::size_t{64} << 20;
 
-/// So much of what is spared stays with the process: some bricks' voxels and files. unit: bytes.
+/// Upper bound of spared memory that stays with the process: voxels and files of some bricks. unit: bytes.
 inline constexpr std::size_t kMostSpare = std::size_t{32} << 20;
 
-/// Bytes in large pages, as far as they fill them and where the system has them; it gets them back when they are given
-/// back. Those of takeZeroPages are zero; up to kZerosAtOnce they are there at once, of more each comes to the thread
-/// that touches it first. thread: safe. throws: std::bad_alloc.
+/// Take memory in large pages, as far as a buffer fills them and the system has them. `giveBackPages` returns the pages
+/// to the system. Memory of takeZeroPages is zero; beyond kZerosAtOnce the thread that touches a page first pays its
+/// fault. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
-/// The same, but up to kMostSpare stay for the next takePages of as much, as they are: where bricks come and go, the
-/// system would clear each page again.
+/// Keeps up to kMostSpare bytes for the next takePages of equal size, with their contents. A renderer replaces bricks
+/// all the time, and the system would clear each page again.
 void sparePages(void* pages, std::size_t bytes) noexcept;
 
-/// As std::allocator, but what is large has pages of its own, and elements that are not given a value have none: for
-/// what is written anyway. Of decoding a brick setting its bytes to zero first would be a tenth.
+/// An allocator as std::allocator, but large buffers have pages of their own, and elements without a value stay
+/// uninitialized. Use for buffers that are overwritten anyway: zeroing them first is a tenth of the time to decode a
+/// brick.
 template <class T>
 struct UnsetAllocator {
   using value_type = T;
@@ -46,13 +48,13 @@ struct UnsetAllocator {
   T* allocate(std::size_t count) {
     return isSmall(count) ? std::allocator<T>().allocate(count) : static_cast<T*>(takePages(bytesOf(count)));
   }
-  /// All of their bytes are zero.
+  /// Allocates zeroed elements.
   T* allocateZeros(std::size_t count) {
     void* const at = isSmall(count) ? std::memset(allocate(count), 0, bytesOf(count)) : takeZeroPages(bytesOf(count));
     return static_cast<T*>(at);
   }
   void deallocate(T* at, std::size_t count) noexcept { giveBack(at, count, sparePages); }
-  /// Those of allocateZeros.
+  /// Frees elements of allocateZeros.
   void deallocateZeros(T* at, std::size_t count) noexcept { giveBack(at, count, giveBackPages); }
   template <class U>
   void construct(U* at) {

@@ -29,7 +29,7 @@ std::uint64_t peakResidentBytes() {
 
 void keepFreedMemory() {
 #ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that it takes
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the greatest accepted value
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 #endif
 }

@@ -1,4 +1,4 @@
-// What threads draw with: lent to one tile at a time, and kept for the next.
+// A pool of per-thread scratch buffers. A tile borrows one while it is drawn.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace kiln {
 
-/// Of anything that says its `bytes()`. thread: safe.
+/// A pool of Memory objects. requires: Memory has a `bytes()`. thread: safe.
 template <class Memory>
 class MemoryPool {
  public:
-  /// Calls use(Memory&) with one that nobody else has.
+  /// Calls use(Memory&) with a buffer that no other thread holds.
   template <class Use>
   void lend(Use&& use) {
     std::unique_ptr<Memory> memory = take();
@@ -20,7 +20,7 @@ class MemoryPool {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(memory));
   }
-  /// What threads have needed so far; while nobody draws. unit: bytes.
+  /// Memory of all buffers made so far. requires: no buffer is lent. unit: bytes.
   std::uint64_t bytes() const {
     const std::lock_guard lock(mutex_);
     std::uint64_t sum = 0;

@@ -16,8 +16,8 @@
 namespace kiln {
 namespace {
 
-// TBB's scheduler is a library that the thread sanitizer does not see into. These two say what it guarantees: what
-// came before the loop is visible in its bodies, and what the bodies did is visible after it.
+// The thread sanitizer does not see inside TBB. These functions declare what TBB guarantees: work before the loop is
+// visible in bodies, and work of bodies is visible after the loop.
 void publish([[maybe_unused]] void* to) {
 #if defined(__SANITIZE_THREAD__)
   __tsan_release(to);
@@ -29,8 +29,8 @@ void observe([[maybe_unused]] void* from) {
 #endif
 }
 
-// The first failure of a loop. It is kept from TBB, which would answer by cancelling the loops that other bodies are in
-// the middle of: OpenVDB frees its trees in such loops, and a cancelled one leaks them.
+// Stores the first exception of a loop. TBB must not see the exception: it would cancel nested loops of other bodies,
+// and OpenVDB frees its trees in such loops, so a cancelled loop leaks them.
 class FirstFailure {
  public:
   bool happened() const { return happened_.load(std::memory_order_relaxed); }
@@ -70,7 +70,7 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
       [&](const tbb::blocked_range<std::size_t>& range) {
         observe(&begin);
         for (std::size_t i = range.begin(); i != range.end() && !failure.happened(); ++i) {
-          // A thread that waits for a loop inside of the body would else take another body from this one.
+          // Isolated: otherwise a thread that waits for a loop inside its body would begin another body of this loop.
           failure.keepOf([&] { tbb::this_task_arena::isolate([&] { body(i); }); });
         }
         publish(&end);
@@ -89,7 +89,7 @@ void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)
   failure.rethrow();
 }
 
-// It is built where it stays: TBB knows a control by its address, and a copy of one limits nothing.
+// Constructed in place: TBB identifies a control by its address, and a copy limits nothing.
 struct ThreadLimit::Control {
   explicit Control(unsigned threads) : limit(tbb::global_control::max_allowed_parallelism, threads) {}
   tbb::global_control limit;

@@ -1,4 +1,4 @@
-// Loops over independent items on all cores. TBB lives behind this header.
+// Loops over independent items on all cores. Only parallel.cpp includes TBB.
 #pragma once
 
 #include <cstddef>
@@ -7,24 +7,24 @@
 
 namespace kiln {
 
-/// Calls body(i) once for each i in [0, count), in any order and on any thread, and waits for all.
-/// throws: the first exception a body threw; the items not yet begun are then dropped.
-/// thread: what a body wrote is visible to the caller afterwards. A body may wait for what another one has begun: the
-/// thread of a body begins no other before its end, whatever loops of their own a body and its libraries run.
+/// Calls body(i) once for each i in [0, count), in any order and on any thread, and waits for all calls.
+/// throws: the first exception of a body; items not yet begun are then dropped.
+/// thread: writes of a body are visible to the caller afterwards. A body may wait for work that another body has begun:
+/// a thread begins no second body before the first returns, even if the first runs loops of its own.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
-/// The same, but items are begun one after the other as threads come free: with the longest first, threads end
+/// As parallelFor, but items begin in order as threads become free. With the longest items first, all threads end
 /// together.
 void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body);
 
-/// While it lives, at most `threads` threads run the loops of one caller; 0 leaves the machine's number.
+/// Limits all loops of the process to `threads` threads during its lifetime; 0 keeps the limit in force.
 class ThreadLimit {
  public:
   explicit ThreadLimit(unsigned threads);
   ~ThreadLimit();
   ThreadLimit(const ThreadLimit&) = delete;
   ThreadLimit& operator=(const ThreadLimit&) = delete;
-  /// The number of threads in force now.
+  /// The number of threads now in force.
   static unsigned active();
 
  private:

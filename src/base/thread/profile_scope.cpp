@@ -75,7 +75,7 @@ void ProfileScope::note(std::string_view key, std::string_view value) {
     const auto byte = static_cast<unsigned char>(value.front());
     const std::size_t bytes = bytesOfCharacter(value);
     if (value.front() == '"' || value.front() == '\\') notes_ += '\\';
-    // A name need not be UTF-8; JSON must be.
+    // A name may have bytes outside UTF-8; JSON may not.
     if (bytes == 0 || byte < 0x20)
       notes_ += fmt::format("\\u{:04x}", byte);
     else

@@ -11,13 +11,13 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Checked first, so that the error names the file that the user named.
+// Checked before the temporary file, so the error names the user's file.
 fs::path placeOf(const fs::path& path) {
   FileSystem::real().requirePlaceFor(path);
   return isWrittenInPlace(path) ? path : behindLinks(path);
 }
 
-// The longest event is far below the second, so that the first is never grown.
+// The longest event is far below the 64 KiB left free, so the buffer never grows.
 constexpr std::size_t kFlushedBytes = Trace::kMemoryBytes - (std::size_t{64} << 10);
 
 std::atomic<Trace*> kept = nullptr;
@@ -79,7 +79,7 @@ void Trace::add(const TracedScope& span, std::string_view notes) noexcept {
 
 void Trace::nameThread(const char* name) noexcept { own_track.name = name; }
 
-// A thread's first span names its track.
+// The first scope of a thread names its track.
 int Trace::trackOfThread() {
   if (own_track.trace != number_) {
     own_track.trace = number_;

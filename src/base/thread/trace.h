@@ -1,7 +1,7 @@
-// A file of what each thread did when, for people to look at: Chrome's trace format, which Perfetto and
-// chrome://tracing draw, one track a thread. Source: "Trace Event Format" of the Chromium project. Spans that have
-// ended wait as text in a buffer of fixed size and are added to the file whenever it is full, so that a trace of any
-// length takes the same memory.
+// Writes a timeline of all threads to a file, one track per thread, for viewers such as Perfetto and chrome://tracing.
+// Method. Finished scopes are stored as text in a buffer of fixed size, which is appended to the file when full: memory
+// does not depend on the length of a trace.
+// Source: "Trace Event Format" of the Chromium project.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@
 
 namespace kiln {
 
-/// A span that has ended. unit: nanoseconds since the trace began; `busy_ns` of processor time.
+/// A finished scope. unit: nanoseconds since the start of the trace; `busy_ns` of processor time.
 struct TracedScope {
   Activity activity;
   std::int64_t begin_ns, end_ns, busy_ns;
@@ -26,28 +26,30 @@ struct TracedScope {
 
 class Trace {
  public:
-  /// What it holds at the most, whatever is written. unit: bytes.
+  /// Upper bound of the memory of a trace. unit: bytes.
   static constexpr std::size_t kMemoryBytes = std::size_t{1} << 20;
 
-  /// From here on, spans are written to a temporary name beside `path`. One trace is kept at a time. throws: Error kIo,
+  /// Starts writing scopes to a temporary name beside `path`. At most one trace is active at a time. throws: Error kIo,
   /// kNoSpace, kNotFound.
   explicit Trace(const std::filesystem::path& path);
-  /// Without `finish` nothing is left of it; after a failed write nothing is left at once, so that the disk has room.
-  /// requires: no span has a begin and no end.
+  /// Removes the file unless `finish` was called. After a failed write the file is removed at once, to free the disk.
+  /// requires: no scope is open.
   ~Trace();
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
 
-  /// Writes the rest and gives the file its name. throws: Error kIo, kNoSpace, of this or of what was written before.
+  /// Writes the rest and gives the file its name. throws: Error kIo, kNoSpace, of this or an earlier write.
   void finish();
 
-  /// The one that is kept, or null.
+  /// The active trace, or null.
   static Trace* active() noexcept;
   std::int64_t nowNs() const noexcept;
-  /// `notes` are members of a JSON object, each after a comma. thread: safe. A failure is kept for `finish`.
+  /// Adds a scope. `notes` are members of a JSON object, each after a comma. thread: safe. A failure is stored for
+  /// `finish`.
   void add(const TracedScope& span, std::string_view notes) noexcept;
 
-  /// What the calling thread is, from now on in every trace; else it is one of those that draw. requires: a literal.
+  /// Names the calling thread in all traces from now on; an unnamed thread counts as a drawing thread. requires: a
+  /// literal.
   static void nameThread(const char* name) noexcept;
 
  private:
@@ -56,10 +58,10 @@ class Trace {
   void flush();
 
   const std::filesystem::path path_;
-  std::unique_ptr<const TemporaryFile> temporary_;  // none for a device, which is written to directly
+  std::unique_ptr<const TemporaryFile> temporary_;  // none for a device, which is written directly
   const std::chrono::steady_clock::time_point begin_;
-  const std::uint64_t number_;  // of the traces of this process
-  std::mutex mutex_;            // guards what follows
+  const std::uint64_t number_;  // counts the traces of this process
+  std::mutex mutex_;            // guards the members below
   std::string waiting_;
   int tracks_ = 0;
   std::exception_ptr failure_;

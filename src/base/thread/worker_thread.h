@@ -1,4 +1,4 @@
-// A thread that does one thing at a time while its owner goes on with another.
+// A thread that runs one task at a time beside its owner.
 #pragma once
 
 #include <condition_variable>
@@ -11,24 +11,24 @@ namespace kiln {
 
 class WorkerThread {
  public:
-  /// `name` is what a trace calls it. requires: a literal.
+  /// `name` is the thread's name in a trace. requires: a literal.
   explicit WorkerThread(const char* name);
-  /// Waits for what was begun; what it threw is lost.
+  /// Waits for the task; its exception is lost.
   ~WorkerThread();
   WorkerThread(const WorkerThread&) = delete;
   WorkerThread& operator=(const WorkerThread&) = delete;
 
-  /// requires: what was begun before has been waited for.
+  /// Starts a task. requires: the previous task has been waited for.
   void begin(std::function<void()> work);
-  /// Until what was begun is done. throws: what that threw.
+  /// Waits for the task. throws: the exception of the task.
   void wait();
 
  private:
   void run();
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
-  std::function<void()> work_;  // empty where there is nothing to do
+  std::function<void()> work_;  // empty if there is no task
   std::exception_ptr failure_;
   bool closing_ = false;
   std::thread thread_;
