@@ -1,5 +1,5 @@
-// Numbers are of linear premultiplied values, as they are in an EXR; the picture of the difference is of what a display
-// shows: over black, sRGB, 8 bits.
+// Numbers compare linear premultiplied values, as in an EXR. The difference picture compares display values: over
+// black, sRGB, 8 bits.
 #include "image/compare.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ void requireEqualSizes(const Image& a, const Image& b) {
               "the pictures have " + size(a) + " and " + size(b) + " pixels; only equal sizes can be compared");
 }
 
-// Equal infinities and two NaN are no difference; a NaN against a number is an infinite one.
+// Equal infinities and two NaN differ by 0; a NaN and a number differ by infinity.
 double distanceOf(float a, float b) {
   if (a == b || (std::isnan(a) && std::isnan(b))) return 0;
   const double d = std::abs(static_cast<double>(a) - b);
@@ -34,7 +34,7 @@ double decibel(double sum_of_squares, double count) {
   return sum_of_squares > 0 ? -10 * std::log10(sum_of_squares / count) : kInfinity;
 }
 
-// Lee and Ihm §3.3. Premultiplied values are what is seen over black.
+// Lee and Ihm §3.3. A premultiplied colour equals the colour over black.
 double displayDistance(const float* a, const float* b) {
   if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) return 0;
   const SrgbBytes& displayed = SrgbBytes::all();
@@ -46,7 +46,7 @@ double displayDistance(const float* a, const float* b) {
   return std::sqrt(squares);
 }
 
-// Lee and Ihm, Figure 11. unit: sRGB, 0..1.
+// Colour map of Lee and Ihm, Figure 11. unit: sRGB, 0..1.
 std::array<double, 3> mapColor(double distance) {
   static constexpr std::array<std::array<double, 3>, 9> kMap = {
       {{1, 1, 1}, {1, 1, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0.5, 0.5, 0.5}, {0, 0, 0}}};

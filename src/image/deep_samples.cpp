@@ -1,7 +1,9 @@
-// Between two depths a sample is evenly filled, as compositing programs take it that cut one: of a sample of alpha a,
-// the front part t of its depth has alpha 1 - (1 - a)^t, and colours in proportion. Where two samples are told as one,
-// what lies in front of a cut changes most at a border of theirs, for the logarithm of what light passes is straight
-// between borders, before and after. So the errors of all mergings that made a sample bound its error by their sum.
+// Error of a merging.
+// Method. A sample is evenly filled between its depths, as compositing programs assume when they cut a sample: the
+// front part t of a sample of alpha a has alpha 1 - (1 - a)^t, and colours in proportion.
+// The error of a merged sample is largest at a border of its two parts, because the logarithm of transmittance is
+// linear between borders, before and after merging.
+// Invariant. The sum of the errors of all mergings that made a sample bounds the error of the sample.
 #include "image/deep_samples.h"
 
 #include <algorithm>
@@ -13,7 +15,7 @@ namespace {
 
 constexpr std::size_t kAlpha = 3;
 
-// Of the sample's light, what comes from the front part t of its depth.
+// Fraction of the light of a sample that comes from the front part t of its depth.
 float partInFront(float alpha, float t) {
   if (t >= 1 || alpha >= 1) return 1;
   return alpha < 1e-4f ? t : -std::expm1(t * std::log1p(-alpha)) / alpha;
@@ -33,14 +35,14 @@ DeepSamples::Kept DeepSamples::joined(const Kept& a, const Kept& b) {
   const float open = 1 - a.sample.rgba[kAlpha];
   out.sample.z_back = b.sample.z_back;
   for (std::size_t c = 0; c < 4; ++c) out.sample.rgba[c] += open * b.sample.rgba[c];
-  // An opaque layer stays one, whatever rounding says.
+  // An opaque layer stays opaque in spite of rounding.
   if (b.sample.rgba[kAlpha] == 1) out.sample.rgba[kAlpha] = 1;
   out.error = a.joint;
   out.joint = b.joint;
   return out;
 }
 
-// `in_front`: what passes all that is in front of `a`.
+// `in_front`: transmittance of everything in front of `a`.
 DeepSamples::Rounded DeepSamples::jointError(const Kept& a, const Kept& b, float in_front) {
   const DeepSample both = joined(a, b).sample;
   const float depth = both.z_back - both.z;
@@ -59,8 +61,8 @@ std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound
   return PixelLists<Kept>::bytesFor(pixels, bound.samples);
 }
 
-// `sample` comes behind a full pixel: of all neighbours, those become one whose error is least. `open`: what passes all
-// that is in front of the sample.
+// Adds `sample` behind a full pixel, then merges the two neighbours with the least error. `open`: transmittance of
+// everything in front of `sample`.
 void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
   std::array<Kept*, DeepBound::kMostSamples + 1> all{};
   std::size_t count = 0;
@@ -71,7 +73,7 @@ void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
       static_cast<std::size_t>(std::min_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
                                                 [](const Kept* a, const Kept* b) { return a->joint < b->joint; }) -
                                all.begin());
-  // What passes those in front of each that is looked at, counted from the back.
+  // Transmittance in front of each sample, computed from the back.
   for (std::size_t i = count; i-- > (least > 0 ? least - 1 : 0);) open /= 1 - all[i]->sample.rgba[kAlpha];
   *all[least] = joined(*all[least], *all[least + 1]);
   for (std::size_t i = least + 1; i < count; ++i) *all[i] = *all[i + 1];
@@ -91,7 +93,7 @@ void DeepSamples::add(int x, int y, float z, float z_back, const float* before, 
   alpha = after[kAlpha] >= 1 ? 1 : std::min(alpha, 1.0f);
   if (count > 0) {
     Kept& last = lists_.last(x, y);
-    // Rounding does not put a slab into the one before.
+    // Rounding must not move a layer into the layer before.
     sample.sample.z = std::max(z, last.sample.z_back);
     sample.sample.z_back = std::max(z_back, sample.sample.z);
     last.joint = jointError(last, sample, open / (1 - last.sample.rgba[kAlpha]));

@@ -1,6 +1,9 @@
-// What lies in each pixel, layer by layer: samples from front to back which, laid over one another, are the pixel. A
-// pixel keeps a bounded number of them: neighbours become one where that tells least to whoever puts something between
-// them. Laid over one another they are the same pixel before and after.
+// Problem. A deep picture holds several samples per pixel, from front to back, and the number of layers has no bound.
+// Method. When a pixel has more samples than its bound, the two neighbours whose merging changes the picture least
+// become one sample.
+// Invariant. Samples composited front to back give the flat pixel, before and after merging.
+// Differs only for a program that inserts an object between samples: merging moves part of a colour in front of or
+// behind the object. Each sample stores a bound of that error.
 #pragma once
 
 #include <array>
@@ -12,7 +15,7 @@
 
 namespace kiln {
 
-/// A layer by itself, evenly filled between its depths. unit: world, along the view; premultiplied RGBA.
+/// One layer, filled evenly between its two depths. unit: world, along the view; premultiplied RGBA.
 struct DeepSample {
   float z = 0, z_back = 0;
   std::array<float, 4> rgba{};
@@ -20,35 +23,36 @@ struct DeepSample {
 
 struct DeepBound {
   static constexpr int kMostSamples = 1024;
-  int samples = 24;  // of a pixel, at most; from 1 to kMostSamples
-  /// Neighbours become one as long as a cut at any depth of the pixel shows in front of it, by this at most, another
-  /// value of any channel than the layers themselves. With more layers than `samples` it may be more.
+  int samples = 24;  // upper bound per pixel; from 1 to kMostSamples
+  /// Neighbours are merged while a cut at any depth of the pixel changes the composite in front of the cut by at most
+  /// this value in every channel. Exceeded only if a pixel has more than `samples` layers.
   float error = 0;
 };
 
 class DeepSamples {
  public:
-  /// Of the pixels of `rect`. `origin_depth` is added to the depths of samples that are copied out.
+  /// Samples for the pixels of `rect`. `origin_depth` is added to the depths of copied samples.
   DeepSamples(const PixelRect& rect, const DeepBound& bound, double origin_depth = 0);
-  /// The most that so many pixels take. unit: bytes.
+  /// Upper bound of the memory for so many pixels. unit: bytes.
   static std::uint64_t bytesFor(std::uint64_t pixels, const DeepBound& bound);
 
   const PixelRect& rect() const { return lists_.rect(); }
-  /// A layer that changes what is in front of it, and with it, from `before` to `after`, in depths behind all of the
-  /// pixel's others. shape: premultiplied RGBA. thread: one at a time in each square of 64×64 pixels, counted from
-  /// pixel (0, 0).
+  /// Adds a layer behind all layers of the pixel. The layer changes the composite of the pixel from `before` to
+  /// `after`.
+  /// shape: premultiplied RGBA.
+  /// thread: one thread at a time in each square of 64×64 pixels, counted from pixel (0, 0).
   void add(int x, int y, float z, float z_back, const float* before, const float* after);
   int count(int x, int y) const { return lists_.count(x, y); }
-  /// Writes the pixel's samples, from front to back. shape: `out` has room for count(x, y).
+  /// Writes the samples of the pixel from front to back. shape: `out` has room for count(x, y).
   void copy(int x, int y, DeepSample* out) const;
 
  private:
-  // A number above 0, rounded up: the upper half of a float.
+  // A positive number as the upper half of a float, rounded up.
   using Rounded = std::uint16_t;
   struct Kept {
     DeepSample sample;
-    Rounded error;  // that merging has made so far
-    Rounded joint;  // the error of the sample that it would be with the next
+    Rounded error;  // error of all mergings so far
+    Rounded joint;  // error of a merging with the next sample
   };
 
   static Rounded rounded(float v);

@@ -1,4 +1,4 @@
-// A finished picture in memory: linear light, premultiplied alpha, and whatever else is known of each pixel.
+// A finished picture in memory: linear light, premultiplied alpha, and further numbers per pixel.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,19 @@
 
 namespace kiln {
 
-/// One more number a pixel. shape: height rows of width floats, row 0 at the top.
+/// One further number per pixel. shape: height rows of width floats, row 0 at the top.
 struct Plane {
-  std::string name;  // of its channel in an EXR
+  std::string name;  // name of the EXR channel
   ZeroPages<float> values;
 };
 
-/// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top; empty where only planes are told. unit:
-/// linear, premultiplied.
+/// shape: height rows of width pixels of 4 floats R G B A, row 0 at the top; empty if the picture has planes only.
+/// unit: linear, premultiplied.
 struct Image {
   int width = 0, height = 0;
   ZeroPages<float> rgba;
   std::vector<Plane> planes;
-  std::shared_ptr<DeepSamples> deep;  // of the same pixels, counted as in the whole picture; null where not asked for
+  std::shared_ptr<DeepSamples> deep;  // per pixel, in coordinates of the whole picture; null unless requested
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), rgba(static_cast<std::size_t>(w) * h * 4) {}

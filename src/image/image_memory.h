@@ -1,4 +1,4 @@
-// A check of the memory that pictures take, before they take it.
+// Tests the memory of a picture before it is allocated.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace kiln {
 
-/// throws: Error kBudget naming `path` and the memory that is missing, where `needed` is more than `allowed`.
+/// throws: Error kBudget, naming `path` and the missing memory, if `needed` exceeds `allowed`.
 void requireMemory(std::uint64_t needed, std::uint64_t allowed, const std::filesystem::path& path);
 
 }  // namespace kiln

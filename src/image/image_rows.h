@@ -1,4 +1,4 @@
-// A picture as a sequence of bands of rows, for pictures that are larger than memory.
+// A picture as a sequence of bands of rows, for pictures larger than memory.
 #pragma once
 
 #include "image/image.h"
@@ -15,10 +15,10 @@ class ImageRows {
 
   struct Band {
     const Image* image = nullptr;
-    int first_row = 0;  // of the image's row 0 in the picture
+    int first_row = 0;  // row of the picture that is row 0 of the image
     int end() const { return first_row + image->height; }
   };
-  /// Returns the band that holds a row. It is valid until the next call. throws: Error kIo, kDamaged.
+  /// Returns the band that holds a row, valid until the next call. throws: Error kIo, kDamaged.
   virtual Band bandAt(int row) = 0;
 
   const int width, height;

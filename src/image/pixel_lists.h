@@ -1,6 +1,6 @@
-// A list for each pixel of a picture, of whatever lies in it: most are short and many empty, so their elements lie in
-// chunks, of which each square of the picture has pages of its own, and threads that work in different squares never
-// meet but where a page is counted.
+// A list of elements per pixel, most of them short or empty.
+// Method. Elements lie in chunks of 4. Each square of 64×64 pixels has its own pages of chunks, so threads in different
+// squares share only the page counter.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@ class PixelLists {
  public:
   static constexpr int kLongest = std::numeric_limits<std::uint16_t>::max();
 
-  /// Of the pixels of `rect`. No more than `most_bytes` go to elements (rounded up to a page), where it is said.
+  /// Lists for the pixels of `rect`. Elements take at most `most_bytes`, rounded up to a page.
   explicit PixelLists(const PixelRect& rect, std::uint64_t most_bytes = ~std::uint64_t{0})
       : rect_(rect),
         columns_(squaresAlong(rect.x0, rect.x1)),
@@ -27,10 +27,10 @@ class PixelLists {
         squares_(static_cast<std::size_t>(columns_ * squaresAlong(rect.y0, rect.y1))),
         most_pages_(most_bytes / sizeof(Page) + (most_bytes % sizeof(Page) != 0 ? 1 : 0)) {}
 
-  /// The most that lists take which hold `elements` each. unit: bytes.
+  /// Upper bound of the memory for lists of `elements` each. unit: bytes.
   static std::uint64_t bytesFor(std::uint64_t pixels, int elements) {
     const auto chunks = static_cast<std::uint64_t>((elements + kChunk - 1) / kChunk);
-    // A page that is not full, and who keeps it, of every square.
+    // Each square has at most one page that is not full.
     const std::uint64_t squares = pixels / (kSquare * kSquare) + 1;
     return pixels * (sizeof(Pixel) + chunks * sizeof(Chunk)) + squares * (sizeof(Page) + sizeof(Square));
   }
@@ -42,8 +42,9 @@ class PixelLists {
     const Pixel& pixel = pixels_[placeOf(x, y)];
     return lastChunk(squares_[squareOf(x, y)], pixel).elements[(pixel.count - 1) % kChunk];
   }
-  /// Puts `element` behind the pixel's others; returns false, and does not, where the list is as long as lists are, or
-  /// no memory is left for it. thread: one at a time in each square of 64×64 pixels, counted from pixel (0, 0).
+  /// Appends an element to the list of a pixel. Returns false, without appending, if the list has kLongest elements or
+  /// the memory is used up.
+  /// thread: one thread at a time in each square of 64×64 pixels, counted from pixel (0, 0).
   bool append(int x, int y, const T& element) {
     Pixel& pixel = pixels_[placeOf(x, y)];
     Square& square = squares_[squareOf(x, y)];
@@ -57,7 +58,7 @@ class PixelLists {
     lastChunk(square, pixel).elements[place] = element;
     return true;
   }
-  /// Calls f(element) from the first to the last.
+  /// Calls f(element) from the first to the last element.
   template <class F>
   void forEach(int x, int y, F f) const {
     const Pixel& pixel = pixels_[placeOf(x, y)];
@@ -81,7 +82,7 @@ class PixelLists {
   };
   struct Square {
     std::vector<std::unique_ptr<Page>> pages;
-    std::uint32_t used = 0;  // chunks
+    std::uint32_t used = 0;  // number of chunks in use
     Chunk& at(std::uint32_t i) const { return pages[i / kPageChunks]->chunks[i % kPageChunks]; }
   };
   struct Pixel {
@@ -102,7 +103,7 @@ class PixelLists {
     for (int before = kChunk; before < pixel.count; before += kChunk) chunk = &square.at(chunk->next);
     return *chunk;
   }
-  // Whether the square has a chunk that is not used, or gets a page of them.
+  // Makes sure that the square has a free chunk; returns false if the memory is used up.
   bool hasChunk(Square& square) {
     if (square.used < square.pages.size() * kPageChunks) return true;
     if (pages_.fetch_add(1, std::memory_order_relaxed) >= most_pages_) return false;

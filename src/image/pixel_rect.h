@@ -1,4 +1,4 @@
-// A rectangle of pixels of an image, (0, 0) its upper left one.
+// A rectangle of pixels of an image; (0, 0) is the upper left pixel.
 #pragma once
 
 #include <algorithm>
@@ -6,12 +6,12 @@
 
 namespace kiln {
 
-/// The longest side of an image that is drawn, read or written. unit: pixels.
+/// The longest side of a drawn, read or written image. unit: pixels.
 inline constexpr int kLargestSide_px = 65536;
-/// Beyond any image, and still in the range of int. unit: pixels.
+/// A coordinate beyond any image that still fits an int. unit: pixels.
 inline constexpr double kFar_px = 1e8;
 
-/// Half-open, in pixels; may reach outside of the image.
+/// A half-open rectangle in pixels; may reach outside the image.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   bool operator==(const PixelRect&) const = default;
@@ -29,7 +29,7 @@ struct PixelRect {
 inline PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
-/// The least that holds both.
+/// The smallest rectangle that holds both.
 inline PixelRect aroundBoth(const PixelRect& a, const PixelRect& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;

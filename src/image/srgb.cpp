@@ -8,7 +8,7 @@ namespace {
 
 long stepOf(double linear) { return std::lround(255 * srgbFromLinear(linear)); }
 
-// The least number of which the byte is `byte` or more. requires: byte > 0.
+// Returns the least number that encodes to `byte`. requires: byte > 0.
 double beginOf(long byte) {
   const auto linearAt = [&](double offset) { return linearFromSrgb((static_cast<double>(byte) + offset) / 255); };
   double below = linearAt(-0.51), begin = linearAt(-0.49);

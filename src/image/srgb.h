@@ -1,5 +1,5 @@
-// The curve between linear light, in which Kiln computes, and sRGB, in which people name colours and displays show
-// them. Source: IEC 61966-2-1: a line near black, a power above it.
+// Converts between linear light, used in all computations, and sRGB, used for named colours and displays.
+// Source: IEC 61966-2-1: a line near black, a power law above.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// One channel in [0, 1], decoded and encoded.
+/// Decode and encode one channel in [0, 1].
 inline double linearFromSrgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
@@ -17,8 +17,8 @@ inline double srgbFromLinear(double linear) {
   return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-/// The byte of a picture of 8 bits, which is asked for millions of times: round(255 · srgbFromLinear(v)), of what is
-/// below 0 that of 0, above 1 that of 1, of NaN 0. cost: 2 ns; the curve's power takes 20 to 40.
+/// Table for 8-bit pictures: round(255 · srgbFromLinear(v)). Values below 0 and NaN give 0, values above 1 give 255.
+/// cost: 2 ns instead of 20 to 40 ns for the power.
 class SrgbBytes {
  public:
   static const SrgbBytes& all();
@@ -31,13 +31,13 @@ class SrgbBytes {
   }
 
  private:
-  // A byte is nowhere shorter than a cell: near black there are 255 · 12.92 bytes to 1.
+  // A cell is never longer than the interval of a byte: near black there are 255 · 12.92 bytes per unit.
   static constexpr std::size_t kCells = 4096;
 
   SrgbBytes();
 
-  std::array<std::uint8_t, kCells> at_cell_;  // at the beginning of each
-  std::array<double, 256> next_;              // where the byte after each begins
+  std::array<std::uint8_t, kCells> at_cell_;  // the byte at the start of each cell
+  std::array<double, 256> next_;              // the start of the byte after each byte
 };
 
 }  // namespace kiln

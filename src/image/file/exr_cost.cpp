@@ -10,11 +10,10 @@ namespace {
 
 constexpr int kMostThreads = 16;
 
-// Of a compression: the rows of a block, the bytes of a buffer per byte of a block, and beside these what each thread
-// works with. Measured with noise, 100 to 8000 pixels a row, 1 to 8 threads; rounded up.
+// Measured cost of a compression, with noise, 100 to 8000 pixels a row, 1 to 8 threads; rounded up.
 struct Cost {
   int rows;
-  double half, full;  // of colours in halves and floats
+  double half, full;  // buffer bytes per byte of a block, for half and float colours
   std::uint64_t thread_bytes;
 };
 
@@ -33,7 +32,7 @@ std::uint64_t colorBytes(const ExrShape& shape) { return shape.exr_float ? 16 : 
 
 }  // namespace
 
-// A few blocks for each thread, but at most 32 MiB of rows, and at least 32 rows.
+// A few blocks per thread, between 32 rows and 32 MiB of rows.
 ExrWork exrWork(const ExrShape& shape, int threads) {
   constexpr std::uint64_t kMostBytes = 32u << 20;
   constexpr std::int64_t kLeastRows = 32, kRowsOfThread = 64;

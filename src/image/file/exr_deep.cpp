@@ -16,8 +16,8 @@
 namespace kiln {
 namespace {
 
-// Samples as half floats. Each is chosen for what the ones before it have become, so that what all are when laid over
-// one another is no farther off than the last of them is rounded.
+// Rounds samples to half floats. Each sample compensates the rounding of the samples in front of it, so the composite
+// of all samples is off by only the rounding of the last sample.
 class HalfChain {
  public:
   std::array<float, 4> next(const std::array<float, 4>& sample) {
@@ -29,7 +29,7 @@ class HalfChain {
       const double left = written_open > 0 ? (wanted_[c] - written_[c]) / written_open : 0;
       out[c] = clampedHalf(static_cast<float>(std::max(left, 0.0)));
     }
-    // What is not opaque hides nothing behind it.
+    // A sample that is not opaque must not become opaque by rounding.
     out[3] = opaque ? 1 : std::min(out[3], kLargestClear);
     for (std::size_t c = 0; c < 4; ++c) written_[c] += written_open * out[c];
     return out;
@@ -40,7 +40,7 @@ class HalfChain {
   std::array<double, 4> wanted_{}, written_{};
 };
 
-// Fills a row with the samples of row y.
+// Fills a row with the samples of picture row y.
 template <class T>
 void fillRow(const DeepSamples& samples, int y, DeepRow& row, std::vector<DeepSample>& pixel) {
   const int first = samples.rect().x0;

@@ -1,4 +1,4 @@
-// Deep OpenEXR pictures, written row by row.
+// Writes deep OpenEXR pictures row by row.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace kiln {
 
-/// One deep scanline part, as writeDeepImage says; equal input gives equal bytes. `path` is for errors. cost: a
-/// row. throws: Error kIo, kUsage (compression); what `out` throws.
+/// Writes one deep scanline part as specified by writeDeepImage; equal input gives equal bytes. `path` is for errors.
+/// cost: memory of a row. throws: Error kIo, kUsage (compression); any exception of `out`.
 void encodeDeepExr(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
                    const std::filesystem::path& path, ScratchOutput& out);
 

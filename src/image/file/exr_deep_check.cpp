@@ -12,18 +12,19 @@
 namespace kiln {
 namespace {
 
-// A slab is at least a hundredth of a pixel thick, and no picture needs a row of more.
+// Limit of samples per row: a slab is at least a hundredth of a pixel thick, and no picture needs more.
 constexpr std::uint64_t kMostOfARow = std::uint64_t{1} << 26;
-// OpenEXR's and our copy of a sample's numbers, of which a deep picture has six.
+// Two copies (OpenEXR's and Kiln's) of the six numbers of a sample.
 constexpr std::uint64_t kSampleBytes = 2 * 6 * sizeof(float);
 
-// Calls visit(part, row, y) for each row. throws: std::runtime_error where a row has more samples than fit.
+// Calls visit(part, row, y) for each row. throws: std::runtime_error if the samples of a row do not fit.
 template <class Visit>
 void forEachRow(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_bytes, Visit visit) {
   Imf::DeepScanLineInputPart in(file, part);
   const Imath::Box2i window = in.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  if (width < 1 || width > kLargestSide_px) throw std::runtime_error("the data window of a deep part is no picture's");
+  if (width < 1 || width > kLargestSide_px)
+    throw std::runtime_error("the data window of a deep part must be from 1 to 65536 pixels wide");
   DeepRow row(static_cast<int>(width));
   for (const char* name : kExrChannelNames) row.addChannel(name, Imf::FLOAT);
   in.setFrameBuffer(row.frameBuffer(window.min.x));

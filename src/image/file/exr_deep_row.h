@@ -1,5 +1,5 @@
-// A row of deep samples as OpenEXR reads and writes it: channel by channel, and where each pixel's begin. Not
-// installed: it names OpenEXR.
+// A row of deep samples in OpenEXR's layout: values channel by channel, and a pointer per pixel. Not installed: the
+// header names OpenEXR.
 #pragma once
 
 #include <ImfDeepFrameBuffer.h>
@@ -18,11 +18,11 @@ class DeepRow {
  public:
   explicit DeepRow(int width) : counts_(static_cast<std::size_t>(width)) {}
 
-  /// HALF or FLOAT. requires: before frameBuffer.
+  /// Adds a HALF or FLOAT channel. requires: called before frameBuffer.
   void addChannel(std::string name, Imf::PixelType type) {
     channels_.push_back({std::move(name), type, {}, std::vector<char*>(counts_.size())});
   }
-  /// For every row of a file: rows lie on one another. `first_x` is the data window's.
+  /// The frame buffer for all rows of a file; every row uses the same memory. `first_x` is that of the data window.
   Imf::DeepFrameBuffer frameBuffer(int first_x) {
     Imf::DeepFrameBuffer out;
     const auto before = static_cast<std::ptrdiff_t>(first_x);
@@ -35,7 +35,7 @@ class DeepRow {
   }
   std::vector<unsigned>& counts() { return counts_; }
   std::size_t samples() const { return std::accumulate(counts_.begin(), counts_.end(), std::size_t{0}); }
-  /// Makes room for as many samples as are counted.
+  /// Allocates the samples counted in `counts`.
   void layOut() {
     const std::size_t all = samples();
     for (Channel& channel : channels_) {
@@ -45,7 +45,7 @@ class DeepRow {
       for (std::size_t x = 0; x < counts_.size(); ++x, place += bytes * counts_[x - 1]) channel.at[x] = place;
     }
   }
-  /// Of all samples of the row. requires: T is the channel's type, half or float.
+  /// Values of all samples of the row. requires: T is the channel's type, half or float.
   template <class T>
   T* values(std::size_t channel) {
     return reinterpret_cast<T*>(channels_[channel].bytes.data());

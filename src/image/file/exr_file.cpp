@@ -1,7 +1,7 @@
-// Both ways go through memory: a file is written whole or not at all (FileSystem::writeAtomic), and a reader's bytes
-// are bounded before OpenEXR sees them. Pixels go some rows at a time, so that beside the image there are these and the
-// compressed file; and a header that claims more rows than the file has costs no memory, for the picture grows as rows
-// arrive.
+// Writing: pixels are converted some rows at a time, so memory holds the image, these rows and the compressed file. The
+// file is published whole or not at all (FileSystem::writeAtomic).
+// Reading: lengths are checked before OpenEXR sees the bytes. The picture grows as rows arrive, so a header that claims
+// more rows than the file has costs no memory.
 #include "image/file/exr_file.h"
 
 #include <ImathBox.h>
@@ -49,8 +49,8 @@ class MemoryReader : public Imf::IStream {
   std::uint64_t place_ = 0;
 };
 
-// RGBA of scanlines that begin at pixel `first`, `row_bytes` apart; where that is 0, every scanline of the file is the
-// same row.
+// Frame buffer of RGBA scanlines that start at pixel `first`, `row_bytes` apart. With `row_bytes` 0 every scanline uses
+// the same memory.
 template <class T>
 Imf::FrameBuffer rowsFrom(std::vector<T>& values, Imf::PixelType type, const Imath::V2i& first, std::size_t row_bytes) {
   Imf::FrameBuffer buffer;
@@ -65,7 +65,7 @@ Imf::FrameBuffer rowsFrom(std::vector<T>& values, Imf::PixelType type, const Ima
   return buffer;
 }
 
-// `image` has the picture's channels and may be a band of it.
+// `image` has the channels of the picture and may be one of its bands.
 Imf::Header headerOf(const Image& image, int height, const ImageMetadata& metadata, Imf::PixelType type,
                      Imf::Compression compression) {
   Imf::Header header = exrHeader(image.width, height, metadata, compression);
@@ -76,7 +76,8 @@ Imf::Header headerOf(const Image& image, int height, const ImageMetadata& metada
   return header;
 }
 
-// OpenEXR counts pixels from the display window's corner, and never writes to what it reads.
+// OpenEXR offsets are relative to the corner of the display window. OpenEXR does not write to a slice of an output
+// file.
 Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   constexpr std::ptrdiff_t kBytes = sizeof(float);
   const std::ptrdiff_t before = kBytes * (std::ptrdiff_t{first.y} * width + first.x);
@@ -84,14 +85,14 @@ Imf::Slice wholePlane(const Plane& plane, int width, const Imath::V2i& first) {
   return {Imf::FLOAT, values - before, kBytes, static_cast<std::size_t>(kBytes * width)};
 }
 
-// How a picture of these channels is written in the memory that the options leave for it.
+// Threads and rows for a picture within the memory given by the options.
 ExrWork workOf(const Image& image, int height, const ImageFileOptions& options) {
   const ExrShape shape{image.width, height, options.exr_float, sizeof(float) * image.planes.size(),
                        options.exr_compression};
   return exrWorkWithin(shape, options.writer_bytes);
 }
 
-// `File` is a file of one part, or a part.
+// `File` is a one-part file or a part.
 template <class T, class File, class Convert>
 void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, Convert convert) {
   const std::size_t row = static_cast<std::size_t>(picture.width) * 4;
@@ -107,7 +108,7 @@ void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, 
         std::transform(from, from + row, values.begin() + static_cast<std::ptrdiff_t>(i * row), convert);
       });
     }
-    // A slice of no channel of the file is passed over.
+    // OpenEXR ignores a slice whose channel is not in the file.
     Imf::FrameBuffer buffer = rowsFrom(values, type, {first.x, first.y + y}, row * sizeof(T));
     for (const Plane& plane : image.planes)
       buffer.insert(plane.name, wholePlane(plane, image.width, {first.x, first.y + band.first_row}));
@@ -117,7 +118,7 @@ void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, 
   }
 }
 
-// `most`: rows at a time.
+// `most`: upper bound of rows converted at a time.
 template <class File>
 void writeRows(File& file, ImageRows& picture, Imf::PixelType type, int most) {
   if (type == Imf::FLOAT)
@@ -131,13 +132,13 @@ void writePicture(Imf::OStream& stream, ImageRows& rows, const ImageMetadata& me
   const Image& first = *rows.bandAt(0).image;
   const Imf::PixelType type = options.exr_float ? Imf::FLOAT : Imf::HALF;
   const ExrWork work = workOf(first, rows.height, options);
-  // The file's destructor writes the table of scanline offsets.
+  // The destructor of the file writes the table of scanline offsets.
   Imf::OutputFile file(stream, headerOf(first, rows.height, metadata, type, exrCompression(options.exr_compression)),
                        compressingThreads(work.threads));
   writeRows(file, rows, type, work.rows);
 }
 
-// Runs what reads a hostile file; whatever OpenEXR throws becomes an error of the file.
+// Calls `read` on a hostile file and converts exceptions of OpenEXR to an Error of the file.
 template <class Read>
 auto reading(const std::filesystem::path& path, Read read) {
   try {
@@ -180,7 +181,7 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   Image image;
   image.width = static_cast<int>(width);
   image.height = static_cast<int>(height);
-  // A header may say more than its file has: there is room for rows that were read.
+  // A header may claim more than the file holds: the picture has room for the rows read so far.
   const std::size_t all = static_cast<std::size_t>(width * height) * 4;
   image.rgba.resize(std::clamp(file_bytes * 64, row.size(), all));
   for (int y = window.min.y; y <= window.max.y; ++y) {
@@ -194,14 +195,14 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   return image;
 }
 
-// Of a file whose rows were read already.
+// Reads the planes. requires: the rows of the file have been read.
 void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const std::filesystem::path& path,
                 Image& image) {
   const Imath::Box2i window = file.header().dataWindow();
   for (const std::string& name : names) {
     const Imf::Channel* const channel = file.header().channels().findChannel(name);
     if (channel == nullptr || channel->xSampling != 1 || channel->ySampling != 1)
-      throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing, or is not of every pixel");
+      throw Error(ErrorCode::kFormat, path, "channel " + name, "is missing or subsampled");
     image.planes.push_back({name, ZeroPages<float>(image.rgba.size() / 4)});
   }
   Imf::FrameBuffer buffer;
@@ -215,12 +216,13 @@ void readPlanes(Imf::InputFile& file, std::span<const std::string> names, const 
   file.readPixels(window.min.y, window.max.y);
 }
 
-// Every channel of every row. `File` is a file of one part, or a part.
+// Reads every channel of every row. `File` is a one-part file or a part.
 template <class File>
 void readAll(File& file) {
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  if (width < 1 || width > kLargestSide_px) throw std::runtime_error("its data window is no picture's");
+  if (width < 1 || width > kLargestSide_px)
+    throw std::runtime_error("its data window must be from 1 to 65536 pixels wide");
   std::vector<float> row(static_cast<std::size_t>(width));
   char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
   Imf::FrameBuffer buffer;
@@ -231,19 +233,19 @@ void readAll(File& file) {
   for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
 }
 
-// The buffers of all parts, which OpenEXR may make at once.
+// Buffers of all parts, which OpenEXR may allocate at once. unit: bytes.
 std::uint64_t bytesOfParts(const std::vector<ExrPart>& head) {
   std::uint64_t out = 0;
   for (const ExrPart& part : head) out += part.buffer_bytes;
   return out;
 }
 
-// The picture of a part with so many planes.
+// Memory of a part's picture with `planes` planes. unit: bytes.
 std::uint64_t bytesOfImage(const ExrPart& part, std::size_t planes) {
   return static_cast<std::uint64_t>(part.width * part.height) * sizeof(float) * (4 + planes);
 }
 
-// A deep file is read as a flat picture, and OpenEXR holds all samples of a row.
+// Checks a deep file that is read as a flat picture: OpenEXR holds all samples of a row.
 void requireDeepRows(std::span<const std::byte> data, std::uint64_t memory_bytes) {
   MemoryReader stream(data);
   Imf::MultiPartInputFile parts(stream, 0);
@@ -290,7 +292,7 @@ void encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& op
       header.setName(view.name);
       header.setView(view.name);
     }
-    // The parts' buffers are there together.
+    // The buffers of all parts exist at once.
     ImageFileOptions of_part = options;
     of_part.writer_bytes /= views.size();
     const ExrWork work = workOf(*views.front().image, views.front().image->height, of_part);

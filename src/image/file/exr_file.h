@@ -1,4 +1,4 @@
-// OpenEXR pictures as bytes in memory. OpenEXR lives behind this header.
+// Encodes and decodes OpenEXR pictures in memory. Hides OpenEXR from its users.
 #pragma once
 
 #include <cstddef>
@@ -17,29 +17,28 @@ namespace kiln {
 
 bool looksLikeExr(std::span<const std::byte> data);
 
-/// One scanline part: channels R G B A where the image has colours, and of each plane a channel of its name, which is
-/// 32-bit float whatever the others are; equal input gives equal bytes. Half clamps what is beyond ±65504. `path` is
-/// for errors. cost: the compressed file in memory beside the image. throws: Error kIo, kUsage (unknown compression).
+/// Encodes one scanline part: channels R G B A if the image has colours, and a 32-bit float channel per plane. Equal
+/// input gives equal bytes. Half clamps values beyond ±65504. `path` is for errors. cost: the compressed file in memory
+/// beside the image. throws: Error kIo, kUsage (unknown compression).
 std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                                  const std::filesystem::path& path);
 
-/// The same, band by band. throws: also what `rows` and `out` throw.
+/// Encodes band by band. throws: also any exception of `rows` and `out`.
 void encodeExr(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                const std::filesystem::path& path, ScratchOutput& out);
 
-/// The same of several views: scanline parts whose attributes `name` and `view` are the view's name.
+/// Encodes several views: scanline parts whose attributes `name` and `view` are the name of the view.
 void encodeExrViews(std::span<const ImageView> views, const ImageFileOptions& options,
                     const std::filesystem::path& path, ScratchOutput& out);
 
-/// The data window of the first part, with the planes that are named, in at most `memory_bytes` beside `data`. throws:
+/// Decodes the data window of the first part and the named planes, in at most `memory_bytes` beside `data`. throws:
 /// Error kFormat, kUnsupported, kBudget, naming `path`.
 Image decodeExr(std::span<const std::byte> data, const std::filesystem::path& path,
                 std::span<const std::string> planes = {}, std::uint64_t memory_bytes = kUnlimitedBytes);
-/// Reads every channel of every row of every part. throws: Error kFormat where a part of the file is damaged or
-/// missing; kBudget.
+/// Reads every channel of every row of every part. throws: Error kFormat if a part is damaged or missing; kBudget.
 void checkExr(std::span<const std::byte> data, const std::filesystem::path& path,
               std::uint64_t memory_bytes = kUnlimitedBytes);
-/// The header of the first part. cost: reads the headers alone. throws: Error kFormat, kUnsupported.
+/// Reads the header of the first part. cost: reads headers only. throws: Error kFormat, kUnsupported.
 ExrPart readExrPart(const File& file);
 
 }  // namespace kiln

@@ -15,10 +15,10 @@ namespace kiln {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x01312f76;
-// Flags beside the version.
+// Flags in the version field.
 constexpr std::uint32_t kTiled = 0x200, kSeveralParts = 0x1000;
 
-// The size of a value of a type with one size. OpenEXR reads that many bytes whatever the file says.
+// Size of a value of a fixed-size type. OpenEXR reads this many bytes, whatever length the file claims.
 std::uint32_t bytesOfType(const std::string& type) {
   static const std::map<std::string, std::uint32_t> kBytes = {{"box2i", 16},
                                                               {"box2f", 16},
@@ -48,7 +48,7 @@ std::uint32_t bytesOfType(const std::string& type) {
   return found == kBytes.end() ? 0 : found->second;
 }
 
-// Rows that are compressed together, by the number of the compression; 0 where it is unknown.
+// Number of rows compressed together, by compression number; 0 if unknown.
 std::uint64_t rowsOfChunk(int compression) {
   constexpr std::array<std::uint64_t, 10> kRows = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
   return compression >= 0 && static_cast<std::size_t>(compression) < kRows.size()
@@ -82,11 +82,11 @@ class HeadWalk {
   }
 
  private:
-  // The attributes that decide how much memory a part takes.
+  // Attributes that decide the memory of a part.
   struct Layout {
     std::optional<std::array<std::int32_t, 4>> window;  // x and y of the first pixel, then of the last
     std::optional<int> compression;
-    std::uint64_t pixel_bytes = 0;  // of all channels
+    std::uint64_t pixel_bytes = 0;  // all channels together
     bool has_channels = false;
     std::optional<std::array<std::uint32_t, 2>> tile;
     std::uint64_t said_chunks = 0;
@@ -134,13 +134,13 @@ class HeadWalk {
     }
     if (type == "chlist") channels(end, part, layout);
     if (type == "preview" && (length < 8 || length - 8 != previewBytes(begin)))
-      fail(begin, fmt::format("{}: a preview of another size than its value has", name));
+      fail(begin, fmt::format("{}: the size of the preview differs from the length of its value", name));
     if (name == "dataWindow" && type == "box2i") layout.window = number<std::array<std::int32_t, 4>>(begin);
     if (name == "compression" && type == "compression") layout.compression = number<std::uint8_t>(begin);
     if (name == "tiles" && type == "tiledesc") layout.tile = number<std::array<std::uint32_t, 2>>(begin);
     if (name == "chunkCount" && type == "int")
       layout.said_chunks = static_cast<std::uint64_t>(std::max(number<std::int32_t>(begin), 0));
-    if (at_ > end) fail(begin, fmt::format("{}: is longer inside than outside", name));
+    if (at_ > end) fail(begin, fmt::format("{}: the contents exceed the length of the value", name));
     at_ = end;
   }
 
@@ -151,7 +151,7 @@ class HeadWalk {
     return out;
   }
 
-  // Entries of name, type (0 uint, 1 half, 2 float), four bytes, and how often there is a sample in x and y.
+  // Reads entries of name, type (0 uint, 1 half, 2 float), four bytes, and sampling distances in x and y.
   void channels(std::uint64_t end, ExrPart& part, Layout& layout) {
     constexpr std::array kTypes = {"uint", "half", "float"};
     layout.has_channels = true;
@@ -164,22 +164,21 @@ class HeadWalk {
       layout.pixel_bytes += type == 1 ? 2 : 4;
       part.channels.emplace_back(name, type >= 0 && type < 3 ? kTypes[static_cast<std::size_t>(type)] : "unknown");
     }
-    if (at_ != end) fail(at_, "the list of channels does not end where its length says");
+    if (at_ != end) fail(at_, "the list of channels does not match its length");
   }
 
   std::uint64_t previewBytes(std::uint64_t at) const {
     return 4 * (std::uint64_t{number<std::uint32_t>(at)} * number<std::uint32_t>(at + 4) & 0xffffffffffff);
   }
 
-  // The chunks and the buffers of a part: OpenEXR has a chunk as it is stored, unpacked, and as the codec works on it,
-  // and of a tiled file that is read by rows a row of tiles.
+  // Checks the number of chunks and computes the buffers of a part. OpenEXR holds a chunk stored, unpacked, and in the
+  // codec's working copy; for a tiled file that is read by rows, a row of tiles.
   void count(bool tiled, const Layout& layout, ExrPart& part) {
     constexpr std::uint64_t kCopies = 3;
     const auto width = static_cast<std::uint64_t>(part.width), height = static_cast<std::uint64_t>(part.height);
     std::uint64_t chunks = 0, chunk_pixels = 0, row_pixels = 0;
     if (tiled) {
-      if (!layout.tile || (*layout.tile)[0] == 0 || (*layout.tile)[1] == 0)
-        fail(at_, "a tiled part does not say how large its tiles are");
+      if (!layout.tile || (*layout.tile)[0] == 0 || (*layout.tile)[1] == 0) fail(at_, "a tiled part has no tile size");
       const std::uint64_t across = (*layout.tile)[0], down = (*layout.tile)[1];
       if (std::max(across, down) > kLargestSide_px)
         fail(at_, fmt::format("tiles of {}x{} pixels; each side must be from 1 to {}", across, down, kLargestSide_px));
@@ -188,7 +187,7 @@ class HeadWalk {
       row_pixels = width * std::min(down, height);
     } else {
       const std::uint64_t rows = rowsOfChunk(*layout.compression);
-      if (rows == 0) fail(at_, fmt::format("compression {} is not one of OpenEXR's", *layout.compression));
+      if (rows == 0) fail(at_, fmt::format("compression {} is unknown", *layout.compression));
       chunks = (height + rows - 1) / rows;
       chunk_pixels = width * rows;
     }
@@ -219,13 +218,13 @@ class HeadWalk {
     if (count > bytes_.size - at_) fail(at_, "the file ends too early");
     at_ += count;
   }
-  // Up to a byte of 0. OpenEXR's names have at most 255 bytes.
+  // Reads a text up to a 0 byte. OpenEXR's names have at most 255 bytes.
   std::string text() {
     constexpr std::size_t kMost = 256;
     std::string out(static_cast<std::size_t>(std::min<std::uint64_t>(kMost, bytes_.size - at_)), '\0');
     bytes_.copy(at_, std::as_writable_bytes(std::span(out)));
     const std::size_t end = out.find('\0');
-    if (end == std::string::npos) fail(at_, "a name has no end");
+    if (end == std::string::npos) fail(at_, "a name is not terminated");
     at_ += end + 1;
     out.resize(end);
     return out;

@@ -13,8 +13,8 @@
 namespace kiln {
 namespace {
 
-// Imath multiplies row vectors (v·M), glm column vectors (M·v): the same map is the transpose, and as glm's [i] is a
-// column where Imath's is a row, the entries keep their indices.
+// Imath multiplies row vectors (v·M), glm column vectors (M·v), so the equivalent matrix is the transpose. glm's [i] is
+// a column and Imath's [i] a row, so the indices stay.
 Imath::M44f imathOf(const glm::dmat4& m) {
   Imath::M44f out;
   for (int i = 0; i < 4; ++i) {
@@ -51,7 +51,7 @@ Imf::Compression exrCompression(const std::string& name) {
   };
   const auto found = kCompressions.find(name);
   if (found != kCompressions.end()) return found->second;
-  throw Error(ErrorCode::kUsage, "'" + name + "' is no compression of OpenEXR's that Kiln writes");
+  throw Error(ErrorCode::kUsage, "'" + name + "' is no OpenEXR compression that Kiln writes");
 }
 
 int compressingThreads(int wanted) {

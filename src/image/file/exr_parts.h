@@ -1,4 +1,5 @@
-// What flat and deep OpenEXR files are written with. Not installed: it names OpenEXR.
+// Streams, headers and conversions shared by the writers of flat and deep OpenEXR files. Not installed: the header
+// names OpenEXR.
 #pragma once
 
 #include <ImfCompression.h>
@@ -20,7 +21,7 @@ namespace kiln {
 
 inline constexpr const char* kExrChannelNames[] = {"R", "G", "B", "A"};
 
-/// A file in memory.
+/// An output file in memory.
 class ExrWriter : public Imf::OStream {
  public:
   ExrWriter() : Imf::OStream("memory") {}
@@ -34,10 +35,10 @@ class ExrWriter : public Imf::OStream {
   std::size_t place_ = 0;
 };
 
-/// A file on disk. OpenEXR drops exceptions of its last writes, so a failure is kept for `finish`.
+/// An output file on disk. OpenEXR drops exceptions of its last writes, so the first failure is stored for `finish`.
 class ExrScratchWriter : public Imf::OStream {
  public:
-  /// requires: `out` outlives this.
+  /// requires: `out` outlives this object.
   explicit ExrScratchWriter(ScratchOutput& out) : Imf::OStream("file"), out_(out) {}
   void write(const char data[], int count) override;
   std::uint64_t tellp() override { return place_; }
@@ -53,8 +54,8 @@ class ExrScratchWriter : public Imf::OStream {
   std::exception_ptr failure_;
 };
 
-/// Runs write(stream), which writes a file of OpenEXR to `out`. throws: what `out` and `write` throw; whatever OpenEXR
-/// throws as Error kIo of the file `path`.
+/// Calls write(stream), which writes an OpenEXR file to `out`. throws: any exception of `out` and `write`; exceptions
+/// of OpenEXR become Error kIo of the file `path`.
 template <class Write>
 void writeExr(ScratchOutput& out, const std::filesystem::path& path, Write write) {
   ExrScratchWriter stream(out);
@@ -69,14 +70,14 @@ void writeExr(ScratchOutput& out, const std::filesystem::path& path, Write write
   stream.finish();
 }
 
-/// throws: Error kUsage where there is none of this name.
+/// throws: Error kUsage if no compression has this name.
 Imf::Compression exrCompression(const std::string& name);
 
-/// Windows and attributes, without channels.
+/// Header with windows and attributes, without channels.
 Imf::Header exrHeader(int width, int height, const ImageMetadata& metadata, Imf::Compression compression);
 
-/// Makes as many of OpenEXR's own threads as are to compress a file, and returns their number. They are the process's,
-/// and stay.
+/// Starts OpenEXR's compression threads for a file and returns their number. The threads belong to the process and
+/// stay.
 int compressingThreads(int wanted);
 
 inline half clampedHalf(float v) { return half(std::clamp(v, -65504.0f, 65504.0f)); }

@@ -15,8 +15,8 @@
 namespace kiln {
 namespace {
 
-// A file of a larger picture is not held in memory while it is encoded: beside a budget it may be as large as the
-// picture. unit: bytes of pixels.
+// Larger pictures are encoded into a scratch file: the encoded file may be as large as the picture. unit: bytes of
+// pixels.
 constexpr std::size_t kEncodedInMemory = std::size_t{1} << 20;
 
 std::size_t pixelBytes(const Image& image) {
@@ -31,10 +31,9 @@ bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == 
 void requireImagePath(const std::filesystem::path& path, bool with_planes) {
   const std::string extension = extensionOf(path);
   if (extension == ".png" && with_planes)
-    throw Error(ErrorCode::kUsage, path, "",
-                "a PNG holds colours only; what is beside them (--aov) needs a name in .exr");
+    throw Error(ErrorCode::kUsage, path, "", "a PNG holds colours only; planes (--aov) need a name ending in .exr");
   if (extension == ".exr" || extension == ".png") return;
-  throw Error(ErrorCode::kUsage, path, "", "is not a name for a picture; it must end in .exr or .png");
+  throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr or .png");
 }
 
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
@@ -83,7 +82,7 @@ Error notAPicture(const std::filesystem::path& path) {
   return Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
 }
 
-// The whole file, which must leave memory for its picture.
+// Reads the whole file. requires: `memory_bytes` also has room for the picture.
 std::vector<std::byte> readWithin(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   requireMemory(File(path).size(), memory_bytes, path);
   return readFile(path);
@@ -102,7 +101,8 @@ Image readImage(const std::filesystem::path& path, std::span<const std::string> 
   const std::vector<std::byte> data = readWithin(path, memory_bytes);
   const std::uint64_t left = memory_bytes - data.size();
   if (looksLikeExr(data)) return decodeExr(data, path, planes, left);
-  if (!planes.empty()) throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is in an EXR only");
+  if (!planes.empty())
+    throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is available in an EXR only");
   if (looksLikePng(data)) return decodePng(data, path, left);
   throw notAPicture(path);
 }
@@ -126,7 +126,7 @@ std::map<std::string, std::string> readImageText(const std::filesystem::path& pa
 
 PixelLayout readPixelLayout(const std::filesystem::path& path) {
   const File file(path);
-  // A PNG begins with its width, height and bits: 25 bytes.
+  // Width, height and bit depth of a PNG lie in its first 25 bytes.
   std::vector<std::byte> first(25);
   first.resize(file.readSomeAt(0, first));
   PixelLayout out;

@@ -1,5 +1,5 @@
-// Pictures on disk: OpenEXR (linear, premultiplied) and PNG (sRGB, straight alpha as PNG defines it). Written whole or
-// not at all.
+// Pictures on disk: OpenEXR (linear, premultiplied) and PNG (sRGB, straight alpha). A file is written whole or not at
+// all.
 #pragma once
 
 #include <cstdint>
@@ -18,96 +18,97 @@
 
 namespace kiln {
 
-/// What a file says beside the pixels; a PNG has the texts only. shape: matrices for column vectors
-/// (`scene/camera/camera.h`); the file holds their transposes, as OpenEXR multiplies row vectors.
+/// Contents of a file beside the pixels; a PNG holds only the texts. shape: matrices for column vectors
+/// (`scene/camera/camera.h`); the file holds their transposes, because OpenEXR multiplies row vectors.
 struct ImageMetadata {
-  /// Where the picture's first pixel is in a larger one, and that one's size: an EXR's data window and display window.
+  /// Position of the first pixel in a larger picture, and the size of the larger picture: data window and display
+  /// window of an EXR.
   struct Whole {
     int x = 0, y = 0, width = 0, height = 0;
   };
   std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
-  bool panorama = false;  // of all directions: an EXR's attribute envmap
-  /// String attributes (of a PNG, texts) by name: kJob, "comments", …
+  bool panorama = false;  // covers all directions: the EXR attribute envmap
+  /// String attributes of an EXR, texts of a PNG, by name: kJob, "comments", …
   std::map<std::string, std::string> text;
-  /// What the picture is made of: a job, which draws it again.
+  /// Key of the job that draws the picture again.
   static constexpr const char* kJob = "kiln:job";
-  /// How many bricks could not be read and were drawn as nothing (of parts put together at most so many, as two may
-  /// have met one); not there where there were none.
+  /// Key of the number of unreadable bricks, drawn as empty space; absent if zero. A composite of partial images holds
+  /// an upper bound, because two parts may have met the same brick.
   static constexpr const char* kDamagedBricks = "kiln:damagedBricks";
 };
 
 struct ImageFileOptions {
   bool exr_float = false;  // else half
   int png_bits = 8;        // 8 or 16
-  /// none, rle, zips, zip, piz, or, with loss, dwaa or dwab.
+  /// none, rle, zips, zip, piz or, lossy, dwaa or dwab.
   std::string exr_compression = "zip";
-  /// What compressing an EXR may hold beside the picture (image/file/exr_cost.h); with more, more threads take part.
+  /// Memory for compressing an EXR, beside the picture (image/file/exr_cost.h). More memory allows more threads. unit:
+  /// bytes.
   std::uint64_t writer_bytes = UINT64_MAX;
 };
 
-/// Writes by the file's extension, .exr or .png; equal input gives equal bytes. cost: the compressed file in memory, of
-/// up to a MiB of pixels; of larger pictures disk space for that file twice.
-/// throws: Error kUsage (another extension; planes in a PNG; an unknown compression), kNoSpace, kIo.
+/// Writes a file in the format of its extension, .exr or .png; equal input gives equal bytes. cost: memory of the
+/// compressed file for pictures up to 1 MiB; for larger pictures twice the file's size on disk.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
-/// The same, band by band: gives the bytes that `writeImage` gives for the whole image. cost: a band, some rows and no
-/// more memory; disk space for the compressed file twice. throws: also what `rows` throws.
+/// Writes band by band; the bytes equal those of `writeImage` for the whole image. cost: memory of a band and some
+/// rows; disk space of twice the compressed file. throws: also any exception of `rows`.
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
-/// One of several views of a scene, such as what an eye sees.
+/// One view of a scene, such as the picture for one eye.
 struct ImageView {
   std::string name;
   const Image* image = nullptr;
   ImageMetadata metadata;
 };
 
-/// Writes an EXR of as many parts as there are views, each with the attribute `view`. A program that knows of no parts
-/// reads the first. requires: all of one size. throws: as writeImage.
+/// Writes an EXR with one part per view, each with the attribute `view`. A program without support for parts reads the
+/// first view. requires: equal sizes. throws: as writeImage.
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
                      const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
-/// Writes a deep EXR: per pixel R G B A, of the options' type, and Z and ZBack as 32-bit floats, from front to back.
-/// Half floats are chosen so that what they are when laid over one another is half a float's rounding from what the
-/// samples are. "zip" is written as "zips". throws: as writeImage; Error kUsage for a compression that deep files have
-/// not.
+/// Writes a deep EXR: per sample R G B A, of the options' type, and Z and ZBack as 32-bit floats, from front to back.
+/// Half floats are chosen so that the composite of a pixel differs from the exact composite by the rounding of one half
+/// float. "zip" is written as "zips". throws: as writeImage; Error kUsage for a compression that deep files do not
+/// have.
 void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
                     const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
 
-/// Whether `writeImage` makes the path an EXR.
+/// True if `writeImage` writes an EXR to this path.
 bool isExrPath(const std::filesystem::path& path);
 
-/// throws: Error kUsage where `path` has an extension that `writeImage` refuses for a picture with or without planes.
-/// For a check before long work.
+/// throws: Error kUsage if `writeImage` refuses the extension for a picture with or without planes. Call before long
+/// work.
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
 
-/// No limit for what reading a picture takes.
+/// No limit on memory for reading a picture.
 inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;
 
-/// Reads R, G, B, A (or Y) of an EXR's data window, no planes, or a PNG back to linear premultiplied; the first bytes
-/// say which format it is. Of a deep EXR, the samples are laid over one another. `memory_bytes` holds the file, the
-/// picture and what unpacks it. throws: Error kFormat, kNotFound, kUnsupported; kBudget, with the memory that suffices,
-/// before it is taken.
+/// Reads R, G, B, A (or Y) of an EXR's data window and the named planes, or a PNG, as linear premultiplied values. The
+/// first bytes decide the format. Samples of a deep EXR are composited. `memory_bytes` bounds the file, the picture and
+/// decoding buffers.
+/// throws: Error kFormat, kNotFound, kUnsupported; kBudget, naming the sufficient memory, before the allocation.
 Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {},
                 std::uint64_t memory_bytes = kUnlimitedBytes);
-/// Reads all of a file, whatever it shows, and keeps nothing. throws: as readImage.
+/// Reads a file to its end and discards the pixels. throws: as readImage.
 void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes = kUnlimitedBytes);
-/// The string attributes of an EXR, the texts of a PNG in front of the pixels. cost: reads no pixels. throws: as
-/// readImage.
+/// Returns the string attributes of an EXR, or the texts of a PNG in front of its pixels. cost: reads no pixels.
+/// throws: as readImage.
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path,
                                                  std::uint64_t memory_bytes = kUnlimitedBytes);
 
-/// How a picture's file holds its pixels, of an EXR of several parts the first. unit of the window: pixels.
+/// Layout of the pixels in a file; of the first part if an EXR has several. unit of the window: pixels.
 struct PixelLayout {
-  std::int64_t x = 0, y = 0, width = 0, height = 0;           // of an EXR, its data window
-  int png_bits = 0;                                           // of a PNG, for each channel
-  std::string compression;                                    // of an EXR, as OpenEXR names it
-  std::vector<std::pair<std::string, std::string>> channels;  // of an EXR, name and type: uint, half or float
+  std::int64_t x = 0, y = 0, width = 0, height = 0;           // the data window of an EXR
+  int png_bits = 0;                                           // bits per channel of a PNG
+  std::string compression;                                    // EXR only: OpenEXR's name
+  std::vector<std::pair<std::string, std::string>> channels;  // EXR only: name and type (uint, half or float)
   bool deep = false;
 };
-/// cost: reads the headers alone. throws: as readImageText.
+/// cost: reads headers only. throws: as readImageText.
 PixelLayout readPixelLayout(const std::filesystem::path& path);
 
 }  // namespace kiln

@@ -1,6 +1,6 @@
-// libpng leaves its own functions by longjmp where something is wrong. A jump over a C++ object with a destructor is
-// undefined, so everything that libpng is asked for happens in small noexcept functions whose locals are plain data;
-// what they fill is owned by their callers.
+// libpng reports errors by longjmp. A jump over a C++ object with a destructor is undefined behaviour.
+// All calls of libpng are therefore in small noexcept functions whose locals are plain data; callers own the filled
+// buffers.
 #include "image/file/png_file.h"
 
 #include <png.h>
@@ -22,7 +22,7 @@
 namespace kiln {
 namespace {
 
-// Deflate shrinks no further than 1 : 1032, so a header that promises more than this lies.
+// Deflate compresses at most 1032 : 1; a header that claims a larger ratio is damaged.
 constexpr std::uint64_t kLargestRatio = 1040;
 
 struct Messages {
@@ -38,7 +38,7 @@ void onWarning(png_structp, png_const_charp) {}
 struct Writer {
   Messages messages;
   const std::function<void(std::span<const std::byte>)>* put = nullptr;
-  std::exception_ptr failure;  // of `put`
+  std::exception_ptr failure;  // exception of `put`
   png_structp png = nullptr;
   png_infop info = nullptr;
   ~Writer() { png_destroy_write_struct(&png, &info); }
@@ -75,7 +75,7 @@ void onRead(png_structp png, png_bytep out, png_size_t count) {
   reader->place += count;
 }
 
-// A sample of 16 bits, big-endian; what is behind it.
+// Writes a big-endian 16-bit sample and returns the position behind the sample.
 png_byte* putSixteen(double v, png_byte* out) noexcept {
   const auto sample = static_cast<unsigned>(v * 65535 + 0.5);
   *out++ = static_cast<png_byte>(sample >> 8);
@@ -83,7 +83,7 @@ png_byte* putSixteen(double v, png_byte* out) noexcept {
   return out;
 }
 
-// The row's pixels of linear premultiplied light as straight sRGB. shape: 4 samples of `bits` a pixel, big-endian. NaN
+// Converts a row of linear premultiplied light to straight sRGB. shape: 4 samples of `bits` per pixel, big-endian. NaN
 // becomes 0.
 void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
   const SrgbBytes& bytes = SrgbBytes::all();
@@ -104,16 +104,16 @@ void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
   }
 }
 
-// How rows are foretold and what is left is deflated: three times as fast as the libraries' own choices, and files as
-// large within some per cent (figures: image/file/decisions/compression.md). Of 16 bits the lower ones are as good as noise, in
-// which only runs are worth a search.
+// Filter and deflate strategy: three times as fast as the libraries' defaults, with files equally large within some per
+// cent (figures: image/file/decisions/compression.md). The lower byte of 16-bit samples is close to noise, in which only
+// runs are worth a search.
 void setCompression(png_structp png, int bits) noexcept {
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits == 16 ? PNG_FILTER_PAETH : PNG_FILTER_UP);
   png_set_compression_strategy(png, bits == 16 ? Z_RLE : Z_FILTERED);
   png_set_compression_level(png, 3);
 }
 
-// Each of these returns false where libpng refused; the message is in the writer.
+// The functions below return false if libpng failed; the message is in the writer.
 bool writeHead(png_structp png, png_infop info, std::span<png_text> texts, int width, int height, int bits) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits,
@@ -146,7 +146,7 @@ struct Layout {
 
 bool readLayout(png_structp png, png_infop info, Layout* layout) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_set_user_limits(png, 2 * kLargestSide_px, kLargestSide_px);  // both eyes of a pair, one beside the other
+  png_set_user_limits(png, 2 * kLargestSide_px, kLargestSide_px);  // side-by-side stereo pictures
   png_read_info(png, info);
   layout->width = png_get_image_width(png, info);
   layout->height = png_get_image_height(png, info);
@@ -173,7 +173,7 @@ bool readEnd(png_structp png) noexcept {
   return true;
 }
 
-// libpng reads these; it does not write to them.
+// libpng only reads the texts.
 std::vector<png_text> pngTexts(const std::map<std::string, std::string>& text) {
   static char nothing[] = "";
   std::vector<png_text> out;
@@ -189,7 +189,7 @@ std::vector<png_text> pngTexts(const std::map<std::string, std::string>& text) {
   return out;
 }
 
-// Samples of 8 or 16 bits to linear premultiplied light.
+// Converts samples of 8 or 16 bits to linear premultiplied light.
 class RowConverter {
  public:
   explicit RowConverter(int bits) : bits_(bits), linear_((std::size_t{1} << bits)) {
@@ -217,17 +217,17 @@ Error notPng(const std::filesystem::path& path, const std::string& why) {
   return Error(ErrorCode::kFormat, path, "", "cannot be read as PNG: " + why);
 }
 
-// Chunks in front of the pixels that libpng unpacks, each up to the memory that it is given. Source: PNG 1.2, 3.2.
+// Chunks in front of the pixels that libpng unpacks, each within its memory limit. unit: bytes. Source: PNG 1.2, 3.2.
 struct Head {
   std::uint64_t packed_chunks = 0;  // profiles and compressed texts
   std::uint64_t texts = 0;          // compressed or not
-  std::uint64_t longest = 0;        // of a chunk. unit: bytes
+  std::uint64_t longest = 0;        // longest chunk
   std::uint64_t bytes = 0;          // up to the first chunk of pixels
 };
 
-// throws: Error kFormat where a chunk goes beyond the file.
+// throws: Error kFormat if a chunk exceeds the file.
 Head readHead(std::span<const std::byte> data, const std::filesystem::path& path) {
-  constexpr std::size_t kSignature = 8, kFrame = 12;  // a chunk has its length, its type and a checksum
+  constexpr std::size_t kSignature = 8, kFrame = 12;  // length, type and checksum of a chunk
   Head out;
   for (std::size_t at = kSignature; data.size() - at >= kFrame;) {
     std::uint64_t length = 0;
@@ -245,16 +245,16 @@ Head readHead(std::span<const std::byte> data, const std::filesystem::path& path
   return out;
 }
 
-// Reads all in front of the pixels. throws: Error kFormat, kBudget.
+// Reads everything in front of the pixels. throws: Error kFormat, kBudget.
 Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path,
              std::uint64_t memory_bytes) {
-  // A text is in memory as it is stored, unpacked, and as libpng and we keep it.
+  // A text exists in memory stored, unpacked, in libpng's copy and in Kiln's copy.
   constexpr std::uint64_t kCopies = 4, kMostChunkBytes = std::uint64_t{1} << 28;
   if (!looksLikePng(data)) throw notPng(path, "it does not begin as a PNG does");
   const Head head = readHead(data, path);
   requireMemory(kCopies * head.bytes, memory_bytes, path);
-  // A chunk of its own length is paid for; libpng refuses longer ones than the limit, and leaves out what unpacks to
-  // more.
+  // The limit covers the longest stored chunk; libpng refuses longer chunks and skips chunks that unpack beyond the
+  // limit.
   const std::uint64_t share =
       (memory_bytes - kCopies * head.bytes) / (kCopies * std::max<std::uint64_t>(head.packed_chunks, 1));
   const std::uint64_t each = std::max(std::clamp<std::uint64_t>(share, 1, kMostChunkBytes), head.longest + 1);
@@ -269,8 +269,8 @@ Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesys
   return layout;
 }
 
-// Calls f(y, samples) for each row of the picture, from top to bottom, RGBA of layout.bits each. Interlaced files are
-// held in memory whole.
+// Calls f(y, samples) for each row from top to bottom; RGBA of layout.bits each. Interlaced files are held in memory
+// whole.
 template <class F>
 void forEachRow(Reader& reader, const Layout& layout, const std::filesystem::path& path, F&& f) {
   const bool interlaced = layout.passes > 1;
@@ -285,7 +285,7 @@ void forEachRow(Reader& reader, const Layout& layout, const std::filesystem::pat
   if (!readEnd(reader.png)) throw notPng(path, reader.messages.text);
 }
 
-// The samples that forEachRow holds.
+// Memory of the samples that forEachRow holds. unit: bytes.
 std::uint64_t bytesOfRows(const Layout& layout) {
   return std::uint64_t{layout.row_bytes} * (layout.passes > 1 ? layout.height : 1);
 }
@@ -327,7 +327,7 @@ void encodePng(ImageRows& picture, int bits, const std::filesystem::path& path,
   };
   std::vector<png_text> texts = pngTexts(text);
   require(writeHead(writer.png, writer.info, texts, picture.width, picture.height, bits));
-  // Some rows at a time, of which several threads convert one each.
+  // Rows converted in parallel at a time.
   constexpr int kRows = 64;
   const auto pixel_bytes = static_cast<std::size_t>(bits / 2);
   const std::size_t row_bytes = static_cast<std::size_t>(picture.width) * pixel_bytes;

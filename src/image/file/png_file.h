@@ -1,4 +1,4 @@
-// PNG pictures as bytes in memory. libpng lives behind this header.
+// Encodes and decodes PNG pictures in memory. Hides libpng from its users.
 #pragma once
 
 #include <cstddef>
@@ -17,28 +17,28 @@ namespace kiln {
 
 bool looksLikePng(std::span<const std::byte> data);
 
-/// RGBA and texts (UTF-8, by keys of 1 to 79 Latin letters and signs); `bits` a channel (8 or 16), straight alpha,
-/// sRGB; equal input gives equal bytes. Values are clamped to what PNG can hold. `path` is for errors. cost: the
-/// compressed file in memory beside the image. throws: Error kIo.
+/// Encodes RGBA and texts (UTF-8; keys of 1 to 79 Latin-1 characters) with `bits` (8 or 16) per channel, straight
+/// alpha, sRGB. Values outside the range of PNG are clamped. Equal input gives equal bytes. `path` is for errors. cost:
+/// the compressed file in memory beside the image. throws: Error kIo.
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
                                  const std::map<std::string, std::string>& text = {});
 
-/// The same, band by band: passes the file's bytes to `put` piece by piece, from front to back. cost: 64 rows beside a
-/// band. throws: also what `rows` and `put` throw.
+/// Encodes band by band and passes the file's bytes to `put` in order. cost: 64 rows beside a band. throws: also any
+/// exception of `rows` and `put`.
 void encodePng(ImageRows& rows, int bits, const std::filesystem::path& path,
                const std::map<std::string, std::string>& text,
                const std::function<void(std::span<const std::byte>)>& put);
 
-/// The texts in front of the pixels, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget naming
-/// `path`.
+/// Returns the texts in front of the pixels, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget
+/// naming `path`.
 std::map<std::string, std::string> decodePngText(std::span<const std::byte> data, const std::filesystem::path& path,
                                                  std::uint64_t memory_bytes = UINT64_MAX);
 
-/// Any PNG, its values taken as sRGB, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget naming
-/// `path`.
+/// Decodes any PNG, with values taken as sRGB, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget
+/// naming `path`.
 Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path,
                 std::uint64_t memory_bytes = UINT64_MAX);
-/// Reads the file to its end and keeps nothing. throws: as decodePng.
+/// Reads the file to its end and discards the pixels. throws: as decodePng.
 void checkPng(std::span<const std::byte> data, const std::filesystem::path& path,
               std::uint64_t memory_bytes = UINT64_MAX);
 

@@ -8,7 +8,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kCopiedBytes = 1u << 20;  // at a time
+constexpr std::uint64_t kCopiedBytes = 1u << 20;  // copied at a time
 
 fs::path folderOf(const fs::path& path) {
   const fs::path folder = behindLinks(path).parent_path();

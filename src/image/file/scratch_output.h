@@ -1,4 +1,4 @@
-// A file that is written piece by piece, at any place, and that gets its name when it is whole.
+// An output file that is written in pieces at any offset and gets its name when complete.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 namespace kiln {
 
-/// Holds what is written in a file without a name beside `path`. cost: disk space for the file twice while it is
-/// published; no memory.
+/// Writes into a nameless file beside `path`. cost: disk space of twice the file while it is published; no memory.
 class ScratchOutput {
  public:
   /// throws: Error kNoSpace, kIo.
@@ -18,7 +17,7 @@ class ScratchOutput {
   /// throws: Error kNoSpace, kIo.
   void write(std::uint64_t offset, std::span<const std::byte> data);
   std::uint64_t size() const { return size_; }
-  /// Makes `path` this file: a reader sees the old file or the new one. throws: Error kNoSpace, kIo.
+  /// Copies the finished file to `path` atomically: a reader sees the old or the new file. throws: Error kNoSpace, kIo.
   void publish();
 
  private:
