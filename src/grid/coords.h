@@ -1,4 +1,5 @@
-// Where things are on the lattice: voxels, bricks, boxes. All sizes are 64 bits wide: 10 000³ voxels is a legal volume.
+// Coordinates on the voxel lattice: voxels, bricks, boxes. Sizes have 64 bits, because 10 000³ voxels are a legal
+// volume.
 #pragma once
 
 #include <algorithm>
@@ -23,13 +24,13 @@ struct VoxelCoord {
   std::int64_t& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 
-/// A brick by its place in the brick lattice of one level: it holds voxels [b*size, (b+1)*size).
+/// A brick of one level, by its coordinates in the brick lattice; holds voxels [b*size, (b+1)*size).
 struct BrickCoord {
   std::int32_t x = 0, y = 0, z = 0;
   auto operator<=>(const BrickCoord&) const = default;
 };
 
-/// A brick of one level of the pyramid; level 0 is finest.
+/// A brick of one level of the pyramid; level 0 is the finest.
 struct BrickKey {
   int level = 0;
   BrickCoord brick;
@@ -65,7 +66,7 @@ inline VoxelBox dilated(const VoxelBox& box, std::int64_t voxels) {
           {box.hi.x + voxels, box.hi.y + voxels, box.hi.z + voxels}};
 }
 
-/// How many bricks of edge `brick_size` cover `voxels`, along each axis.
+/// Number of bricks of edge `brick_size` that cover a volume, along each axis.
 inline Extent3 brickLattice(const Extent3& dims, std::int64_t brick_size) {
   const auto up = [&](std::int64_t n) { return (n + brick_size - 1) / brick_size; };
   return {up(dims.x), up(dims.y), up(dims.z)};
@@ -77,12 +78,12 @@ inline BrickCoord brickAt(const Extent3& lattice, std::int64_t i) {
           static_cast<std::int32_t>(i / lattice.x / lattice.y)};
 }
 
-/// Which of the lattice's bricks it is, as brickAt counts them. requires: it is one of them.
+/// Index of a brick in the order of brickAt. requires: the brick lies in the lattice.
 inline std::size_t placeOf(const Extent3& lattice, const BrickCoord& brick) {
   return static_cast<std::size_t>((brick.z * lattice.y + brick.y) * lattice.x + brick.x);
 }
 
-/// The core voxels of a brick, cut off at the end of the volume.
+/// The core voxels of a brick, clipped at the end of the volume.
 inline VoxelBox coreBox(const BrickCoord& brick, std::int64_t brick_size, const Extent3& dims) {
   const VoxelCoord lo = {brick.x * brick_size, brick.y * brick_size, brick.z * brick_size};
   return intersection({lo, {lo.x + brick_size, lo.y + brick_size, lo.z + brick_size}}, boxOf(dims));

@@ -48,14 +48,14 @@ void requireInvertible(const glm::dmat4& world_from_index, const std::string& pa
       }
     }
   }
-  // Scale-free: the volume of the voxel against that of the box with its edge lengths.
+  // The test for coplanar axes has no scale: it compares the volume of the voxel with the product of its edge lengths.
   VolumeGeometry geometry;
   geometry.world_from_index = world_from_index;
-  // Squares of spacings may be no doubles.
+  // std::hypot, because the square of a spacing may overflow or underflow a double.
   glm::dvec3 edge;
   for (int axis = 0; axis < 3; ++axis)
     edge[axis] = std::hypot(world_from_index[axis].x, world_from_index[axis].y, world_from_index[axis].z);
-  // The volume of a voxel is a double.
+  // Keeps the volume of a voxel within the range of a double.
   constexpr double kLeast = 1e-100, kMost = 1e100;
   for (int axis = 0; axis < 3; ++axis) {
     if (edge[axis] == 0 || (edge[axis] >= kLeast && edge[axis] <= kMost)) continue;

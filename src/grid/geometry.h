@@ -1,4 +1,4 @@
-// Where a volume is in the world: its extent, the affine from index to world space, and what the axes mean.
+// Position of a volume in the world: extent, affine from index to world space, and patient orientation.
 #pragma once
 
 #include <array>
@@ -11,32 +11,32 @@
 
 namespace kiln {
 
-/// What +x, +y, +z of world space mean for a patient: RAS is right, anterior, superior; LPS is left, posterior,
-/// superior.
+/// Patient directions of the world axes +x, +y, +z. RAS: right, anterior, superior. LPS: left, posterior, superior.
 enum class PatientFrame { kUnknown, kRas, kLps };
 
 struct VolumeGeometry {
   Extent3 dims;
-  /// Voxel (i,j,k) has its centre at world_from_index * (i,j,k,1). Any invertible affine is legal.
+  /// Maps index space to world space: voxel (i,j,k) is centred at world_from_index * (i,j,k,1). Any invertible affine
+  /// is legal.
   glm::dmat4 world_from_index{1.0};
   PatientFrame frame = PatientFrame::kUnknown;
-  /// The world's unit of length ("mm"); empty where the source does not say.
+  /// The unit of length in the world ("mm"); empty if unknown.
   std::string unit;
 
   glm::dvec3 worldOf(const glm::dvec3& index) const { return glm::dvec3(world_from_index * glm::dvec4(index, 1.0)); }
-  /// The corners of the box around all voxels' cubes, from index -1/2 to N - 1/2. unit: world.
+  /// Corners of the box around the cubes of all voxels, from index -1/2 to N - 1/2. unit: world.
   std::array<glm::dvec3, 8> corners() const;
-  /// The lengths of the three voxel edges. unit: world.
+  /// Lengths of the three edges of a voxel. unit: world.
   glm::dvec3 spacing() const;
-  /// The shortest of them. unit: world.
+  /// The shortest edge of a voxel. unit: world.
   double shortestEdge() const;
   /// unit: world³.
   double voxelVolume() const;
-  /// The edge of the cube that has the voxel's volume: the default unit of opacity. unit: world.
+  /// Edge of a cube of the voxel's volume: the default unit of opacity. unit: world.
   double meanSpacing() const;
 };
 
-/// throws: Error kFormat naming `path` where the affine has a non-finite entry or cannot be inverted.
+/// throws: Error kFormat, naming `path`, if the affine has a non-finite entry or is not invertible.
 void requireInvertible(const glm::dmat4& world_from_index, const std::string& path);
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
-// Coordinates, affines and voxel types as OpenVDB has them: what reading, storing and exporting a grid must agree on.
-// Internal, and not installed: it is for the .cpp files that use OpenVDB.
+// Converts coordinates, affines and voxel types to OpenVDB's types, for the files that read, store and export grids.
+// Internal and not installed: only .cpp files that use OpenVDB include this header.
 #pragma once
 
 #include <blosc.h>
@@ -15,12 +15,13 @@
 
 namespace kiln {
 
-/// To be called before anything else of OpenVDB's. thread: safe.
+/// Initializes OpenVDB. requires: called before any other use of OpenVDB. thread: safe.
 inline void initializeOpenVdb() {
   static const bool done = [] {
     openvdb::initialize();
-    // Blosc has LZ4 compress the bytes of each place by themselves, 512 of a leaf, and LZ4 clears 16 KB before each.
-    // All at once they take an eighth less time, and a twentieth less space: upper bytes that are alike are one match.
+    // In split mode Blosc compresses each byte position of a leaf separately (512 bytes), and LZ4 clears 16 KB before
+    // each piece. Without splitting, compression takes an eighth less time and a twentieth less space: equal upper
+    // bytes become one match.
     blosc_set_splitmode(BLOSC_NEVER_SPLIT);
     return true;
   }();
@@ -43,12 +44,12 @@ template <>
 struct GridTypeFor<double> {
   using type = openvdb::DoubleGrid;
 };
-/// The grid type that holds a voxel type exactly, and that other programs read.
+/// The grid type that holds a voxel type exactly and that other programs can read.
 template <class T>
 using GridFor = typename GridTypeFor<T>::type;
 
-/// A new grid of `background`. Made by OpenVDB's own registry: a constructor here would have every virtual function of
-/// grid and tree compiled once more, half a minute a file. errors: none for the types of GridFor.
+/// Makes a grid by OpenVDB's registry. A constructor call here would instantiate every virtual function of grid and
+/// tree again: half a minute of compilation per file. Cannot fail for the types of GridFor.
 template <class Grid>
 typename Grid::Ptr newGrid(typename Grid::ValueType background) {
   initializeOpenVdb();
@@ -57,19 +58,19 @@ typename Grid::Ptr newGrid(typename Grid::ValueType background) {
   return grid;
 }
 
-/// Whether the value comes back bit for bit from a half; false for every NaN.
+/// True if the value survives a round trip through half bit for bit; false for every NaN.
 inline bool survivesHalf(float value) {
   if (std::isnan(value)) return false;
   const float back = static_cast<float>(openvdb::math::half(value));
   return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(back);
 }
 
-/// requires: each coordinate in 32 bits.
+/// requires: each coordinate fits 32 bits.
 inline openvdb::Coord coordOf(const VoxelCoord& v) {
   return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
 }
 
-// OpenVDB multiplies row vectors: its matrix is the transpose, which is glm's memory order read row by row.
+// OpenVDB multiplies row vectors, so its matrix is the transpose: glm's columns become rows.
 inline openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_grid) {
   openvdb::Mat4d matrix;
   for (int column = 0; column < 4; ++column) {
@@ -78,8 +79,8 @@ inline openvdb::math::Transform::Ptr transformOf(const glm::dmat4& world_from_gr
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-/// Whether OpenVDB takes it. It refuses voxels of less than 3e-15 cubic units, and edges that are lost beside an origin
-/// far away.
+/// True if OpenVDB accepts the affine. OpenVDB rejects voxels below 3e-15 cubic units, and edges lost to rounding
+/// beside a distant origin.
 inline bool hasTransform(const glm::dmat4& world_from_grid) {
   try {
     transformOf(world_from_grid);

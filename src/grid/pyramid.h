@@ -1,6 +1,8 @@
-// The levels of a volume: each has half the voxels of the one below it along the axes that are fine enough, down to one
-// brick. A voxel of a coarser level covers the two voxels below it along a halved axis, so its centre lies half a fine
-// voxel further in: that is in the affine, and nowhere else.
+// The levels of a volume.
+// Method. Each level has half the voxels of the finer level along the axes that are fine enough, down to a single
+// brick.
+// A coarse voxel covers two finer voxels along a halved axis, so its centre is shifted by half a fine voxel. Only the
+// affine of the level holds this shift.
 #pragma once
 
 #include <vector>
@@ -9,15 +11,15 @@
 
 namespace kiln {
 
-/// How many voxels of a level become one of the next, along each axis: 1 or 2. Halved are the axes whose spacing is
-/// below √2 times the smallest; an axis of one voxel is never halved and does not count as the smallest. All 1 where
-/// the level is a single voxel.
+/// Number of voxels that become one voxel of the next level along each axis: 1 or 2. An axis is halved if its spacing
+/// is below √2 times the smallest spacing. An axis of one voxel is never halved and does not count as the smallest. All
+/// 1 if the level is a single voxel.
 Extent3 halvingOf(const VolumeGeometry& fine);
 
-/// The next coarser level. A voxel at the end of an odd axis covers one voxel only.
+/// The next coarser level. A coarse voxel at the end of an odd axis covers only one voxel along this axis.
 VolumeGeometry coarserThan(const VolumeGeometry& fine);
 
-/// Level 0 (`finest` itself) and the coarser ones, up to the first that is a single brick; at most `most_levels`.
+/// Returns level 0 (`finest`) and all coarser levels, down to the first of a single brick; at most `most_levels`.
 std::vector<VolumeGeometry> pyramidOf(const VolumeGeometry& finest, std::int64_t brick_size, int most_levels);
 
 }  // namespace kiln

@@ -9,7 +9,7 @@
 namespace kiln {
 namespace {
 
-// Lengths in picometres: a double holds them exactly up to a kilometre.
+// Lengths in picometres: a double is exact up to a kilometre.
 constexpr std::array<std::pair<std::string_view, std::int64_t>, 30> kUnits_pm = {{
     {"pm", 1},
     {"angstrom", 100},

@@ -1,5 +1,6 @@
-// Volumes of a picture share a world: a patient frame and a unit of length. A volume of another frame is turned by half
-// a turn about z (RAS and LPS differ in the signs of x and y). A volume of another unit is scaled.
+// Places the volumes of a picture in one world with one patient frame and one unit of length.
+// A volume of another frame is rotated by a half turn about z (RAS and LPS differ in the signs of x and y). A volume of
+// another unit is scaled.
 #pragma once
 
 #include <optional>
@@ -11,34 +12,34 @@
 
 namespace kiln {
 
-/// Units of `to` per unit of `from`, as a quotient of whole numbers: powers of ten are exact.
+/// Units of `to` per unit of `from`, as a quotient of integers, so powers of ten are exact.
 struct LengthRatio {
   double numerator = 1, denominator = 1;
   double of(double length) const { return length * numerator / denominator; }
   bool operator==(const LengthRatio&) const = default;
 };
 
-/// Empty if a name is no known unit of length. Two equal names are an equal unit, known or not.
+/// Returns nothing if a name is no known unit of length. Equal names are equal units, known or not.
 std::optional<LengthRatio> lengthRatio(std::string_view from, std::string_view to);
 
-/// The frame and unit of a picture of the volumes: the first known frame and the first known unit. All other members
-/// are the first volume's. requires: a volume or more.
+/// The world of a picture: the first known frame and the first known unit; all further members are the first volume's.
+/// requires: at least one volume.
 VolumeGeometry sharedWorld(const std::vector<VolumeGeometry>& volumes);
 
-/// The steps from a volume's own world to a shared world.
+/// The change from a volume's own world to a shared world.
 struct WorldChange {
   bool turned = false;  // the signs of x and y change
   LengthRatio lengths;
   bool none() const { return !turned && lengths == LengthRatio(); }
-  /// The affine in the shared world. Equal to `world_from_index`, bit for bit, if there is no change.
+  /// The affine in the shared world; equal to `world_from_index`, bit for bit, if nothing changes.
   glm::dmat4 of(const glm::dmat4& world_from_index) const;
 };
 
-/// An unknown frame or unit is left unchanged.
+/// A frame or unit that is unknown in either world stays unchanged.
 WorldChange worldChange(const VolumeGeometry& own, const VolumeGeometry& world);
 
-/// A sentence on the unknown frame or unit of `own` for which the shared world's is assumed. Empty if no assumption is
-/// made.
+/// Returns a sentence on each frame or unit of `own` that is unknown or not convertible and is taken as the shared
+/// world's; empty if there is none.
 std::string assumptionText(const VolumeGeometry& own, const VolumeGeometry& world);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// A closed interval of voxel values: what a node of the min-max octree knows about what lies below it.
+// A closed interval of voxel values, as stored in a node of the min-max octree.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 
 namespace kiln {
 
-/// [lo, hi]; empty (lo > hi) where nothing but NaN, or nothing at all, lies below. Every voxel type but none beyond
-/// 53 bits is held exactly by a double.
+/// [lo, hi]; empty (lo > hi) if the voxels are all NaN or there are none. A double holds every value of every voxel
+/// type exactly.
 struct ValueRange {
   double lo = std::numeric_limits<double>::infinity();
   double hi = -std::numeric_limits<double>::infinity();
@@ -15,7 +15,7 @@ struct ValueRange {
   bool operator==(const ValueRange&) const = default;
   bool empty() const { return !(lo <= hi); }
   bool contains(const ValueRange& other) const { return other.empty() || (lo <= other.lo && other.hi <= hi); }
-  /// A NaN leaves the range as it is.
+  /// Extends the range to a value; NaN changes nothing.
   void include(double value) {
     if (value < lo) lo = value;
     if (value > hi) hi = value;

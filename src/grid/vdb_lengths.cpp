@@ -11,12 +11,12 @@
 namespace kiln {
 namespace {
 
-// OpenVDB 1.0 writes 218. Compression is a flag of the file from 220 on, and of each grid from 222 on.
+// OpenVDB 1.0 writes version 218. Compression flags belong to the file from 220 on, and to each grid from 222 on.
 constexpr std::uint32_t kOldest = 218, kCompressedFiles = 220, kCompressedGrids = 222;
 constexpr std::int64_t kVdbMagic = 0x56444220;
 constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
 
-// The length of a value of a type with one length. OpenVDB reads that many bytes whatever the file says.
+// Length of a value of a fixed-length type. OpenVDB reads this many bytes, whatever length the file claims.
 std::uint32_t bytesOfType(const std::string& type) {
   static const std::map<std::string, std::uint32_t, std::less<>> kBytes = {
       {"bool", 1},    {"mask", 1},   {"float", 4},  {"double", 8}, {"int32", 4}, {"int64", 8},  {"mat4s", 64},
@@ -26,13 +26,13 @@ std::uint32_t bytesOfType(const std::string& type) {
   return found == kBytes.end() ? 0 : found->second;
 }
 
-// How much shorter a value is in a grid of half precision. Integers stay as they are.
+// Factor by which half precision shortens a value. Integers keep their length.
 std::uint64_t halfShortens(const std::string& type) {
   if (type == "float" || type == "vec2s" || type == "vec3s") return 2;
   return type == "double" || type == "vec2d" || type == "vec3d" ? 4 : 1;
 }
 
-// The numbers of a map, which is the part of a transform behind its name. 0 for maps that OpenVDB refuses.
+// Length of the numbers behind the name of a transform's map; 0 for maps that OpenVDB rejects.
 std::uint64_t bytesOfMap(const std::string& map) {
   constexpr std::uint64_t kVector = 3 * sizeof(double), kMatrix = 16 * sizeof(double), kScale = 5 * kVector;
   if (map == "AffineMap" || map == "UnitaryMap") return kMatrix;
@@ -41,12 +41,12 @@ std::uint64_t bytesOfMap(const std::string& map) {
   return map == "ScaleTranslateMap" || map == "UniformScaleTranslateMap" ? kVector + kScale : 0;
 }
 
-// Slots of the two kinds of inner nodes, below the root and above the leaves, and voxels of a leaf.
+// Slots of inner nodes below the root and above the leaves; voxels of a leaf.
 constexpr std::uint64_t kUpperSlots = 1 << 15, kLowerSlots = 1 << 12, kLeafVoxels = 512;
 // Flags of compression.
 constexpr std::uint32_t kZip = 1, kActiveOnly = 2, kBlosc = 4;
-// The memory of a node beside values and masks (allocator, origin, buffer), and of an entry of the root's
-// table, with OpenVDB 10 and glibc, rounded up. unit: bytes.
+// Memory of a node without values and masks (allocator, origin, buffer), and of an entry in the root's table. Measured
+// with OpenVDB 10 and glibc, rounded up. unit: bytes.
 constexpr std::uint64_t kNodeExtra = 96, kRootEntry = 96;
 
 }  // namespace
@@ -99,7 +99,7 @@ std::uint64_t VdbLengths::fileHead(std::uint32_t newest) {
   return at_;
 }
 
-// Entries of name, type and value, each with its length before it.
+// Walks entries of name, type and value, each preceded by its length.
 void VdbLengths::metadata() {
   const auto count = take<std::uint32_t>();
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -116,22 +116,22 @@ void VdbLengths::metadata() {
   }
 }
 
-// A hint for loading leaves later: a mask of one byte a leaf, then the packed sizes of the leaves, of eight bytes each.
+// Walks the hint for delayed loading: a mask of one byte per leaf, then the compressed size of each leaf, eight bytes.
 void VdbLengths::delayedLoad(std::uint64_t end) {
-  constexpr std::uint64_t kLeafBytes = 64;        // the least that a leaf takes in the file: its own mask
-  constexpr std::uint32_t kNoSizes = 0xffffffff;  // the tree is written without Blosc and zip
+  constexpr std::uint64_t kLeafBytes = 64;        // least bytes of a leaf in the file: its mask
+  constexpr std::uint32_t kNoSizes = 0xffffffff;  // the tree is compressed by neither Blosc nor zip
   const std::uint64_t begin = at_;
   const auto leaves = take<std::uint32_t>();
   if (leaves > file_.size / kLeafBytes) fail(begin, fmt::format("{} leaves are more than the file holds", leaves));
   packedNumbers(take<std::uint32_t>(), 1, leaves, end);
   const auto sizes = take<std::uint32_t>();
   if (sizes != kNoSizes) packedNumbers(sizes, 8, leaves, end);
-  // OpenVDB skips the rest of the value, and would count a negative rest as 4 GiB.
+  // OpenVDB skips the rest of the value; a negative rest would count as 4 GiB.
   if (at_ > end) fail(begin, "the list of leaves is longer than the value that holds it");
 }
 
-// `count` numbers as they are, where `packed_bytes` is 0, or packed by Blosc, whose head says how much memory they
-// take.
+// Walks `count` numbers: uncompressed if `packed_bytes` is 0, else compressed by Blosc, whose header holds the memory
+// of the numbers.
 void VdbLengths::packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_bytes, std::uint64_t count,
                                std::uint64_t end) {
   constexpr std::uint64_t kBloscHead = 16, kMostPadding = 256;
@@ -148,7 +148,7 @@ void VdbLengths::packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_
 
 std::uint64_t VdbLengths::descriptor(std::uint64_t at) {
   at_ = at;
-  for (int i = 0; i < 3; ++i) text();  // name, type, the grid that an instance shares its tree with
+  for (int i = 0; i < 3; ++i) text();  // name, type, and the grid whose tree an instance shares
   const std::uint64_t places_at = at_;
   const auto data = take<std::int64_t>(), blocks = take<std::int64_t>(), end = take<std::int64_t>();
   const bool instance = blocks == 0;
@@ -166,7 +166,7 @@ std::uint64_t VdbLengths::gridHead(std::uint64_t at) {
   return at_;
 }
 
-// A frustum names a second map behind its own numbers.
+// A frustum holds a second map behind its own numbers.
 void VdbLengths::transform() {
   constexpr std::uint64_t kFrustumBytes = 8 * sizeof(double);  // a box, the taper and the depth
   std::string map = text();
@@ -181,7 +181,7 @@ bool VdbLengths::knowsMemoryOf(const std::string& type) { return bytesOfType(typ
 
 std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
   at_ = at;
-  // OpenVDB prints a warning of its own and reads the first buffer.
+  // OpenVDB would only print a warning and read the first buffer.
   if (const auto buffers = take<std::int32_t>(); buffers != 1)
     throw Error(ErrorCode::kUnsupported, file_.path, fmt::format("byte {}", at),
                 fmt::format("the tree has {} buffers, of which one is read; save the grid anew with one", buffers));
@@ -198,11 +198,11 @@ std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
   return out;
 }
 
-// Returns the memory of the node and all nodes below it.
+// Returns the memory of a node and all nodes below.
 std::uint64_t VdbLengths::innerNode(std::uint64_t slots, const Values& values) {
   constexpr std::uint64_t kLeafMask = kLeafVoxels / 8;
   const std::uint64_t value_bytes = bytesOfType(values.type);
-  // A slot holds a child or a value, and large values beside the child.
+  // A slot is a union of a child pointer and a small value; a large value lies beside the pointer.
   const std::uint64_t slot_bytes = sizeof(void*) + (value_bytes > sizeof(void*) ? value_bytes : 0);
   const std::uint64_t children = bitsOf(slots), active = bitsOf(slots);
   valuesOfNode(slots, children, active, values);
@@ -215,7 +215,7 @@ std::uint64_t VdbLengths::innerNode(std::uint64_t slots, const Values& values) {
   return out;
 }
 
-// Returns how many bits of a mask are set.
+// Returns the number of set bits in a mask.
 std::uint64_t VdbLengths::bitsOf(std::uint64_t slots) {
   std::vector<std::byte> mask(slots / 8);
   const std::uint64_t at = at_;
@@ -232,7 +232,8 @@ void VdbLengths::valuesOfNode(std::uint64_t slots, std::uint64_t children, std::
   const std::uint32_t compression = flagged ? grid_compression_ : values.compression;
   std::uint64_t count = flagged ? slots : slots - children;
   if (flagged) {
-    // 2 and 4 announce one inactive value, 5 two; 3 to 5 a mask of inactive values; 6 gives all values.
+    // Kinds 2 and 4 store one inactive value, kind 5 two; kinds 3 to 5 store a mask of inactive values; kind 6 stores
+    // all values.
     const auto kind = take<std::uint8_t>();
     skip(value_bytes * (kind == 5 ? 2 : kind == 2 || kind == 4 ? 1 : 0));
     if (kind >= 3 && kind <= 5) skip(slots / 8);
@@ -242,7 +243,7 @@ void VdbLengths::valuesOfNode(std::uint64_t slots, std::uint64_t children, std::
   if (shorter > 1 && count == 0) return;
   const std::uint64_t stored_bytes = count * value_bytes / shorter;
   if ((compression & (kZip | kBlosc)) == 0) return skip(stored_bytes);
-  // A packed length, or the negative length of values that packing would not shorten.
+  // A positive number is the compressed length; a negative one is the length of uncompressed values.
   const auto packed = take<std::int64_t>();
   skip(packed > 0 ? static_cast<std::uint64_t>(packed) : 0 - static_cast<std::uint64_t>(packed));
 }

@@ -1,8 +1,9 @@
-// Lengths inside an OpenVDB file, walked before OpenVDB reads the bytes. Problem: the format has no checksum, and
-// OpenVDB allocates what a length says before reading that many bytes, so that 100 bytes can take 4 GiB. Method: walk
-// the head of the file and the head of each grid (names, metadata, transform) exactly as OpenVDB reads them, and
-// compare every length with the bytes that follow. Invariant: a walk ends at the byte where OpenVDB's reader ends.
-// treeMemory walks the nodes of a tree, too, because a node takes up to 33 times its bytes of the file.
+// Checks the lengths in an OpenVDB file before OpenVDB reads the bytes.
+// Problem. The format has no checksum, and OpenVDB allocates by a length before it reads: 100 bytes can take 4 GiB.
+// Method. Walks the head of the file and of each grid (names, metadata, transform) exactly as OpenVDB does, and
+// compares every length with the bytes that follow. `treeMemory` also walks the nodes of a tree, because a node takes
+// up to 33 times its bytes in the file.
+// Invariant. A walk ends at the byte where OpenVDB's reader ends.
 // Source: OpenVDB 10, Archive::readHeader, MetaMap::readMeta, DelayedLoadMetadata::readValue, GridDescriptor::read,
 // Archive::readGrid, Transform::read, RootNode::readTopology, InternalNode::readTopology, readCompressedValues.
 #pragma once
@@ -18,42 +19,42 @@
 
 namespace kiln {
 
-/// The bytes of a file or of a file in memory.
+/// The bytes of a file on disk or in memory.
 struct VdbFileBytes {
   std::filesystem::path path;  // for errors
   ErrorCode code = ErrorCode::kFormat;
   std::uint64_t size = 0;
-  /// Copies the bytes from `at` on. requires: they are in the file.
+  /// Copies the bytes from `at` on. requires: the range lies in the file.
   std::function<void(std::uint64_t at, std::span<std::byte> out)> copy;
 };
 
-/// Each walk begins at a byte of the file and returns the byte behind the part. throws: Error of the code above, with
-/// the byte, where a length is more than the file holds or contradicts the type of a value; kUnsupported for files of
-/// before OpenVDB 1.0 (format versions below 218), and for newer ones than the library reads.
+/// Each walk starts at a byte of the file and returns the byte behind the walked part. throws: Error of
+/// `VdbFileBytes::code`, with the byte offset, if a length exceeds the file or contradicts the type of a value;
+/// kUnsupported for files before OpenVDB 1.0 (format versions below 218) and versions newer than the library's.
 class VdbLengths {
  public:
   explicit VdbLengths(VdbFileBytes file) : file_(std::move(file)) {}
 
-  /// Magic number, versions, identifier and the file's metadata: up to the number of grids. `newest` is the library's
-  /// own version of the format.
+  /// Walks magic number, versions, identifier and metadata of the file, up to the number of grids. `newest` is the
+  /// library's version of the format.
   std::uint64_t fileHead(std::uint32_t newest);
-  /// Name, type and places of a grid. requires: fileHead has returned.
+  /// Walks name, type and file offsets of a grid. requires: fileHead has returned.
   std::uint64_t descriptor(std::uint64_t at);
-  /// Compression, metadata and transform of a grid: up to its tree. requires: fileHead has returned.
+  /// Walks compression, metadata and transform of a grid, up to its tree. requires: fileHead has returned.
   std::uint64_t gridHead(std::uint64_t at);
 
-  /// The values of a tree, as the file has them.
+  /// The values of a tree, as stored in the file.
   struct Values {
-    std::string type;  // as OpenVDB names it: "float"
+    std::string type;  // OpenVDB's name: "float"
     bool half = false;
-    /// The file's flags of OpenVDB's compression. Files from version 222 on give flags with each grid instead.
+    /// Compression flags of the file. From version 222 on each grid has its own flags instead.
     std::uint32_t compression = 0;
   };
-  /// Whether values of this type have one length: not text and points.
+  /// True if all values of this type have equal length; false for text and points.
   static bool knowsMemoryOf(const std::string& type);
-  /// Returns the memory that OpenVDB takes for the tree at `at`: nodes and voxels. Walks the nodes without voxels.
+  /// Returns the memory of OpenVDB's tree at `at`: nodes and voxels. Walks the nodes without voxels.
   /// unit: bytes. requires: gridHead returned `at`; knowsMemoryOf(values.type).
-  /// throws: Error kUnsupported where the tree has several buffers.
+  /// throws: Error kUnsupported if the tree has several buffers.
   std::uint64_t treeMemory(std::uint64_t at, const Values& values);
 
  private:
@@ -74,7 +75,7 @@ class VdbLengths {
 
   VdbFileBytes file_;
   std::uint32_t version_ = 0;
-  bool has_places_ = true;  // of grids in the file
+  bool has_places_ = true;  // the file holds offsets of its grids
   std::uint32_t grid_compression_ = 0;
   std::uint64_t at_ = 0;
 };

@@ -1,9 +1,12 @@
-// Front-to-back order on the lattice. A child of an octree node is nearer than its sibling if it lies on the eye's side
-// of the mid-plane between them; for a parallel view, on the side the rays come from. Lee and Ihm §2.4 order by the
-// distance of centres, which is only nearly right in perspective; the mid-plane rule is exact for any affine, because a
-// mid-plane of index space stays a plane in the world. That leaves free which of two children that are neighbours
-// across the line of sight comes first: the axis along which one looks is taken last, so that a node's near face is
-// drawn before anything behind it and more is hidden. The order depends on the lattice alone, never on brick size.
+// Problem. Octree nodes, bricks and voxels must be visited front to back.
+// Method. A child of a node is nearer than its sibling if the child lies on the eye's side of the mid-plane between
+// them; for a parallel view, on the side from which the rays come. The mid-plane rule is exact for any affine, because
+// a mid-plane of index space stays a plane in the world.
+// Two children that are neighbours across the line of sight may come in either order. The axis closest to the view
+// direction is taken last: the near face of a node is drawn before anything behind the face, which hides more.
+// Invariant. The order depends on the lattice alone, never on brick size.
+// Source: Lee and Ihm §2.4. Differs: they order by the distance of centres, which is only approximately right in
+// perspective.
 #pragma once
 
 #include <array>
@@ -17,17 +20,17 @@ namespace kiln {
 
 class VisitingOrder {
  public:
-  /// Rays run along `direction` (index space) everywhere. unit: `spacing` is the voxel's edges in the world.
+  /// For rays along `direction` (index space). unit: `spacing` holds the voxel's edges in the world.
   static VisitingOrder parallel(const glm::dvec3& direction_index, const glm::dvec3& spacing = glm::dvec3(1)) {
     return VisitingOrder(direction_index, spacing, true);
   }
-  /// Rays start at `eye` (index space).
+  /// For rays from `eye` (index space).
   static VisitingOrder fromEye(const glm::dvec3& eye_index, const glm::dvec3& spacing = glm::dvec3(1)) {
     return VisitingOrder(eye_index, spacing, false);
   }
 
-  /// The eight children around `mid` (the first voxel of the upper half along each axis), front to back; bit a of a
-  /// child is set where it lies in the upper half of axis a.
+  /// The eight children around `mid` (the first voxel of the upper half along each axis), front to back. Bit a of a
+  /// child is set if the child lies in the upper half of axis a.
   std::array<std::uint8_t, 8> children(const VoxelCoord& mid) const {
     unsigned nearest = 0;
     glm::dvec3 along = vector_;
@@ -48,10 +51,10 @@ class VisitingOrder {
     return out;
   }
 
-  /// Writes the `count` voxels of one axis from `first` on in front-to-back order, by their number; or cells, `edge`
-  /// voxels long. Nested loops over the three axes' orders visit a box front to back. requires: count <= 255.
+  /// Writes the numbers of `count` voxels along one axis, from voxel `first` on, front to back; or of cells, each
+  /// `edge` voxels long. Nested loops over the orders of three axes visit a box front to back. requires: count <= 255.
   void axisOrder(int axis, std::int64_t first, int count, std::uint8_t* offsets, std::int64_t edge = 1) const {
-    // [0, split) is the eye's own voxel and those before it, and descends; [split, count) lies beyond and ascends.
+    // [0, split): up to the eye's voxel, descending. [split, count): beyond the eye, ascending.
     int split = vector_[axis] < 0 ? count : 0;
     if (!parallel_) {
       split = 0;

@@ -1,4 +1,4 @@
-// Facts about a volume beside its voxels, which a source states and a store keeps.
+// Properties of a volume beside its voxels, read from a source and kept in a store.
 #pragma once
 
 #include <glm/mat4x4.hpp>
@@ -8,15 +8,15 @@
 
 namespace kiln {
 
-/// How the values are meant, where the source says so: it chooses the default transfer function and the export.
+/// Meaning of the values, if the source declares it; selects the default transfer function and the export type.
 enum class VolumeClass { kUnknown, kFog, kLevelSet, kLabels };
 
-/// What an OpenVDB source said of its grid, so that an export gives it back.
+/// Name and coordinates of the source's OpenVDB grid, restored by an export.
 struct VdbOrigin {
   std::string grid_name;
-  /// The grid coordinate of voxel (0,0,0).
+  /// Grid coordinate of voxel (0,0,0).
   VoxelCoord index_origin;
-  /// From the grid's own coordinates to the world.
+  /// Maps grid coordinates to the world.
   glm::dmat4 world_from_grid{1.0};
 };
 

@@ -1,4 +1,4 @@
-// The scalar types a voxel may have, and how code that is written once for all of them is chosen at run time.
+// The scalar types of voxels, and the run-time selection of code that is a template over them.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ constexpr std::string_view nameOf(VoxelType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-/// Empty where no type has that name.
+/// Returns nothing if no type has this name.
 constexpr std::optional<VoxelType> voxelTypeNamed(std::string_view name) {
   for (int i = 0; i < 8; ++i) {
     if (nameOf(static_cast<VoxelType>(i)) == name) return static_cast<VoxelType>(i);
@@ -46,7 +46,7 @@ constexpr std::optional<VoxelType> voxelTypeNamed(std::string_view name) {
 
 constexpr bool isFloating(VoxelType type) { return type == VoxelType::f32 || type == VoxelType::f64; }
 
-/// Calls `f(std::type_identity<T>{})` with the C++ type of `type`.
+/// Calls `f(std::type_identity<T>{})`, where T is the C++ type of `type`.
 template <class F>
 decltype(auto) withVoxelType(VoxelType type, F&& f) {
   switch (type) {
