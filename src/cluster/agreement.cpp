@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// Position of a fact in which a rank differs from the first rank; -1 if no rank differs.
+// The first fact of the first rank that differs from rank 0; -1 if no rank differs.
 struct Verdict {
   std::int64_t rank = -1, fact = -1;
 };

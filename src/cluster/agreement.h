@@ -1,5 +1,5 @@
-// Compares the command, job, volumes and version of ranks before they begin. Ranks that differ would otherwise mix
-// their results into one picture or store.
+// Compares command, job, volumes and version of all ranks before they begin. Differing ranks would mix incompatible
+// results in a picture or store.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,19 @@
 
 namespace kiln {
 
-/// A property that all ranks must have in common.
+/// A property that must be equal on all ranks.
 struct RankFact {
-  std::string name;   // of the property, as an error calls it: "--size", "version"
+  std::string name;   // name of the property in errors: "--size", "version"
   std::string value;  // as text; only its hash is sent while all ranks agree
-  /// Returns in words what differs between another rank's value (there) and this rank's (here). If empty, the error
-  /// holds both values.
+  /// Describes the difference between another rank's value (there) and this rank's (here). If empty, the error holds
+  /// both values.
   std::function<std::string(const std::string& there, const std::string& here)> difference = {};
 };
 
-/// Collective. Compares every fact of every rank with that of the first rank. Returns on all ranks if they agree. If
-/// not, the first rank throws and the others wait for it to end them (Ranks::abort). requires: the facts of all ranks
-/// are listed in the same order. throws: Error kFormat naming a rank, its host and what differs.
-/// cost: 16 bytes a fact and rank on the first rank.
+/// Collective. Compares every fact of every rank with rank 0. Returns on all ranks if they agree. Otherwise rank 0
+/// throws and all further ranks wait until rank 0 ends them (Ranks::abort). requires: all ranks list the facts in equal
+/// order. throws: Error kFormat naming a rank, its host and the difference.
+/// cost: 16 bytes per fact and rank on rank 0.
 void requireAgreement(Ranks& ranks, std::span<const RankFact> facts);
 
 }  // namespace kiln

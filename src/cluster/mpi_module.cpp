@@ -1,4 +1,4 @@
-// A process that mpirun has not started loads nothing of the message-passing library.
+// Loads the MPI module only in a process that mpirun started.
 #include "base/error.h"
 #include "base/module.h"
 #include "cluster/ranks.h"

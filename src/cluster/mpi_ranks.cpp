@@ -1,7 +1,8 @@
-// Ranks by MPI (written against Open MPI 4.1, and MPI 3.1's standard). All calls are serialised by one mutex, and every
-// wait is a test, a short sleep and another test: a rank that waits leaves its core to those that work, which counts
-// where there are more ranks than cores. A thread looks in every millisecond, so that messages go on, and the first
-// rank's counters answer, while this rank draws: over TCP they do only while the target is inside of MPI.
+// Ranks over MPI (standard 3.1; written against Open MPI 4.1).
+// A mutex serialises all MPI calls. A wait tests, sleeps briefly and tests again, so a waiting rank leaves its core
+// to working ranks. The sleep matters with more ranks than cores.
+// A service thread calls MPI every millisecond. Over TCP, messages and counters of rank 0 make progress only while the
+// target calls MPI, and a drawing rank calls nothing.
 #define OMPI_SKIP_MPICXX 1
 #include <mpi.h>
 
@@ -28,10 +29,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Tags of Kiln's own are below; these are the collectives' and the counters'.
+// Internal tags of collectives, counters and pulses, above the tags of Kiln's messages.
 constexpr int kGatherTag = Ranks::kTags, kAddTag = kGatherTag + 1, kAddedTag = kGatherTag + 2,
               kPulseTag = kGatherTag + 3;
-// What one call of a collective moves at most: MPI counts in int.
+// Most bytes of one MPI call in a collective: MPI counts in int.
 constexpr std::size_t kLargestCall = std::size_t{1} << 30;
 
 struct CounterRequest {
@@ -124,7 +125,7 @@ class MpiRanks : public Ranks {
   }
 
   bool claimFailure() override {
-    // Where the first rank is gone there is no answer: mpirun ends this one before it waits for long.
+    // If rank 0 has died there is no answer; mpirun then ends this rank.
     return failures_->add(0, 1) == 0;
   }
 
@@ -158,7 +159,7 @@ class MpiRanks : public Ranks {
     body();
   }
 
-  // Asks at once, then for some time without sleeping, then ever more rarely, up to every half millisecond.
+  // Tests `done` 20 times without sleeping, then with growing sleeps of up to half a millisecond.
   template <class Done>
   void waitUntil(const Done& done) {
     const Clock::time_point begin = Clock::now();
@@ -186,7 +187,8 @@ class MpiRanks : public Ranks {
     });
   }
 
-  // Requires the lock, as the next two do. Matched by probing, so that no other thread takes the same message.
+  // begin and outgoingDone require the lock.
+  // Receives by matched probe, so no other thread takes the message.
   std::optional<Incoming> begin(int tag, std::optional<int> from) {
     int there = 0;
     MPI_Message handle;
@@ -235,25 +237,26 @@ class MpiRanks : public Ranks {
     int out = 1;
     MPI_Comm_size(machine, &out);
     MPI_Comm_free(&machine);
-    // On a machine of fewer ranks than another, too.
+    // All machines use the least number, so all ranks choose an equal kind of counters.
     MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
     return out;
   }
 
-  // Requires the lock, on the first rank.
-  std::uint64_t answer(const CounterRequest& request) {
+  // Adds to a counter on rank 0 and returns its previous value. requires: the lock.
+  std::uint64_t addToCounter(const CounterRequest& request) {
     std::uint64_t& value = sets_[request.set][request.counter];
     return std::exchange(value, value + request.amount);
   }
 
-  // Requires the lock. Questions and answers are so small that they are handed over at once.
-  void answerAll() {
+  // Serves all pending counter requests. requires: the lock. The messages are small enough for MPI to send without
+  // waiting.
+  void serveCounters() {
     int there = 0;
     MPI_Status status;
     while (MPI_Iprobe(MPI_ANY_SOURCE, kAddTag, MPI_COMM_WORLD, &there, &status), there != 0) {
       CounterRequest request;
       MPI_Recv(&request, sizeof(request), MPI_BYTE, status.MPI_SOURCE, kAddTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-      const std::uint64_t before = answer(request);
+      const std::uint64_t before = addToCounter(request);
       MPI_Send(&before, sizeof(before), MPI_BYTE, status.MPI_SOURCE, kAddedTag, MPI_COMM_WORLD);
     }
   }
@@ -263,11 +266,11 @@ class MpiRanks : public Ranks {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       std::string silent;
       locked([&] {
-        answerAll();
+        serveCounters();
         outgoingDone();
         if (!watch_) return;
         if (const auto pulse = watch_->ownPulse()) sendPulse(*pulse);
-        hearPulses();
+        receivePulses();
         silent = watch_->silentRanks();
       });
       // Without the lock: the handler makes calls of its own.
@@ -275,7 +278,7 @@ class MpiRanks : public Ranks {
     }
   }
 
-  // Requires the lock. Every rank reports to the first one, which reports to all.
+  // Sends a pulse: every rank to rank 0, rank 0 to all ranks. requires: the lock.
   void sendPulse(const Pulse& pulse) {
     for (int to = first() ? 1 : 0; to < (first() ? count_ : 1); ++to) {
       Outgoing& out = outgoing_.emplace_back();
@@ -286,53 +289,55 @@ class MpiRanks : public Ranks {
     }
   }
 
-  // Requires the lock. Pulses are so small that they are handed over at once.
-  void hearPulses() {
+  // Receives all pending pulses. requires: the lock. Pulses are small enough for MPI to send without waiting.
+  void receivePulses() {
     int there = 0;
     MPI_Status status;
     while (MPI_Iprobe(MPI_ANY_SOURCE, kPulseTag, MPI_COMM_WORLD, &there, &status), there != 0) {
       Pulse pulse;
       MPI_Recv(&pulse, sizeof(pulse), MPI_BYTE, status.MPI_SOURCE, kPulseTag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-      watch_->heard(status.MPI_SOURCE, pulse);
+      watch_->onPulse(status.MPI_SOURCE, pulse);
     }
   }
 
-  // Collective in effect: no pulse is on its way when this returns, so that MPI may be finalised.
+  // Collective in effect: when the function returns no pulse is in flight, so MPI may be finalised.
   void endPulses() {
     if (!watch_) return;
     locked([&] { sendPulse(watch_->lastPulse()); });
     waitUntil([this] {
-      hearPulses();
+      receivePulses();
       return watch_->allEnded() && outgoingDone();
     });
   }
 
-  // The thread that does what all ranks do together waits for others: this rank itself is well.
+  // Records a wait of the thread for collective calls: a waiting rank is not hung.
   void noteWaiting() {
     if (std::this_thread::get_id() == main_ && watch_) watch_->noteWaiting();
   }
 
   int rank_ = 0, count_ = 1;
-  mutable std::mutex mutex_;  // guards MPI and all below
+  mutable std::mutex mutex_;  // guards MPI and all members below
   RankTraffic traffic_;
   std::list<Outgoing> outgoing_;
   bool one_machine_ = true;
   std::uint64_t next_set_ = 0;
-  std::map<std::uint64_t, std::vector<std::uint64_t>> sets_;  // of MasterCounters, on the first rank
+  std::map<std::uint64_t, std::vector<std::uint64_t>> sets_;  // MasterCounters, on rank 0
   std::unique_ptr<SharedCounters> failures_;
   std::optional<RankWatch> watch_;
   const std::thread::id main_ = std::this_thread::get_id();
   std::jthread service_;
 };
 
-// An error that ends this rank is about to end all: the others are not waited for.
+// True while an error ends the process: the error ends all ranks, so waiting is pointless.
 bool endsByError() { return std::uncaught_exceptions() > 0; }
 
-// Ranks of one machine: one-sided, in a window of the first rank's memory; an addition is an atomic instruction.
+// Counters of ranks on a single machine: one-sided access to a window in rank 0's memory; an addition is an atomic
+// instruction.
 class WindowCounters : public SharedCounters {
  public:
   WindowCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
-    // MPI_Win_allocate holds the lock until all ranks have called it, and meanwhile no pulse is sent.
+    // MPI_Win_allocate blocks with the lock held until all ranks have called it, and no pulse is sent meanwhile. The
+    // barrier keeps this time short.
     ranks_.barrier();
     const std::scoped_lock lock(ranks.mutex_);
     const std::size_t bytes = ranks.first() ? count * sizeof(std::uint64_t) : 0;
@@ -346,7 +351,7 @@ class WindowCounters : public SharedCounters {
   }
   ~WindowCounters() override {
     if (endsByError()) return;
-    // Freeing is collective and without a wait of its own that sleeps.
+    // Freeing is collective and waits without sleeping; the barrier before it sleeps.
     ranks_.barrier();
     const std::scoped_lock lock(ranks_.mutex_);
     MPI_Win_unlock_all(window_);
@@ -366,8 +371,8 @@ class WindowCounters : public SharedCounters {
   MPI_Win window_ = MPI_WIN_NULL;
 };
 
-// Ranks of several machines: the first one's service thread answers. Open MPI 4.1 has no window over TCP by default,
-// and the one it can be told to take answers in 5 ms.
+// Counters of ranks on several machines: rank 0's service thread adds. Open MPI 4.1 has no window over TCP by default,
+// and its optional window answers in 5 ms.
 class MasterCounters : public SharedCounters {
  public:
   MasterCounters(MpiRanks& ranks, std::size_t count) : ranks_(ranks) {
@@ -389,10 +394,10 @@ class MasterCounters : public SharedCounters {
     const CounterRequest request{set_, counter, amount};
     if (ranks_.first()) {
       const std::scoped_lock lock(ranks_.mutex_);
-      return ranks_.answer(request);
+      return ranks_.addToCounter(request);
     }
-    // One question of a rank at a time, so that its answer is the next.
-    const std::scoped_lock asking(asking_);
+    // A single request per rank at a time, so the next answer belongs to the request.
+    const std::scoped_lock lock(request_mutex_);
     std::vector<std::byte> bytes(sizeof(request));
     std::memcpy(bytes.data(), &request, sizeof(request));
     ranks_.send(0, kAddTag, std::move(bytes));
@@ -404,7 +409,7 @@ class MasterCounters : public SharedCounters {
  private:
   MpiRanks& ranks_;
   std::uint64_t set_ = 0;
-  std::mutex asking_;
+  std::mutex request_mutex_;
 };
 
 std::unique_ptr<SharedCounters> MpiRanks::makeCounters(std::size_t count) {

@@ -13,13 +13,13 @@
 namespace kiln {
 namespace {
 
-// A gap between two calls of the loop that this rank did not choose: it was stopped itself, with all others perhaps.
-// unit: seconds.
+// Longest gap between two calls of the service loop. A longer gap means that the process itself was stopped, perhaps
+// with all ranks. unit: seconds.
 constexpr double kOwnGap_s = 2;
-// Share of one core above which a rank computes. Threads that look for messages take some hundredths.
+// Least share of a core for a rank to count as computing. Threads polling for messages take some hundredths.
 constexpr double kComputingShare = 0.15;
-// The first rank is watched by all. Each waits so much longer than the rank before it, so that one of them reports.
-// unit: seconds.
+// All ranks watch rank 0. Each rank waits this much longer than the rank before, so a single rank reports. unit:
+// seconds.
 constexpr double kTurn_s = 0.5;
 
 double seconds(std::chrono::steady_clock::duration d) { return std::chrono::duration<double>(d).count(); }
@@ -51,7 +51,7 @@ bool RankWatch::worked(double interval_s) {
 std::optional<Pulse> RankWatch::ownPulse(Clock::time_point now) {
   if (const Clock::duration gap = now - std::exchange(called_, now); seconds(gap) > kOwnGap_s) {
     worked_ += gap;
-    for (Watched& other : watched_) other.heard += gap;
+    for (Watched& other : watched_) other.pulse_at += gap;
   }
   const double since_s = seconds(now - sent_);
   if (ended_ || (begun_ && since_s < interval_s_)) return std::nullopt;
@@ -71,10 +71,10 @@ Pulse RankWatch::lastPulse() {
   return out;
 }
 
-void RankWatch::heard(int rank, const Pulse& pulse, Clock::time_point now) {
+void RankWatch::onPulse(int rank, const Pulse& pulse, Clock::time_point now) {
   for (Watched& other : watched_) {
     if (other.rank != rank) continue;
-    other.heard = now;
+    other.pulse_at = now;
     other.idle_s = pulse.idle_s;
     other.ended = pulse.last != 0;
     if (pulse.host[0] != 0) other.host = pulse.host;
@@ -88,7 +88,7 @@ bool RankWatch::allEnded() const {
 std::string RankWatch::silentRanks(Clock::time_point now) const {
   std::string out;
   for (const Watched& other : watched_) {
-    const double unheard_s = seconds(now - other.heard), silent_s = unheard_s + other.idle_s;
+    const double unheard_s = seconds(now - other.pulse_at), silent_s = unheard_s + other.idle_s;
     if (other.ended || silent_s < seconds_ + kTurn_s * rank_) continue;
     const char* const what = unheard_s > seconds_ / 2 && unheard_s > 2 * interval_s_
                                  ? "has not answered for {:.0f} s; it is stopped, or its machine or network is gone"

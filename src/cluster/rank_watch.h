@@ -1,7 +1,8 @@
-// Problem: a rank that is stopped, or whose disk (NFS) does not answer, keeps all others waiting without end.
-// Method: each rank sends a pulse once a second with the time since it last worked. A rank works if it finished a read
-// or write, used processor time, or waited for other ranks. The first rank watches all others; they watch the first.
-// Invariant: a rank that waits for a hung rank is never named itself.
+// Detects hung ranks.
+// Problem. A stopped rank, or a rank whose disk (NFS) does not answer, keeps all ranks waiting forever.
+// Method. Each rank sends a pulse once a second with the time since its last work. Work is a finished read or write,
+// used processor time, or a wait for further ranks. Rank 0 watches all ranks; all ranks watch rank 0. Invariant. A rank
+// waiting for a hung rank is never reported.
 #pragma once
 
 #include <atomic>
@@ -14,30 +15,30 @@
 
 namespace kiln {
 
-/// A message of one rank about itself. shape: sent as it is in memory.
+/// The state of a rank, as a message. shape: sent as stored in memory.
 struct Pulse {
   double idle_s = 0;      // since the rank last worked
-  std::int32_t last = 0;  // 1 if no other pulse follows
-  char host[60] = {};     // ends with 0
+  std::int32_t last = 0;  // 1 if this is the rank's last pulse
+  char host[60] = {};     // terminated by 0
 };
 
-/// thread: `noteWaiting` from any thread; all else from one thread at a time.
+/// thread: `noteWaiting` from any thread; all further calls from one thread at a time.
 class RankWatch {
  public:
   using Clock = std::chrono::steady_clock;
   using Found = std::function<void(const std::string& sentence)>;
 
-  /// `seconds`: a rank is silent if it has not worked for so long. requires: seconds > 0.
+  /// `seconds`: a rank counts as silent if it has not worked for this time. requires: seconds > 0.
   RankWatch(int rank, int count, double seconds, Found found, Clock::time_point now = Clock::now());
 
-  /// This rank waits for other ranks, which counts as work.
+  /// Records a wait for further ranks, which counts as work.
   void noteWaiting() { waiting_.fetch_add(1, std::memory_order_relaxed); }
   /// Returns the pulse to send if one is due. requires: called every few milliseconds.
   std::optional<Pulse> ownPulse(Clock::time_point now = Clock::now());
-  /// Returns the pulse that ends this rank's. After it `ownPulse` returns nothing.
+  /// Returns the final pulse of this rank. Afterwards `ownPulse` returns nothing.
   Pulse lastPulse();
-  void heard(int rank, const Pulse& pulse, Clock::time_point now = Clock::now());
-  /// Returns whether every watched rank has sent its last pulse.
+  void onPulse(int rank, const Pulse& pulse, Clock::time_point now = Clock::now());
+  /// True if every watched rank has sent its last pulse.
   bool allEnded() const;
   /// Returns the silent ranks in a sentence; empty if there are none.
   std::string silentRanks(Clock::time_point now = Clock::now()) const;
@@ -46,7 +47,7 @@ class RankWatch {
  private:
   struct Watched {
     int rank = 0;
-    Clock::time_point heard;
+    Clock::time_point pulse_at;
     double idle_s = 0;
     bool ended = false;
     std::string host;

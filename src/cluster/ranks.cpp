@@ -1,4 +1,4 @@
-// A world of one rank: what it sends it receives, and it waits for nobody.
+// A world of a single rank: receives the messages sent to itself and never waits.
 #include "cluster/ranks.h"
 
 #include <cstdlib>

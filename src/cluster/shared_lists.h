@@ -1,5 +1,5 @@
-// Lists of values that one rank has and all need, or that all have and one needs. They are sent as they are in memory,
-// because all ranks are the same program on the same kind of machine.
+// Broadcasts and gathers lists of values. Values are sent as stored in memory, because all ranks run an identical
+// program on machines of equal kind.
 #pragma once
 
 #include <cstring>
@@ -10,7 +10,7 @@
 
 namespace kiln {
 
-/// The values that bytes are. requires: they are of such values, as `bytesOfList` has them.
+/// Converts bytes to a list of values. requires: `bytes` come from `bytesOfList` of the same type.
 template <class T>
 std::vector<T> listFrom(std::span<const std::byte> bytes) {
   std::vector<T> out(bytes.size() / sizeof(T));
@@ -24,7 +24,7 @@ std::vector<std::byte> bytesOfList(const std::vector<T>& list) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Collective. What the first rank has, on all.
+/// Collective. Copies rank 0's list to all ranks.
 template <class T>
 void broadcastList(Ranks& ranks, std::vector<T>& list) {
   std::vector<std::byte> bytes = bytesOfList(list);
@@ -32,7 +32,8 @@ void broadcastList(Ranks& ranks, std::vector<T>& list) {
   list = listFrom<T>(bytes);
 }
 
-/// Collective. What each rank has, one behind the other, on the first; nothing on the others.
+/// Collective. Returns on rank 0 the lists of all ranks, concatenated in the order of ranks; an empty list on all
+/// further ranks.
 template <class T>
 std::vector<T> gatherLists(Ranks& ranks, const std::vector<T>& list) {
   std::vector<T> out;

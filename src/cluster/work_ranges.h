@@ -1,7 +1,8 @@
-// Work that ranks share without a master: a row of units, of which each rank has a range, so that units that belong
-// together are one rank's; who has finished its own takes from the other end of the range with most left. A range is
-// one shared number: how many units went from its front in the lower half, from its back in the upper half, so that one
-// addition hands out units.
+// Distributes work among ranks without a master.
+// Method. The units of work form a sequence, and each rank starts with a contiguous range, so related units go to a
+// single rank. A rank without work steals from the back of the range with most units left. A range is a shared counter:
+// units taken from the front in the lower 32 bits, from the back in the upper 32 bits. An atomic addition therefore
+// hands out units. Invariant. Every unit is handed out once.
 #pragma once
 
 #include <algorithm>
@@ -21,16 +22,16 @@ class WorkRanges {
     std::uint32_t begin, end;
   };
 
-  /// The bounds of ranges as large as one another.
+  /// The bounds of ranges of equal length (up to one unit).
   static std::vector<std::uint32_t> evenBounds(std::size_t units, std::size_t ranges) {
     std::vector<std::uint32_t> out;
     for (std::size_t i = 0; i <= ranges; ++i) out.push_back(static_cast<std::uint32_t>(i * units / ranges));
     return out;
   }
 
-  /// The units of the i-th range are [bounds[i], bounds[i + 1]); its number is the counter `first_counter` + i.
-  /// `own` is the range this rank begins with; of another it leaves the last `spared` to whoever has it. requires:
-  /// `counters` outlives this; less than 2³¹ units.
+  /// Range i holds the units [bounds[i], bounds[i + 1]) and uses the counter `first_counter` + i.
+  /// `own` is the range of this rank. The last `spared` units of a foreign range are left to the owner. requires:
+  /// `counters` outlives this object; less than 2³¹ units.
   WorkRanges(SharedCounters& counters, std::size_t first_counter, std::vector<std::uint32_t> bounds, std::size_t own,
              std::uint32_t spared = 0)
       : counters_(counters),
@@ -40,7 +41,7 @@ class WorkRanges {
         range_(own),
         own_(own) {}
 
-  /// The next units for this rank, at most so many: each is handed out once. Nothing once all are.
+  /// Takes up to `most` units for this rank; returns nothing when no units are left.
   std::optional<Units> take(std::uint32_t most) {
     while (true) {
       if (const auto units = range_ == own_ || left(range_) > spared_ ? takeFrom(range_, most) : std::nullopt)
@@ -51,14 +52,14 @@ class WorkRanges {
     }
   }
 
-  /// How many units all ranks have together. cost: a look at each range's number.
+  /// Number of units handed out to all ranks together. cost: one access to each counter.
   std::uint64_t handedOut() {
     std::uint64_t out = 0;
     for (std::size_t range = 0; range + 1 < bounds_.size(); ++range) out += size(range) - left(range);
     return out;
   }
 
-  /// Nobody takes any unit from here on.
+  /// Marks all units as handed out, so no rank takes more.
   void drop() {
     for (std::size_t range = 0; range + 1 < bounds_.size(); ++range) counters_.add(first_ + range, size(range));
   }
@@ -98,7 +99,7 @@ class WorkRanges {
   const std::size_t first_;
   const std::vector<std::uint32_t> bounds_;
   const std::uint32_t spared_;
-  std::size_t range_;  // that is being taken from
+  std::size_t range_;  // the range in use
   const std::size_t own_;
 };
 

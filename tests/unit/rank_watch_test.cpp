@@ -23,8 +23,8 @@ class RankWatchTest : public ::testing::Test {
     for (int step = 0; step < static_cast<int>(seconds * 2); ++step) {
       now_ += milliseconds(500);
       watch_.ownPulse(now_);
-      if (idle_of_1 >= 0) watch_.heard(1, pulse(idle_of_1), now_);
-      if (idle_of_2 >= 0) watch_.heard(2, pulse(idle_of_2), now_);
+      if (idle_of_1 >= 0) watch_.onPulse(1, pulse(idle_of_1), now_);
+      if (idle_of_2 >= 0) watch_.onPulse(2, pulse(idle_of_2), now_);
     }
   }
   static Pulse pulse(double idle_s, int last = 0) { return {idle_s, last, "node"}; }
@@ -50,11 +50,11 @@ TEST_F(RankWatchTest, ARankWhoseDiskDoesNotAnswer_isNamedByItsIdleTime) {
 }
 
 TEST_F(RankWatchTest, ARankThatHasEnded_isNotWatched) {
-  watch_.heard(1, pulse(0, 1), now_);
+  watch_.onPulse(1, pulse(0, 1), now_);
   pass(20, -1, 0);
   EXPECT_EQ(silent(), "");
   EXPECT_FALSE(watch_.allEnded());
-  watch_.heard(2, pulse(0, 1), now_);
+  watch_.onPulse(2, pulse(0, 1), now_);
   EXPECT_TRUE(watch_.allEnded());
 }
 
