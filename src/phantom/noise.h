@@ -1,15 +1,16 @@
-// Noise from a counter: the noise of a voxel is a hash of its coordinates and a seed, so that it is the same in
-// whatever box, order or thread the voxel is computed. The sum of the hash's four bytes is the normal distribution's
-// shape to 3.4 sigma (Irwin-Hall), by whole-number arithmetic alone: the same bits on every machine. Source of the
-// mixing steps: Steele et al., "Fast splittable pseudorandom number generators", 2014 (64 bits, once a row); C.
-// Wellons' search for low-bias 32-bit functions (lowbias32, a voxel).
+// Noise as a function of voxel coordinates and a seed.
+// Method. A hash of the coordinates; the sum of its four bytes approximates a normal distribution up to 3.4 sigma
+// (Irwin-Hall).
+// Invariant. Integer arithmetic only: a voxel has equal noise in any box, order and thread, and on any machine.
+// Source: Steele et al., "Fast splittable pseudorandom number generators", 2014 (64-bit mixing, once per row); C.
+// Wellons' search for low-bias 32-bit functions (lowbias32, once per voxel).
 #pragma once
 
 #include <cstdint>
 
 namespace kiln::phantom {
 
-/// What the voxels of one row have in common.
+/// The part of the hash that the voxels of a row share.
 struct NoiseRow {
   std::uint32_t low = 0, high = 0;
 };
@@ -26,7 +27,7 @@ inline NoiseRow noiseRow(std::uint64_t seed, std::int64_t y, std::int64_t z) {
   return {static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32)};
 }
 
-/// The sum of four random bytes: mean 510, standard deviation `kNoiseDeviation`.
+/// Sum of four random bytes: mean 510, standard deviation `kNoiseDeviation`.
 inline std::uint32_t noiseSum(const NoiseRow& row, std::uint32_t x) {
   std::uint32_t h = x * 0x9e3779b9u + row.low;
   h = (h ^ (h >> 16)) * 0x21f0aaadu;

@@ -1,10 +1,11 @@
-// What is known of a block decides how much is computed for its voxels. The distance to each near shape has bounds over
-// the block, and so has each surface that the shapes join to. A layer whose surface is everywhere half a voxel away
-// covers all of the block or nothing of it, by arithmetic exactly; only where one is nearer are distances computed, for
-// 512 voxels at a time, and of those shapes only that the joined surface is not exactly the same without. Parts are
-// painted from the highest precedence down, until nothing shines through.
-// A shape is near where the block comes closer to the box around it than its reach; beyond, it has no say (shape.h:
-// `smoothMin` is exactly the least there).
+// Problem. A figure has hundreds of shapes; computing each distance for each voxel is too slow.
+// Method. The distance to each near shape is bounded over a block, and so is each surface made by joining shapes. A
+// layer whose surface is half a voxel away from every voxel covers all or nothing of the block. Otherwise distances are
+// computed for 512 voxels at a time, only for shapes that change the joined surface. Parts are painted from the highest
+// precedence down, until nothing is left of any voxel.
+// A shape is near if the block is closer to the shape's box than its reach.
+// Invariant. Skipped shapes change no bit: beyond its reach a shape does not affect `smoothMin`, which is there exactly
+// the minimum (shape.h).
 #include "phantom/painter.h"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ KILN_VECTORS void distances(const Shape& shape, Work& work) noexcept {
   }
 }
 
-// union = join(union, d), at `depth` below the surface.
+// surface = join(surface, d), at `depth` below the surface.
 KILN_VECTORS void join(const Shape& shape, float depth, bool first, Work& work, float* surface) noexcept {
   const float* const d = work.d;
   const float blend = shape.blend, inverse = blend > 0 ? 1 / blend : 0.f;
@@ -55,8 +56,8 @@ KILN_VECTORS void join(const Shape& shape, float depth, bool first, Work& work, 
   }
 }
 
-// Gives what is left of each voxel to a tissue by its coverage: all where the voxel's centre is half a voxel or more
-// inside the surface, nothing where it is half a voxel outside, linear between.
+// Gives a tissue its share of what is left of each voxel. The coverage is 1 if the voxel's centre is half a voxel or
+// more inside the surface, 0 if half a voxel outside, and linear between.
 KILN_VECTORS void give(float tissue_value, const float* surface, float offset, float inverse_blur,
                        Work& work) noexcept {
   work.each([&](int i) {
@@ -66,7 +67,7 @@ KILN_VECTORS void give(float tissue_value, const float* surface, float offset, f
   });
 }
 
-// Cuts a part's folds into the union of its shapes.
+// Cuts the folds of a part into the union of its shapes.
 KILN_VECTORS void fold(const Folds& folds, float shell, Work& work) noexcept {
   const Labyrinth labyrinth(folds);
   for (int k = work.lo_z; k < work.hi_z; ++k) {
@@ -82,12 +83,12 @@ KILN_VECTORS void fold(const Folds& folds, float shell, Work& work) noexcept {
 }
 
 KILN_VECTORS bool nothingLeft(Work& work) noexcept {
-  std::uint32_t bits = 0;  // none is below zero
+  std::uint32_t bits = 0;  // no share is negative
   work.each([&](int i) { bits |= std::bit_cast<std::uint32_t>(work.left[i]); });
   return bits == 0;
 }
 
-// All that is left to one tissue, after which nothing is asked of it.
+// Gives all that is left of each voxel to a tissue. The shares are not used afterwards.
 KILN_VECTORS void giveRest(float tissue_value, Work& work) noexcept {
   work.each([&](int i) { work.value[i] += work.left[i] * tissue_value; });
 }
@@ -103,13 +104,14 @@ constexpr float kRoundingMm = 0.02f;
 
 Bounds operator+(const Bounds& b, float mm) { return {b.lo + mm, b.hi + mm}; }
 
-// Distances of all kinds but the stretched cone grow no faster than the way.
+// All distances except that of the stretched cone have gradients of length 1 at most.
 Bounds boundsAround(float at_centre, const Ball& ball) {
   const float most = ball.radius + kRoundingMm;
   return {at_centre - most, at_centre + most};
 }
 
-// Those of a stretched cone do so in its own space, and are stretched back by a quotient that has bounds, too.
+// The distance of a stretched cone has a gradient of at most 1 in the cone's own space. The quotient that maps it back
+// to world lengths is bounded as well.
 Bounds boundsOfStretched(const Shape& s, const Ball& ball) {
   float local[3], radius2 = 0, out_lo = -1e9f, out_hi = -1e9f;
   for (int j = 0; j < 3; ++j) {
@@ -126,7 +128,7 @@ Bounds boundsOfStretched(const Shape& s, const Ball& ball) {
   const float t = std::min(std::max(local[2] - std::sqrt(rho2) * s.slope, 0.f), s.length), rise = local[2] - t;
   const float d = std::sqrt(rho2 + rise * rise) - s.radius + s.cosine * t;
   const float radius = std::sqrt(radius2), lo = d - radius, hi = d + radius;
-  // (f + tiny) / (g + tiny), where f is the length from the axis and the stretches bound g / f.
+  // The quotient is (f + tiny) / (g + tiny), with f the length from the axis; the stretches bound g / f.
   const float most = std::max(s.stretch[0], std::max(s.stretch[1], s.stretch[2]));
   const float least = std::min(s.stretch[0], std::min(s.stretch[1], s.stretch[2]));
   const float f = std::max(lo + std::min(s.radius, s.radius - s.cosine * s.length), 0.f);
@@ -136,7 +138,7 @@ Bounds boundsOfStretched(const Shape& s, const Ball& ball) {
           std::max(hi * (hi < 0 ? quotient_lo : quotient_hi), out_hi) + kRoundingMm};
 }
 
-// The bounds of the joined surface from those of what it is joined from: smoothMin rises with both.
+// Bounds of the joined surface: smoothMin is monotone in both arguments.
 Bounds joined(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
   if (shape.carves) {
     return {joined(shape, before.lo, d.hi, depth), joined(shape, before.hi, d.lo, depth)};
@@ -144,18 +146,18 @@ Bounds joined(const Shape& shape, const Bounds& before, const Bounds& d, float d
   return {joined(shape, before.lo, d.lo, depth), joined(shape, before.hi, d.hi, depth)};
 }
 
-// Whether the surface is the same without the shape, bit for bit.
+// True if the surface is the same without the shape, bit for bit.
 bool isIdle(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
   if (shape.carves) return d.lo - depth + before.lo >= shape.blend;
   return d.lo + depth - before.hi >= shape.blend;
 }
 
-// Whether the surface is the shape's alone, bit for bit.
+// True if the surface is the shape's alone, bit for bit.
 bool isAlone(const Shape& shape, const Bounds& before, const Bounds& d, float depth) {
   return !shape.carves && before.lo - (d.hi + depth) >= shape.blend;
 }
 
-// A part's surfaces in a block, and the first shape that they depend on.
+// Bounds of a part's surfaces in a block, and the first shape that affects the surfaces.
 struct Surfaces {
   Bounds outer, inner;
   std::size_t first;
@@ -165,7 +167,7 @@ std::optional<Surfaces> surfacesOf(const Part& part, std::span<const NearShape> 
   for (std::size_t i = 0; i < near.size(); ++i) {
     const Shape& shape = shapes[near[i].index];
     const Bounds& d = near[i].distance;
-    if (!out && shape.carves) continue;  // nothing there to take from
+    if (!out && shape.carves) continue;  // nothing to carve yet
     if (!out || (isAlone(shape, out->outer, d, 0) && isAlone(shape, out->inner, d, shape.shell))) {
       out = {d, d + shape.shell, i};
     } else {
@@ -173,7 +175,7 @@ std::optional<Surfaces> surfacesOf(const Part& part, std::span<const NearShape> 
       out->inner = joined(shape, out->inner, d, shape.shell);
     }
   }
-  if (out && part.folds.depth_mm > 0) {  // they cut from the surface to their depth
+  if (out && part.folds.depth_mm > 0) {  // folds cut from the surface down to their depth
     out->outer.hi += static_cast<float>(part.folds.depth_mm);
     out->inner = out->outer + shapes[part.first].shell;
   }
@@ -239,7 +241,7 @@ void Painter::choose(const VoxelBox& box, const NearShapes& from, NearShapes& ou
   }
 }
 
-// Joins the near shapes voxel by voxel, from the first that the surfaces depend on.
+// Joins the near shapes voxel by voxel, from the first shape that affects the surfaces.
 void Painter::computeSurfaces(const Part& part, std::span<const NearShape> near, bool inner,
                               Work& work) const noexcept {
   Bounds outer_bounds{}, inner_bounds{};
@@ -264,12 +266,12 @@ std::optional<Tissue> Painter::paintPart(const NearShapes& near, const NearPart&
   const std::span<const NearShape> shapes = std::span(near.shapes).subspan(chosen.first, chosen.count);
   const std::optional<Surfaces> surfaces = surfacesOf(part, shapes, figure_.shapes());
   if (!surfaces) return std::nullopt;
-  // From the deepest layer outwards, each as far below its surface.
+  // From the deepest layer outwards, each at its depth below its surface.
   struct Layer {
     Tissue tissue;
-    bool inner;  // of the two surfaces
+    bool inner;  // uses the inner surface
     float below_mm;
-    bool asked;
+    bool present;
   };
   const auto rind_mm = static_cast<float>(part.layers.rind_mm);
   const Layer layers[] = {{part.layers.inner, true, 0, part.layered()},
@@ -278,7 +280,7 @@ std::optional<Tissue> Painter::paintPart(const NearShapes& near, const NearPart&
   const auto boundsOf = [&](const Layer& layer) {
     return (layer.inner ? surfaces->inner : surfaces->outer) + layer.below_mm;
   };
-  const auto coversNothing = [&](const Layer& layer) { return !layer.asked || boundsOf(layer).lo > 0.5f * blur_; };
+  const auto coversNothing = [&](const Layer& layer) { return !layer.present || boundsOf(layer).lo > 0.5f * blur_; };
   const auto coversAll = [&](const Layer& layer) { return boundsOf(layer).hi < -0.5f * blur_; };
   bool computed = false;
   for (const Layer& layer : layers) {

@@ -1,5 +1,6 @@
-// The sizes of the published volumes give about cubic voxels here: body 587 × 341 × 1878, head 256 × 256 × 225, engine
-// 256 × 256 × 110; brain 256 × 256 × 167 has voxels of 1.125 × 1.125 × 1.52 mm, slices thicker than wide as MR has.
+// At the sizes of the published volumes voxels are nearly cubic: body 587 × 341 × 1878, head 256 × 256 × 225, engine
+// 256 × 256 × 110. The brain, 256 × 256 × 167, has voxels of 1.125 × 1.125 × 1.52 mm: slices thicker than wide, as in
+// MR.
 #include "phantom/phantom.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 0x6b696c6e;  // "kiln"
 
-// The head from above the vertex down to below the chin.
+// From above the vertex to below the chin.
 const glm::dvec3 kHeadExtent{288, 288, 253.125}, kHeadCorner{-144, -144, 1607};
 
 const PhantomKind kKinds[] = {

@@ -1,4 +1,4 @@
-// The phantoms by name: which figure, seen through which window, by which machine.
+// The phantoms by name: figure, box and value table of each.
 #pragma once
 
 #include <span>
@@ -12,9 +12,9 @@ namespace kiln::phantom {
 
 struct PhantomKind {
   std::string_view name;
-  /// The box that the voxels divide, whatever their number: spacing = extent / dims, axis by axis. unit: mm.
+  /// The box divided into voxels at any size: spacing = extent / dims along each axis. unit: mm.
   glm::dvec3 corner_mm, extent_mm;
-  /// The size of the published volume whose place this one takes.
+  /// Size of the published volume that the phantom replaces.
   Extent3 usual_dims;
   VoxelType type;
   PatientFrame frame;
@@ -24,10 +24,10 @@ struct PhantomKind {
 
 /// body, head, brain, engine.
 std::span<const PhantomKind> phantomKinds();
-/// Null where there is none of that name.
+/// Returns null if no phantom has this name.
 const PhantomKind* findPhantom(std::string_view name);
 
-/// A phantom at one size. thread: any number may read at once.
+/// A phantom at one size. thread: const members are safe.
 class Phantom {
  public:
   Phantom(const PhantomKind& kind, const Extent3& dims);
@@ -36,7 +36,7 @@ class Phantom {
   const Figure& figure() const { return figure_; }
   const Lattice& lattice() const { return lattice_; }
   const ValueTable& values() const { return kind_.values(); }
-  /// Voxel to world, in the phantom's own millimetres.
+  /// Maps voxels to the world, in millimetres.
   VolumeGeometry geometry() const;
   /// Fills `out` as VolumeSource::read does. requires: box inside; `out` of box.count() voxels of kind().type.
   void read(const VoxelBox& box, std::span<std::byte> out) const;

@@ -1,6 +1,6 @@
-// The box that is asked for, cut into regions and blocks at fixed places: a region without a shape near is air and
-// costs its noise only, the others go to the painter block by block. A row of a region's blocks is painted before the
-// noise is added to all of it, as many voxels at a time as the machine has vectors for.
+// Method. The requested box is cut into regions and blocks at fixed positions. A region without a near shape is air and
+// needs only noise; in all further regions the painter computes block by block. A row of blocks of a region is painted,
+// then noise is added to the whole row, vectorised.
 #include "phantom/sampler.h"
 
 #include <algorithm>
@@ -14,9 +14,9 @@
 namespace kiln::phantom {
 namespace {
 
-constexpr int kRegionEdge = 32;  // blocks of a region share the first choice of shapes
+constexpr int kRegionEdge = 32;  // blocks of a region share the first selection of shapes
 
-// Clean value to voxel: one rounding.
+// Converts a value without noise to a voxel, with one rounding.
 struct Finish {
   float scale, highest;
   template <class T>
@@ -26,7 +26,7 @@ struct Finish {
   }
 };
 
-// Rows that begin at x = first, and what lies how far apart between them.
+// Rows that begin at x = first, and the strides between rows.
 template <class T>
 struct Rows {
   std::int64_t count;
@@ -46,7 +46,7 @@ void finishRows(Finish finish, const Rows<T>& rows) noexcept {
     for (std::uint32_t i = 0; i < kWidth; ++i) to[i] = finish.operator()<T>(clean[i], noise, rows.first + i);
   }
 }
-// Whole rows of a region, and of a block.
+// Rows of a whole region, and of a block.
 KILN_VECTORS void finishWide(Finish how, const Rows<std::uint8_t>& rows) noexcept {
   finishRows<kRegionEdge>(how, rows);
 }
@@ -56,7 +56,7 @@ KILN_VECTORS void finishWide(Finish how, const Rows<std::uint16_t>& rows) noexce
 KILN_VECTORS void finishNarrow(Finish how, const Rows<std::uint8_t>& rows) noexcept { finishRows<kEdge>(how, rows); }
 KILN_VECTORS void finishNarrow(Finish how, const Rows<std::uint16_t>& rows) noexcept { finishRows<kEdge>(how, rows); }
 
-// The regions that meet the box, as one box.
+// The box of all regions that meet the box.
 VoxelBox regionsAround(const VoxelBox& box) {
   VoxelBox out = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -66,7 +66,7 @@ VoxelBox regionsAround(const VoxelBox& box) {
   return out;
 }
 
-// Calls f for each box of these edges, aligned to multiples of them, that meets the box.
+// Calls f for each box of size `edges`, aligned to multiples of `edges`, that meets the box.
 template <class F>
 void forBoxes(const VoxelBox& box, const Extent3& edges, F&& f) {
   const auto down = [&](int axis) { return box.lo[axis] / edges[axis] * edges[axis]; };
@@ -79,13 +79,13 @@ void forBoxes(const VoxelBox& box, const Extent3& edges, F&& f) {
   }
 }
 
-// The clean values of a row of a region's blocks, each of kEdge³ voxels.
+// Values without noise of a row of blocks in a region; a block has kEdge³ voxels.
 struct Strip {
   static constexpr std::int64_t kSlice = kEdge * kRegionEdge;
   alignas(64) std::array<float, kEdge * kSlice> clean;
 };
 
-// The box that was asked for, filled part by part.
+// The requested box, filled part by part.
 template <class T>
 class Canvas {
  public:
@@ -98,7 +98,7 @@ class Canvas {
     air_.fill(values.of(Tissue::kAir));
   }
 
-  // requires, of both: `part` within a region.
+  // requires for both functions: `part` lies within a region.
   void finishAir(const VoxelBox& part) const { finishPart(part, air_.data(), 0, 0); }
   void finishStrip(const VoxelBox& part, const Strip& strip) const {
     finishPart(part, strip.clean.data() + (part.lo.z % kEdge) * Strip::kSlice + (part.lo.y % kEdge) * kRegionEdge,
@@ -106,7 +106,7 @@ class Canvas {
   }
 
  private:
-  // The voxels of a part of a region. `clean` is for the region's first x, and the part's first y and z.
+  // Fills a part of a region. `clean` starts at the region's first x and the part's first y and z.
   void finishPart(const VoxelBox& part, const float* clean, std::int64_t row, std::int64_t slice) const;
   void finishBlocks(const VoxelBox& part, Rows<T> rows) const;
 
@@ -114,7 +114,7 @@ class Canvas {
   Extent3 n_;
   T* out_;
   Finish finish_;
-  std::vector<NoiseRow> noise_;  // of the box's rows
+  std::vector<NoiseRow> noise_;  // for the rows of the box
   alignas(64) std::array<float, kRegionEdge> air_;
 };
 
@@ -137,7 +137,8 @@ void Canvas<T>::finishPart(const VoxelBox& part, const float* clean, std::int64_
   }
 }
 
-// Rows that are no whole ones of a region: those of the blocks that they meet, of which is taken what was asked for.
+// Fills a part whose rows are shorter than a region: computes the rows of all blocks that meet the part and copies the
+// requested voxels.
 template <class T>
 void Canvas<T>::finishBlocks(const VoxelBox& part, Rows<T> rows) const {
   const std::int64_t region = rows.first;
@@ -156,7 +157,7 @@ void Canvas<T>::finishBlocks(const VoxelBox& part, Rows<T> rows) const {
   }
 }
 
-// The clean values of a block's rows, into the strip of its region.
+// Computes the rows of a block without noise into the strip of its region.
 void paintBlock(const VoxelBox& block, const VoxelBox& part, const Lattice& lattice, const Painter& painter,
                 const NearShapes& near, Work& work, Strip& strip) {
   for (int i = 0; i < kEdge; ++i) {

@@ -1,4 +1,4 @@
-// Hands and feet: the same joints give the flesh and the bones of each finger and toe. The hand hangs beside the thigh,
+// Hands and feet. The joints of a finger or toe define both its flesh and its bones. The hand hangs beside the thigh,
 // palm inwards (-x), thumb forward; the foot points forward and stands on z = 22 mm.
 #include <glm/geometric.hpp>
 #include <string>
@@ -10,11 +10,11 @@ namespace {
 
 using Shapes = std::vector<ShapeSpec>;
 
-// From the wrist or ankle outwards: the base of the metacarpal, the joints, the tip.
+// Base of the metacarpal, joints, tip: from the wrist or ankle outwards.
 struct Digit {
   const char* name;
   std::vector<glm::dvec3> joints;
-  double flesh_root, flesh_tip;  // radii from the first joint of the free finger on
+  double flesh_root, flesh_tip;  // radii at the first joint of the free finger and at the tip
 };
 
 const std::vector<Digit>& fingers() {

@@ -1,5 +1,5 @@
-// The skull and what it holds. The vault is solid in the list and hollowed by the parts that come after it: the fluid
-// around the brain, the orbits, the nose and its sinuses.
+// The skull and its contents. The vault is solid in the list; later parts hollow it: fluid around the brain, orbits,
+// nose, sinuses.
 #include <string>
 
 #include "phantom/models/body.h"
@@ -72,7 +72,7 @@ void addFace(PartList& parts) {
 
 PartList hemispheres() {
   PartList parts;
-  // What the skull's cavity leaves, less the fluid around it and the cleft between the two.
+  // The skull's cavity without the fluid around the brain and the cleft between the hemispheres.
   addPair(parts, "cerebral hemisphere", shellOf(Tissue::kGreyMatter, Tissue::kWhiteMatter),
           {ellipsoid({0, 15, 1765}, {59.5, 79, 70}).shell(3.2),
            ellipsoid({0, -24, 1787}, {44, 38, 33.5}).shell(3.2).blend(18),
@@ -81,7 +81,7 @@ PartList hemispheres() {
   return parts;
 }
 
-// The arcs of the teeth: x across, and how far the arc has gone back there.
+// A point on the arc of the teeth: x across, y moves back with x².
 glm::dvec3 onArc(double x, double front_y, double z) { return {x, front_y + 0.052 * x * x, z}; }
 
 }  // namespace
@@ -118,7 +118,7 @@ PartList headContents() {
        {ellipsoid({22, 58, 1716}, {26, 26, 22}).shell(7), ellipsoid({-22, 58, 1716}, {26, 26, 22}).shell(7).blend(4),
         ellipsoid({0, 52, 1716}, {10, 22, 20}).shell(7).blend(6)}});
   parts.push_back({"pituitary gland", filledWith(Tissue::kGland), {ellipsoid({0, -8, 1722}, {6, 5, 4})}});
-  // A thin wall, open in front, left of what comes next.
+  // A thin wall, open in front; the following parts leave only this wall.
   addPair(parts, "orbit", kBone,
           {ellipsoid({31.5, -54, 1735}, {22, 20, 20}).shell(1.6),
            cone({30, -50, 1735}, {15, -22, 1733}, 16, 6).shell(1.6).blend(6)});

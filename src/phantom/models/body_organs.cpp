@@ -1,6 +1,6 @@
-// What lies in the trunk: its cavities (lined with fat, so that organs do not float in muscle), the organs, the large
-// vessels, and every enclosed air: windpipe, bronchi, nose, sinuses, ears, stomach and bowel. No air here reaches the
-// outside: nostrils and mouth are closed.
+// Contents of the trunk: cavities lined with fat (so organs do not float in muscle), organs, large vessels, and all
+// enclosed air: windpipe, bronchi, nose, sinuses, ears, stomach, bowel. No air reaches the outside: nostrils and mouth
+// are closed.
 #include "phantom/models/body.h"
 
 namespace kiln::phantom {
@@ -134,7 +134,7 @@ PartList trunkCavities() {
        filledWith(Tissue::kLung),
        {ellipsoid({-74, 22, 1366}, {51, 68, 110}), ellipsoid({-62, 20, 1440}, {40, 50, 72}).blend(24),
         ellipsoid({-80, 30, 1304}, {46, 62, 62}).blend(24), ellipsoid({-66, -32, 1370}, {44, 36, 80}).blend(20)}},
-      // Domed into the lungs; below it, fat again.
+      // Domed into the lungs, with fat below.
       {"diaphragm",
        filledWith(Tissue::kMuscle),
        {ellipsoid({0, 4, 1236}, {124, 92, 82}), ellipsoid({-60, 0, 1250}, {60, 78, 74}).blend(20)}},

@@ -1,5 +1,5 @@
-// Shoulders, arms, pelvis and legs down to wrist and ankle: long bones with thick cortical walls along the shaft and
-// thin ones at the ends, blades as flattened cones.
+// Shoulders, arms, pelvis and legs down to wrist and ankle. Long bones have thick cortical walls along the shaft and
+// thin walls at the ends; blades are flattened cones.
 #include "phantom/models/body.h"
 
 namespace kiln::phantom {
@@ -93,7 +93,7 @@ void addLeg(PartList& parts) {
            cone({123, 31, 476}, {112, 40, 280}, 6, 5.6).shell(2.2).blend(5),
            cone({112, 40, 280}, {112, 41, 125}, 5.6, 6.5).shell(2.2).blend(3),
            ellipsoid({113, 40, 104}, {7, 9, 15}).shell(1.5).blend(5)});
-  // The cartilages of the knee and of the hip lie between bones that win.
+  // The cartilages of knee and hip lie between bones, which have higher precedence.
   addPair(parts, "patellar ligament", filledWith(Tissue::kTendon),
           {cone({92, -40, 512}, {92, -24, 468}, 9, 8).flat({0, 1, 0}, 0.45)});
   addPair(parts, "Achilles tendon", filledWith(Tissue::kTendon),

@@ -1,5 +1,5 @@
-// The surface of the body: one smooth union, trunk first, then head, limbs, and what is carved out of it. A shape's
-// shell is the fat below the skin there; what remains within is muscle.
+// The surface of the body, one smooth union: trunk, head, limbs, then the carved shapes. The shell of a shape is the
+// fat below its skin; the rest inside is muscle.
 #include "phantom/models/body.h"
 
 namespace kiln::phantom {
@@ -65,7 +65,7 @@ Shapes neckAndHead() {
               }));
   append(out, bothSides({
                   cone({9, -80, 1753}, {46, -68, 1756}, 7, 6).shell(3).blend(14),
-                  // Lids over the ball, and the line where they meet.
+                  // Lids over the eyeball, and the line between the lids.
                   ball({32, -66.5, 1735}, 14.8).shell(2).blend(3),
                   cone({20.5, -77, 1733.5}, {32, -82, 1731}, 1, 1.4).carve().shell(1).blend(2.5),
                   cone({32, -82, 1731}, {44, -76, 1733.5}, 1.4, 1).carve().shell(1).blend(2.5),

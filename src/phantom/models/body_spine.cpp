@@ -1,5 +1,5 @@
-// The axial skeleton below the skull: 24 vertebrae with discs, sacrum and coccyx, 12 pairs of ribs with their
-// cartilages, breast bone; and the spinal canal. A vertebra or a rib is one row of a table.
+// The axial skeleton below the skull: 24 vertebrae with discs, sacrum and coccyx, 12 pairs of ribs with cartilages,
+// breast bone, and the spinal canal. A vertebra or a rib is one row of a table.
 #include <array>
 #include <glm/geometric.hpp>
 #include <string>
@@ -11,7 +11,7 @@ namespace {
 
 using Shapes = std::vector<ShapeSpec>;
 
-// The centre of the vertebral body (x is 0), its half width, depth and height, and how far its processes go.
+// Centre of the vertebral body (x is 0), half width, depth and height, and lengths of the processes.
 struct Vertebra {
   const char* name;
   double y, z, half_width, half_depth, half_height;
@@ -34,7 +34,7 @@ constexpr std::array<Vertebra, 24> kVertebrae = {{
 }};
 
 glm::dvec3 bodyOf(const Vertebra& v) { return {0, v.y, v.z}; }
-// Where the canal passes behind the body.
+// Position of the canal behind the vertebral body.
 glm::dvec3 canalOf(const Vertebra& v) { return {0, v.y + v.half_depth + 8, v.z - 1}; }
 
 // The plate at the top or bottom of a vertebral body.
@@ -47,7 +47,7 @@ ShapeSpec plate(const Vertebra& v, double side) {
 }
 
 Shapes shapesOf(const Vertebra& v) {
-  const double arch = v.half_depth + 9;  // from the body's centre to the canal's
+  const double arch = v.half_depth + 9;  // from the centre of the body to the centre of the canal
   const double thick = 3.2 + 0.08 * v.half_width;
   Shapes out = {
       ellipsoid(bodyOf(v), {v.half_width, v.half_depth, 1.22 * v.half_height}).shell(1.3),
@@ -95,8 +95,8 @@ PartSpec sacrum() {
   return {"sacrum", kBone, shapes};
 }
 
-// One rib: the vertebra it comes from, the half width and the height of its farthest point, the height of its angle
-// behind, the front end of its bone, and where its cartilage goes (nowhere for the floating ribs).
+// A rib: half width and position of its farthest point, front end of the bone, and end of its cartilage (none for
+// floating ribs).
 struct Rib {
   double half_width, side_y, side_z;
   glm::dvec3 front;

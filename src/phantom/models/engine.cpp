@@ -1,5 +1,5 @@
-// The block stands with its deck towards +z; four bores in line along x. Voids are parts of air that come after the
-// metal, liners and bolts come after the voids.
+// The block stands with its deck towards +z; four bores lie in line along x. Voids are parts of air after the metal;
+// liners and bolts come after the voids.
 #include "phantom/models/engine.h"
 
 #include <glm/vec2.hpp>
@@ -48,7 +48,7 @@ void addVoids(PartList& parts) {
   for (const double x : {-54.0, 0.0, 54.0}) webs.push_back(box({x, 0, -42}, {5, 36, 14}, 1));
   parts.push_back({"main bearing webs", kMetal, webs});
   parts.push_back({"crankshaft tunnel", kVoid, {cylinder({-130, 0, -46}, {130, 0, -46}, 15)}});
-  // Around the bores, open to neither; the walls between jacket and bore are the bores' own part.
+  // The water jacket surrounds the bores and is open to neither; the wall between jacket and bore is a part of its own.
   Shapes jacket, sleeves, bores, liners;
   for (const double x : kBoreX) {
     jacket.push_back(upright(x, 0, -12, 34, 34, 3));

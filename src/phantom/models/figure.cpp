@@ -15,8 +15,8 @@ bool within(const Shape& a, const Shape& b, float mm) {
   return true;
 }
 
-// A shape is felt at most by its own blend, or by that of a later shape that flows into it, and five quarters of it
-// from where the union's surface can be; a carving shape also by the shell that it cuts through.
+// A shape affects a surface up to its own blend, or the blend of a later shape that joins it, and five quarters of the
+// blend from the possible surface of the union. A carving shape also reaches through its shell.
 float reachOf(std::span<const Shape> part, std::size_t i) {
   float blend = part[i].blend;
   for (std::size_t j = i + 1; j < part.size(); ++j) {

@@ -1,5 +1,6 @@
-// A labyrinth of sheets, as the grooves of the brain are: where the gyroid sin x cos y + sin y cos z + sin z cos x is
-// zero. Its waves are parabolas instead of sines, which every machine computes alike.
+// A labyrinth of sheets that resembles the grooves of the brain: the zero set of the gyroid sin x cos y + sin y cos z +
+// sin z cos x.
+// Differs: parabolas replace the sines, so every machine computes equal bits.
 // Source: A. Schoen, "Infinite periodic minimal surfaces without self-intersections", 1970.
 #pragma once
 
@@ -16,10 +17,10 @@ class Labyrinth {
       : depth_(static_cast<float>(folds.depth_mm)),
         half_width_(static_cast<float>(folds.half_width_mm)),
         waves_per_mm_(static_cast<float>(1 / folds.period_mm)),
-        // The gyroid's slope where it is zero is about 1.5 a radian.
+        // The gradient of the gyroid at its zero set is about 1.5 per radian.
         mm_per_unit_(static_cast<float>(folds.period_mm / (2 * 3.14159265 * 1.5))) {}
 
-  /// The distance `d` to a surface after the sheets have been cut into it, down to the depth.
+  /// Returns the distance `d` to a surface after cutting the sheets into it, down to the depth of the folds.
   float cut(float d, float x, float y, float z) const {
     const float u = x * waves_per_mm_, v = y * waves_per_mm_, w = z * waves_per_mm_;
     const float gyroid = sine(u) * sine(v + 0.25f) + sine(v) * sine(w + 0.25f) + sine(w) * sine(u + 0.25f);
@@ -28,9 +29,9 @@ class Labyrinth {
   }
 
  private:
-  // One wave a unit.
+  // A wave of period 1.
   static float sine(float turns) {
-    // Truncation rounds down here: the figure is nowhere near a thousand waves from its origin.
+    // Truncation rounds down because the argument is positive: a figure lies within a thousand waves of its origin.
     const float shifted = turns + 1024.5f;
     const float t = 2 * (shifted - static_cast<float>(static_cast<int>(shifted))) - 1;
     return 4 * t * (1 - std::abs(t));

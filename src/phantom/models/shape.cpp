@@ -5,7 +5,7 @@
 namespace kiln::phantom {
 namespace {
 
-// Local axes as rows: z along `axis`, y as near to `across` as it can be.
+// Local axes as rows: z along `axis`, y as close to `across` as possible.
 struct Axes {
   glm::dvec3 x, y, z;
 };
@@ -36,7 +36,7 @@ void setRows(Shape& shape, const Axes& axes, const glm::dvec3& scale, const glm:
   }
 }
 
-// The box around ellipsoids (or a box) with these half axes at a and b.
+// Sets the bounding box of two ellipsoids (or boxes) with these half axes, at a and b.
 void setBounds(Shape& shape, const ShapeSpec& spec, const Axes& axes, const glm::dvec3& half_a,
                const glm::dvec3& half_b, bool corners) {
   for (int i = 0; i < 3; ++i) {
@@ -62,7 +62,7 @@ void prepareCone(Shape& shape, const ShapeSpec& spec) {
     const double length = glm::length(along);
     const Axes axes = axesOf(length > 0 ? along : spec.axis, spec.across);
     setRows(shape, axes, {1, 1 / spec.thickness, 1}, spec.a);
-    // One ball inside the other is that ball alone, nearly.
+    // If one ball contains the other, the cone is nearly that ball alone.
     const double cosine = length > 0 ? std::clamp((spec.radius_a - spec.radius_b) / length, -0.99, 0.99) : 0;
     shape.radius = static_cast<float>(spec.radius_a);
     shape.length = static_cast<float>(length);

@@ -1,5 +1,5 @@
-// Values of CT after the usual ranges of textbooks at 120 kV (fat -100, muscle 50, liver 60, cortical bone 1000 and
-// more); those of MR are only in the right order, as an MR machine's are.
+// CT values follow textbook ranges at 120 kV (fat -100, muscle 50, liver 60, cortical bone 1000 and more). MR values
+// have only the right order, as MR has no absolute scale.
 #include "phantom/models/tissue.h"
 
 namespace kiln::phantom {

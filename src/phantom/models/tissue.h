@@ -1,5 +1,5 @@
-// What a phantom is made of, and the value that a scanner would give it. A tissue is a name; the tables of values say
-// how one machine sees it, so the same figure is a CT and an MR volume.
+// Materials of a phantom and their values in a scanner. A table of values describes one machine, so a figure is a CT
+// and an MR volume.
 #pragma once
 
 #include <array>
@@ -40,10 +40,10 @@ enum class Tissue : std::uint8_t {
 };
 inline constexpr std::size_t kTissueCount = 28;
 
-/// "cortical bone", for people.
+/// A name for people: "cortical bone".
 std::string_view nameOf(Tissue tissue);
 
-/// The value of each tissue, and the noise of the machine. unit: voxel values.
+/// Value of each tissue, and noise of the machine. unit: voxel values.
 struct ValueTable {
   std::array<float, kTissueCount> values{};
   float noise_sigma = 0;
