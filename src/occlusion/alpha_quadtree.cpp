@@ -11,7 +11,7 @@ AlphaQuadtree::AlphaQuadtree(int width, int height) {
     const int fine_rows = levels_.back().rows;
     Level coarse{(fine_columns + 1) / 2, (fine_rows + 1) / 2, {}};
     coarse.counts.resize(static_cast<std::size_t>(coarse.columns) * coarse.rows);
-    // Quarters outside of the image do not exist and count as opaque from the start.
+    // Quarters outside the image count as opaque from the start.
     for (int y = 0; y < coarse.rows; ++y) {
       for (int x = 0; x < coarse.columns; ++x) {
         const int across = std::min(fine_columns - 2 * x, 2);

@@ -1,7 +1,10 @@
-// Alpha quadtree: the standard squares of the image, each with the count of its opaque quarters. Invariant: a square's
-// count is four exactly where all its pixels are opaque; what of a square lies outside of the image counts as opaque.
-// Source: Lee and Ihm §2.3.1 and §2.3.2; the structure is Meagher's (1982). Departs from the paper in that images need
-// be neither square nor powers of two. Two tests ask it: overlay.cpp and quadtree.cpp.
+// Problem. Tests of occlusion need to know whether a square of the image is opaque.
+// Method. A quadtree over the image: each standard square counts its opaque quarters.
+// Invariant. A count is four exactly if all pixels of the square are opaque; the part of a square outside the image
+// counts as opaque.
+// Source: Lee and Ihm §2.3.1 and §2.3.2; the structure is Meagher's (1982).
+// Differs: images need be neither square nor powers of two.
+// Used by overlay.cpp and quadtree.cpp.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +18,15 @@ class AlphaQuadtree {
  public:
   AlphaQuadtree(int width, int height);
 
-  /// The level of the one square that holds the image; a square of level k is 2^k pixels wide.
+  /// The level of the single square that holds the image; a square of level k is 2^k pixels wide.
   int top() const { return static_cast<int>(levels_.size()) - 1; }
-  /// Whether the square in column x and row y of its level is opaque. Outside of the image everything is.
+  /// True if the square in column x and row y of its level is opaque; squares outside the image are opaque.
   bool opaque(int level, int x, int y) const {
     const Level& squares = levels_[static_cast<std::size_t>(level)];
     if (x < 0 || y < 0 || x >= squares.columns || y >= squares.rows) return true;
     return squares.counts[static_cast<std::size_t>(y) * squares.columns + x] == kOpaque;
   }
-  /// cost: O(log n) at worst, 4/3 steps a pixel over a whole image.
+  /// Marks a pixel as opaque. cost: O(log n) at worst, 4/3 steps per pixel over a whole image.
   void close(int x, int y);
 
  private:
@@ -35,8 +38,8 @@ class AlphaQuadtree {
   std::vector<Level> levels_;
 };
 
-/// Where the squares that judge a rectangle may lie: in its tile where tiles are drawn at the same time, so that no
-/// answer depends on what another thread has done.
+/// The region in which the squares that test a rectangle may lie. With tiles drawn in parallel the region is the tile,
+/// so that no result depends on the progress of another thread.
 struct SquareBounds {
   PixelRect pixels;
   bool tiled = false;

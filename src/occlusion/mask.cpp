@@ -1,8 +1,11 @@
-// The mask: one bit a pixel, 8×8 pixels a 64-bit word; above it one word for each 8×8 words, a tile of 64×64 pixels,
-// and one for each 8×8 tiles, a block of 512×512. Invariant: a bit of an upper word is set exactly where all 64 bits of
-// the word below it are; what lies outside of the image counts as opaque from the start. Exact. A rectangle costs one
-// AND-compare a block where its tiles are full, one a tile where its words are, and one a word along its border.
-// Source: ours; the pyramid idea is Greene, Kass and Miller 1993.
+// Problem. The test of a rectangle must be exact, and cheap enough to run for every cell and voxel.
+// Method. A pyramid of 64-bit masks with one bit per pixel. A word is 8×8 pixels; a tile word stands for 8×8 words
+// (64×64 pixels), a block word for 8×8 tiles (512×512 pixels).
+// Invariant. A bit of an upper word is set exactly if all 64 bits of the word below are set. Bits outside the image are
+// set from the start, so the test is exact.
+// Source: new here; the pyramid follows Greene, Kass and Miller 1993.
+// Cost: an AND and a compare per block with full tiles, per tile with full words, and per word along the border of the
+// rectangle.
 #include <atomic>
 #include <bit>
 #include <cstdint>
@@ -17,35 +20,36 @@ constexpr int kShift = 3;  // a word is 2^kShift units wide and high
 constexpr int kLast = (1 << kShift) - 1;
 static_assert(1 << (2 * kShift) == kVisibilityTile);
 
-// Bit y * 8 + x of a word is its unit in column x and row y. The columns and rows from a unit on, and up to it.
+// Bit y * 8 + x of a word is the unit in column x and row y. Masks of the columns and rows from a unit on, and up to a
+// unit.
 std::uint64_t columnsFrom(int x) { return ((0xffu << x) & 0xffu) * 0x0101010101010101ull; }
 std::uint64_t columnsUpTo(int x) { return (0xffu >> (kLast - x)) * 0x0101010101010101ull; }
 std::uint64_t rowsFrom(int y) { return ~0ull << (8 * y); }
 std::uint64_t rowsUpTo(int y) { return ~0ull >> (8 * (kLast - y)); }
 
-// The units of the level above that `units` touches. requires: not empty, not negative.
+// The units of the level above that contain `units`. requires: not empty, not negative.
 PixelRect coarser(const PixelRect& units) {
   return {units.x0 >> kShift, units.y0 >> kShift, ((units.x1 - 1) >> kShift) + 1, ((units.y1 - 1) >> kShift) + 1};
 }
 bool fewIn(const PixelRect& units) { return units.x1 - units.x0 <= 2 && units.y1 - units.y0 <= 2; }
 
-// Of the units of word (x, y), those that `units` has. requires: there are some.
-std::uint64_t asked(const PixelRect& units, int x, int y) {
+// The bits of word (x, y) that lie in `units`. requires: at least one.
+std::uint64_t bitsIn(const PixelRect& units, int x, int y) {
   const int first_x = std::max(units.x0 - (x << kShift), 0), last_x = std::min(units.x1 - 1 - (x << kShift), kLast);
   const int first_y = std::max(units.y0 - (y << kShift), 0), last_y = std::min(units.y1 - 1 - (y << kShift), kLast);
   return columnsFrom(first_x) & columnsUpTo(last_x) & rowsFrom(first_y) & rowsUpTo(last_y);
 }
 
-// One level: a word for each 8×8 units of the level below.
+// One level: a word per 8×8 units of the level below.
 class WordGrid {
  public:
-  // shape: `columns` by `rows` units; what a word has beyond them is set.
+  // shape: `columns` by `rows` units; the bits of a word beyond the grid are set.
   WordGrid(int columns, int rows)
       : columns_((columns + kLast) >> kShift),
         rows_((rows + kLast) >> kShift),
         words_(static_cast<std::size_t>(columns_) * rows_) {
     for (int y = 0; y < rows_; ++y) {
-      for (int x = 0; x < columns_; ++x) word(x, y) = ~asked({0, 0, columns, rows}, x, y);
+      for (int x = 0; x < columns_; ++x) word(x, y) = ~bitsIn({0, 0, columns, rows}, x, y);
     }
   }
   int columns() const { return columns_; }
@@ -55,10 +59,11 @@ class WordGrid {
   std::uint64_t& wordOf(int x, int y) { return word(x >> kShift, y >> kShift); }
   static std::uint64_t bitOf(int x, int y) { return 1ull << ((y & kLast) * 8 + (x & kLast)); }
 
-  // What of `units` is not set, in the one, two or four words that they lie in: no branch hangs on where they lie.
+  // The unset bits of `units`, which lie in one, two or four words. The computation has no branch on the number of
+  // words.
   // requires: fewIn(coarser(units)).
   struct Missing {
-    std::uint64_t bits[4];  // of words (x0, y0), (x1, y0), (x0, y1), (x1, y1); none where x1 == x0 or y1 == y0
+    std::uint64_t bits[4];  // in words (x0, y0), (x1, y0), (x0, y1), (x1, y1); 0 if x1 == x0 or y1 == y0
     int x0, y0, x1, y1;
     bool none() const { return (bits[0] | bits[1] | bits[2] | bits[3]) == 0; }
   };
@@ -108,12 +113,12 @@ class MaskVisibility final : public Visibility {
     if ((tiles_.wordOf(x, y) |= WordGrid::bitOf(x, y)) != ~0ull) return;
     x >>= kShift;
     y >>= kShift;
-    // Blocks are shared by the threads that draw tiles.
+    // Threads that draw different tiles share block words.
     std::atomic_ref(blocks_.wordOf(x, y)).fetch_or(WordGrid::bitOf(x, y), std::memory_order_relaxed);
   }
 
  private:
-  // Whether test(x, y) holds for each unit of `open`, bits of word (word_x, word_y).
+  // True if test(x, y) holds for each unit of `open`, bits of word (word_x, word_y).
   template <class Test>
   static bool all(int word_x, int word_y, std::uint64_t open, const Test& test) {
     for (; open != 0; open &= open - 1) {
@@ -123,9 +128,9 @@ class MaskVisibility final : public Visibility {
     return true;
   }
 
-  // Words that are not full may still be full where the rectangle is.
+  // Tests the words of `open`: a word that is not full may be full inside the rectangle.
   bool hiddenInWords(int tile_x, int tile_y, std::uint64_t open, const PixelRect& pixels) const {
-    return all(tile_x, tile_y, open, [&](int x, int y) { return (asked(pixels, x, y) & ~words_.word(x, y)) == 0; });
+    return all(tile_x, tile_y, open, [&](int x, int y) { return (bitsIn(pixels, x, y) & ~words_.word(x, y)) == 0; });
   }
 
   bool hiddenInTiles(const PixelRect& words, const PixelRect& pixels) const {
@@ -138,14 +143,14 @@ class MaskVisibility final : public Visibility {
 
   bool hiddenInBlocks(const PixelRect& tiles, const PixelRect& words, const PixelRect& pixels) const {
     const auto tile = [&](int x, int y) {
-      return hiddenInWords(x, y, asked(words, x, y) & ~tiles_.word(x, y), pixels);
+      return hiddenInWords(x, y, bitsIn(words, x, y) & ~tiles_.word(x, y), pixels);
     };
     const PixelRect blocks = coarser(tiles);
     for (int y = blocks.y0; y < blocks.y1; ++y) {
       for (int x = blocks.x0; x < blocks.x1; ++x) {
-        // Shared by the threads that draw tiles.
+        // Threads that draw tiles share the block words.
         const std::uint64_t full = __atomic_load_n(&blocks_.word(x, y), __ATOMIC_RELAXED);
-        if (!all(x, y, asked(tiles, x, y) & ~full, tile)) return false;
+        if (!all(x, y, bitsIn(tiles, x, y) & ~full, tile)) return false;
       }
     }
     return true;

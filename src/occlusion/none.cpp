@@ -1,5 +1,6 @@
-// No image-space coherence: nothing is ever hidden. Closed pixels take no more light all the same, because their alpha
-// is exactly one, so every exact method gives this method's picture bit for bit.
+// No image-space coherence: hides nothing.
+// A closed pixel nevertheless takes no more light, because its alpha is exactly 1. Every exact method therefore draws a
+// picture with equal bits.
 #include "occlusion/visibility.h"
 
 namespace kiln {

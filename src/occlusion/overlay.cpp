@@ -1,8 +1,12 @@
-// Overlay: a rectangle is hidden where the four neighbouring standard squares that surely enclose it are opaque: the
-// smallest whose edge is no shorter than the rectangle's, from the one that holds its first pixel on. Exact, because
-// they enclose it; loose, because they are up to sixteen times as large. O(1). Source: Meagher 1982, as Lee and Ihm
-// §2.3.3, Figure 5 and Table 5 have it. Departs from it only where tiles are drawn at the same time: squares outside of
-// the tile, which hold nothing of the rectangle, are not asked.
+// Problem. The test of a rectangle in O(1), never wrong for a visible rectangle.
+// Method. Four adjacent standard squares enclose the rectangle: those of the least edge not below the rectangle's,
+// starting at the square of the first pixel. The rectangle is hidden if all four are opaque.
+// Invariant. Exact, because the squares enclose the rectangle. The test may miss a hidden rectangle, because the
+// squares cover up to sixteen times its area.
+// Source: Meagher 1982, as in Lee and Ihm §2.3.3, Figure 5 and Table 5.
+// Differs only for tiles drawn in parallel: squares outside the tile contain nothing of the rectangle and are not
+// tested.
+// Cost: O(1).
 #include <bit>
 
 #include "occlusion/alpha_quadtree.h"

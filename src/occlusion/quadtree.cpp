@@ -1,9 +1,10 @@
-// Alpha quadtree with approximate projected areas: a rectangle is judged by the four adjacent standard squares of the
-// lowest level whose block of two by two is no smaller than it, around the corner nearest to its centre. O(1), and not
-// exact: the block may miss up to a quarter of its edge on one side, and a node that shows only there is lost.
-// Source: Lee and Ihm §2.3.3, Figure 6. ε, which §3.3 leaves as future work, enlarges the rectangle on every side
-// before the squares are chosen; the block surely encloses the rectangle once ε is half its edge. Departs from the
-// paper where tiles are drawn at the same time: a rectangle inside a tile is judged by squares inside that tile.
+// Problem. The test of a rectangle in O(1) that finds more hidden rectangles than overlay.cpp.
+// Method. Four adjacent standard squares approximate the rectangle: the 2×2 block around the corner nearest to the
+// rectangle's centre, on the lowest level whose block is no smaller than the rectangle.
+// Limit. Not exact: the block may miss up to a quarter of its edge on one side, and a node visible only there is lost.
+// ε enlarges the rectangle on every side before the squares are chosen; from ε of half the rectangle's edge on, the
+// block surely encloses the rectangle. Source: Lee and Ihm §2.3.3, Figure 6; ε is future work there (§3.3). Differs for
+// tiles drawn in parallel: a rectangle inside a tile is tested by squares inside the tile. Cost: O(1).
 #include <bit>
 
 #include "occlusion/alpha_quadtree.h"
@@ -38,7 +39,7 @@ class QuadtreeVisibility final : public Visibility {
   void close(int x, int y) override { tree_.close(x, y); }
 
  private:
-  // The squares on both sides of the boundary nearest to the centre of [lo, hi), inside [from, to) where tiled.
+  // The squares on both sides of the boundary nearest to the centre of [lo, hi); inside [from, to) if tiled.
   static Pair around(int lo, int hi, int level, bool tiled, int from, int to) {
     const int boundary = (((lo + hi) >> level) + 1) >> 1;
     Pair pair{boundary - 1, boundary};

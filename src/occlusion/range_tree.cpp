@@ -1,10 +1,12 @@
-// Alpha range tree: a segment tree over the image's rows, each node of which (a chunk of rows) has a segment tree over
-// the columns. A node of such a secondary tree is a standard rectangle and counts its opaque halves; any rectangle of
-// pixels is the product of O(log) standard intervals along each axis. Invariant: a count is two exactly where every
-// pixel of the standard rectangle that lies in the image is opaque. Exact. Source: Lee and Ihm §2.2 (Preparata and
-// Shamos 1985). Departs from it in how a leaf of a thick chunk learns that its column of pixels is opaque: it counts
-// the leaves of the two thinner chunks instead of looking at pixels, so a closed pixel costs O(log² n) at worst and
-// O(1) where nothing fills up. Images need be neither square nor powers of two.
+// Problem. The exact test of any rectangle in O(log² n).
+// Method. A segment tree over the rows of the image; each node, a chunk of rows, has a segment tree over the columns. A
+// node of such a secondary tree is a standard rectangle and counts its opaque halves. Any rectangle of pixels is the
+// product of O(log n) standard intervals along each axis.
+// Invariant. A count is two exactly if every pixel of the standard rectangle inside the image is opaque.
+// Source: Lee and Ihm §2.2 (Preparata and Shamos 1985).
+// Differs: a leaf of a thick chunk counts the leaves of its two thinner chunks instead of testing the pixels of its
+// column. Images need be neither square nor powers of two.
+// Cost: a closed pixel takes O(log² n) at worst, and O(1) while no count fills up.
 #include <atomic>
 #include <bit>
 #include <cstdint>
@@ -17,7 +19,8 @@ namespace {
 
 constexpr std::uint8_t kOpaque = 2;
 
-// A complete binary tree in heap order: node 1 is the root, 2i and 2i+1 are the halves of i, leaves + k is unit k.
+// A complete binary tree in heap order: node 1 is the root, nodes 2i and 2i+1 are the halves of i, node leaves + k is
+// unit k.
 int leavesFor(int units) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(units))); }
 
 class RangeTreeVisibility final : public Visibility {
@@ -63,13 +66,13 @@ class RangeTreeVisibility final : public Visibility {
     return &counts_[static_cast<std::size_t>(chunk) * (2 * columns_) + segment];
   }
 
-  // One more half of a standard rectangle is opaque; whether all of it now is.
+  // Counts another opaque half of a standard rectangle; returns true if the rectangle is now opaque.
   bool fills(int chunk, int segment, int level) {
     std::uint8_t& count = *at(chunk, segment);
     return (level > kVisibilityTileLevel ? std::atomic_ref(count).fetch_add(1) + 1 : ++count) == kOpaque;
   }
 
-  // The standard intervals of [x0, x1) in the secondary tree of one chunk.
+  // True if all standard intervals of [x0, x1) in the secondary tree of a chunk are opaque.
   bool hiddenIn(int chunk, const PixelRect& rect) const {
     const std::uint8_t* const counts = &counts_[static_cast<std::size_t>(chunk) * (2 * columns_)];
     int lo = rect.x0 + columns_;
@@ -81,8 +84,7 @@ class RangeTreeVisibility final : public Visibility {
     return true;
   }
 
-  // Nodes that reach over the image's end have their outer half opaque from the start; nodes wholly outside are never
-  // asked.
+  // Marks the outer half of nodes across the end of the image as opaque. Nodes wholly outside are never tested.
   void markOutside() {
     for (int chunk = rows_ + image_.y1 - 1; chunk >= 1; chunk >>= 1) {
       if (chunk > 1 && (chunk & 1) == 0 && outside(chunk + 1, rows_, image_.y1)) {
@@ -94,7 +96,7 @@ class RangeTreeVisibility final : public Visibility {
       for (int chunk = 1; chunk < 2 * rows_; ++chunk) *at(chunk, segment >> 1) = 1;
     }
   }
-  // Whether the first unit of a node lies at or beyond `end`.
+  // True if the first unit of a node lies at or beyond `end`.
   static bool outside(int node, int leaves, int end) {
     while (node < leaves) node <<= 1;
     return node - leaves >= end;
