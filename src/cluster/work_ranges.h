@@ -2,7 +2,8 @@
 // Method. The units of work form a sequence, and each rank starts with a contiguous range, so related units go to a
 // single rank. A rank without work steals from the back of the range with most units left. A range is a shared counter:
 // units taken from the front in the lower 32 bits, from the back in the upper 32 bits. An atomic addition therefore
-// hands out units. Invariant. Every unit is handed out once.
+// hands out units.
+// Invariant. Every unit is handed out once.
 #pragma once
 
 #include <algorithm>

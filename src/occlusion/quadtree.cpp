@@ -3,8 +3,10 @@
 // rectangle's centre, on the lowest level whose block is no smaller than the rectangle.
 // Limit. Not exact: the block may miss up to a quarter of its edge on one side, and a node visible only there is lost.
 // ε enlarges the rectangle on every side before the squares are chosen; from ε of half the rectangle's edge on, the
-// block surely encloses the rectangle. Source: Lee and Ihm §2.3.3, Figure 6; ε is future work there (§3.3). Differs for
-// tiles drawn in parallel: a rectangle inside a tile is tested by squares inside the tile. Cost: O(1).
+// block surely encloses the rectangle.
+// Source: Lee and Ihm §2.3.3, Figure 6; ε is future work there (§3.3).
+// Differs for tiles drawn in parallel: a rectangle inside a tile is tested by squares inside the tile.
+// Cost: O(1).
 #include <bit>
 
 #include "occlusion/alpha_quadtree.h"
