@@ -3,7 +3,7 @@
 // (64×64 pixels), a block word for 8×8 tiles (512×512 pixels).
 // Invariant. A bit of an upper word is set exactly if all 64 bits of the word below are set. Bits outside the image are
 // set from the start, so the test is exact.
-// Source: new here; the pyramid follows Greene, Kass and Miller 1993.
+// Source: new here; the pyramid follows Greene 1993.
 // Cost: an AND and a compare per block with full tiles, per tile with full words, and per word along the border of the
 // rectangle.
 #include <atomic>
