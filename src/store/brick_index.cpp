@@ -12,12 +12,13 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "index.bin is little-endian and copied as it is");
 
-// The digit is the format: 1 had no sub-ranges, 2 fewer, of which an entry did not say the number.
+// The last digit is the format: format 1 has no sub-ranges; format 2 has fewer, and its entries do not hold their
+// number.
 constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '3'};
 constexpr char kFirstDigit = '1';
 constexpr std::uint32_t kConstantFlag = 1, kSubRangesFlag = 2;
 
-// FORMAT.md, index.bin: the 64 bytes of an entry.
+// The 64 bytes of an entry (FORMAT.md, index.bin).
 struct RawEntry {
   std::uint32_t flags, sub_bricks;
   double core_min, core_max, support_min, support_max;
@@ -26,7 +27,7 @@ struct RawEntry {
 };
 static_assert(sizeof(RawEntry) == 64);
 
-// Whether that many bytes can hold an entry for every brick: asked before memory is taken for what a manifest claims.
+// True if so many bytes can hold an entry per brick. Tested before memory is allocated for the lattices of a manifest.
 bool haveRoom(std::uint64_t bytes, const std::vector<Extent3>& lattices) {
   std::uint64_t entries = bytes / sizeof(RawEntry);
   for (const Extent3& lattice : lattices) {
@@ -109,7 +110,8 @@ std::uint64_t BrickIndex::bytesOf(std::uint64_t stored, std::uint64_t constant, 
   return (stored + constant) * sizeof(BrickEntry) + stored * subRangesBytes(subBricksOf(brick_size));
 }
 
-// An allocation takes 8 bytes more, 32 at the least, and a multiple of 16; one is the object, the other its bytes.
+// Assumes that an allocation takes 8 more bytes, at least 32, and a multiple of 16. One allocation holds the object, a
+// second the bytes.
 std::uint64_t BrickIndex::subRangesBytes(int along) {
   constexpr std::uint64_t kObject = 64, kLeast = 32;
   return kObject + std::max<std::uint64_t>(kLeast, (SubRanges::bytesOf(along) + 8 + 15) / 16 * 16);

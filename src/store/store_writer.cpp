@@ -14,11 +14,12 @@ namespace fs = std::filesystem;
 namespace {
 
 bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
-  // Bit for bit: a buffer that equals itself moved by one voxel has one value.
+  // Bit for bit: a buffer that equals itself shifted by one voxel holds a single value.
   return std::memcmp(voxels.data(), voxels.data() + voxel_bytes, voxels.size() - voxel_bytes) == 0;
 }
 
-// `finish` syncs them all. What the page cache cannot hold would only drive out of it what somebody reads.
+// `finish` syncs all bricks. Bricks that exceed the page cache bypass it, because they would evict pages that other
+// programs read.
 WriteMode brickModeOf(const Manifest& manifest) {
   const std::uint64_t bytes = static_cast<std::uint64_t>(manifest.geometry().dims.count()) * sizeOf(manifest.type);
   return bytes > machineMemoryBytes() / 2 ? WriteMode::kPastCache : WriteMode::kUnsynced;
@@ -79,7 +80,8 @@ EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte>
   BrickEntry& entry = out.entry;
   entry.core = ranges.core;
   entry.support = ranges.support;
-  // The mean of different values may be one value everywhere, and what lies below must still be found.
+  // Both tests are needed: a coarse brick may be uniform although `core`, which includes finer levels, is not. Such a
+  // brick has a file, so that the finer values are found.
   entry.constant = !entry.core.empty() && entry.core.lo == entry.core.hi && allEqual(voxels, sizeOf(brick.type));
   if (!entry.constant) {
     out.file = encodeBrick(brick, voxels, ranges.cells);
@@ -96,7 +98,7 @@ void StoreWriter::write(const EncodedBrick& brick) {
   if (!brick.entry.constant) disk_.writeOwn(directory_ / brickPath(brick.key), brick.file, brick_mode_);
 }
 
-// In the order of the index, so that nothing depends on which brick came first.
+// In the order of the index, so the result does not depend on the order in which bricks were encoded.
 ValueRange StoreWriter::range() const {
   ValueRange out;
   const Extent3& lattice = manifest_.levels.front().bricks;
@@ -142,7 +144,7 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
         },
         missing);
   });
-  // Nothing the manifest vouches for may reach the disk after it.
+  // Everything that the manifest guarantees must reach the disk before the manifest.
   disk_.syncAll(directory_);
   countStored();
   manifest_.range = range();

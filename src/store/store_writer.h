@@ -1,5 +1,6 @@
-// Writes a store so that it becomes one at a single instant: bricks, then the index, then, last and atomically, the
-// manifest (FORMAT.md).
+// Writes a store.
+// Method. Bricks are written first, then the index, and last, atomically, the manifest (FORMAT.md).
+// Invariant. A directory becomes a store in one instant; an interrupted conversion never looks like a store.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +17,7 @@
 
 namespace kiln {
 
-/// A brick on its way to the disk. `file` is empty where `entry` says that it is constant.
+/// A brick on its way to the disk. `file` is empty if the entry is constant.
 struct EncodedBrick {
   BrickKey key;
   BrickEntry entry;
@@ -25,37 +26,35 @@ struct EncodedBrick {
 
 class StoreWriter {
  public:
-  /// `draft` has all but what the bricks decide (range, histogram, stored counts, index checksum).
-  /// Bricks that are in `directory` already are replaced or kept, as the caller says. throws: Error kExists where
-  /// `directory` is a store, kNoSpace, kIo.
-  /// With `sub_ranges_on_disk` the sub-ranges of bricks, the most of a large index, are in a scratch file until the
-  /// store is finished.
+  /// `draft` holds everything except the results of the bricks (range, histogram, stored counts, index checksum).
+  /// Bricks already in `directory` are replaced or adopted by the caller. With `sub_ranges_on_disk` the sub-ranges, the
+  /// largest part of a large index, lie in a scratch file until `finish`.
+  /// throws: Error kExists if `directory` is a store, kNoSpace, kIo.
   StoreWriter(const std::filesystem::path& directory, Manifest draft, FileSystem& disk,
               bool sub_ranges_on_disk = false);
 
-  /// Makes the file of one brick, or notes that it is constant, and enters it in the index; it is still to be written.
+  /// Encodes the file of a brick, or marks the brick as constant, and enters it in the index; call `write` afterwards.
   /// shape: `voxels` covers frame(key).stored(). thread: safe for different keys.
   EncodedBrick encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges);
   /// thread: safe for different keys. throws: Error kNoSpace, kIo.
   void write(const EncodedBrick& brick);
-  /// Enters a brick that another writer has written, or is writing: an earlier one, or one of another process. thread:
-  /// safe for different keys.
+  /// Enters a brick that an earlier run or another process writes. thread: safe for different keys.
   void keep(const BrickKey& key, const BrickEntry& entry);
   bool contains(const BrickKey& key) const { return index_.contains(key); }
   BrickDesc frame(const BrickKey& key) const;
   const Manifest& manifest() const { return manifest_; }
-  /// Without sub-ranges where these are on disk. requires: the brick was encoded or kept. thread: safe beside encoding
-  /// other bricks.
+  /// Returns the entry, without sub-ranges if these are on disk. requires: the brick was encoded or kept. thread: safe
+  /// while other bricks are encoded.
   const BrickEntry& entry(const BrickKey& key) const { return index_.at(key); }
-  /// With its sub-ranges. requires, thread: as `entry`.
+  /// Returns the entry with its sub-ranges. requires, thread: as `entry`.
   BrickEntry wholeEntry(const BrickKey& key) const;
 
-  /// The range of all voxels, NaN aside. requires: every brick is entered.
+  /// The range of all voxels, ignoring NaN. requires: every brick is entered.
   ValueRange range() const;
-  /// Writes the index and the manifest; from here on the directory is a store. requires: every brick was written.
+  /// Writes index and manifest; afterwards the directory is a store. requires: every brick was written.
   void finish(const ValueHistogram& histogram, std::uint64_t nan_count);
 
-  /// Brick files of all levels, and their bytes. requires: finished.
+  /// Number and bytes of the brick files of all levels. requires: finished.
   std::uint64_t storedBricks() const;
   std::uint64_t bytesWritten() const;
 
@@ -67,13 +66,13 @@ class StoreWriter {
   FileSystem& disk_;
   const WriteMode brick_mode_;
   BrickIndex index_;
-  std::optional<File> sub_ranges_;  // on disk, one after the other in the order of the index
+  std::optional<File> sub_ranges_;  // on disk, in the order of the index
 };
 
-/// Where a directory holds some bricks only, which box of the volume they are for (kiln split).
+/// File in a directory with part of the bricks: the box of the volume that these bricks cover (kiln split).
 inline constexpr const char* kPartFile = "part.txt";
 
-/// bricks/L/X_Y_Z.vdb
+/// Returns bricks/L/X_Y_Z.vdb.
 std::filesystem::path brickPath(const BrickKey& key);
 
 }  // namespace kiln

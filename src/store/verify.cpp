@@ -25,7 +25,7 @@ std::string textOf(const ValueRange& range) {
   return range.empty() ? "no value" : fmt::format("[{}, {}]", range.lo, range.hi);
 }
 
-// Whether a range that is said is right for voxels of that range: at a coarser level it has what lies below, too.
+// True if a stored range is right for voxels of the given range: a coarser level also covers finer levels.
 bool covers(int level, const ValueRange& said, const ValueRange& voxels) {
   return level == 0 ? said == voxels : said.contains(voxels);
 }
@@ -146,7 +146,7 @@ class Verification {
       if (!covers(level, said, own.cells[c]))
         contradict(fmt::format("cell {} of the min-max octree", c), said, own.cells[c]);
     }
-    // At a coarser level the octree's root has what lies below, too, and so must the index.
+    // At a coarser level the root of the octree, and so the index, also covers finer levels.
     const ValueRange& core = block.octree.at(block.octree.depth() - 1, 0, 0, 0);
     if (!covers(level, entry.core, core)) contradict("core range in the index", entry.core, core);
     if (!covers(level, entry.support, own.support) || !entry.support.contains(entry.core))
@@ -186,7 +186,7 @@ class Verification {
     try {
       forEachEntryBelow(store_.path(), look);
     } catch (const Error& unreadable) {
-      // A folder that cannot be listed holds no brick: bricks are read by their names.
+      // A folder that cannot be listed is no error by itself: bricks are read by name.
       progress_.note(unreadable.what());
     }
     if (strangers == 1) progress_.note(first.string() + ": is no part of the store");
@@ -198,7 +198,7 @@ class Verification {
   const std::function<void(const Error&)>& damaged_;
   Progress& progress_;
   const std::function<bool(const BrickKey&)>& holds_;
-  std::mutex mutex_;  // guards all below
+  std::mutex mutex_;  // guards the members below
   VerifyReport report_;
   std::uint64_t done_ = 0, total_ = 0;
 };

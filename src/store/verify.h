@@ -1,5 +1,5 @@
-// Whether a store is what it says it is: every file against its checksum, and every range of values that culling relies
-// on against the voxels. Goes on after what it finds, so that a user learns everything that is to be restored.
+// Verifies a store: every file against its checksum, and every value range used for culling against the voxels.
+// Continues after errors, so the user sees everything that must be restored.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 namespace kiln {
 
 struct VerifyReport {
-  std::uint64_t files = 0;    // checked: the bricks', the index and the manifest
-  std::uint64_t damaged = 0;  // of these
+  std::uint64_t files = 0;    // bricks, index and manifest
+  std::uint64_t damaged = 0;  // number of damaged files
 };
 
-/// Reads all of a store, as many bricks at a time as threads and memory allow. `damaged` is called once for each file
-/// that is missing, cannot be read, or contradicts what the store says of it: one error that names the file, what was
-/// found and what was expected. At level 0 the ranges of octree and index are those of the voxels; at a coarser level
-/// they cover more than its own voxels, and must contain these. Files that are not the store's are noted. A directory
-/// that is a part of a store says by `holds` which bricks it should have.
-/// thread: `damaged` is called from any thread, one call at a time. throws: Error kBudget where one brick does not fit,
+/// Reads the whole store, with as many bricks at a time as threads and memory allow. Calls `damaged` once per file that
+/// is missing, unreadable, or contradicts the store: an error with the file, the found and the expected contents.
+/// At level 0 the ranges of octree and index must equal those of the voxels; at a coarser level they also cover finer
+/// levels and must contain those of the voxels. Foreign files in the store are noted. For a part of a store `holds`
+/// selects the expected bricks.
+/// thread: `damaged` is called from any thread, one call at a time. throws: Error kBudget if one brick does not fit,
 /// kCancelled.
 VerifyReport verify(const StoreReader& store, std::uint64_t memory_bytes,
                     const std::function<void(const Error&)>& damaged, Progress& progress,

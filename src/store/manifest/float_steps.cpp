@@ -8,13 +8,13 @@
 namespace kiln {
 
 std::string mergedValuesText(const Manifest& manifest) {
-  // As many shades as a transfer function needs.
+  // Number of shades that a transfer function needs.
   constexpr double kEnough = 1024;
   constexpr int kFloatBits = 23;
   if (manifest.volume_class == VolumeClass::kLabels || sizeOf(manifest.type) < 4 || manifest.type == VoxelType::f32 ||
       manifest.range.empty())
     return {};
-  // A fill value far away is no part of the values.
+  // The range of the histogram excludes a distant fill value.
   const ValueHistogram& histogram = manifest.histogram;
   const ValueRange values = histogram.hi > histogram.lo ? ValueRange{histogram.lo, histogram.hi} : manifest.range;
   const double span = values.hi - values.lo, largest = std::max(std::abs(values.lo), std::abs(values.hi));

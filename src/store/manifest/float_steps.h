@@ -1,4 +1,4 @@
-// Whether a store has more digits than a picture: files keep every value, pictures compute with 32-bit floats.
+// Detects values that 32-bit floats merge: a store keeps every value, but pictures are computed with 32-bit floats.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// A sentence where values that differ are few as 32-bit floats, as with a large offset; empty where they are not.
+/// Returns a sentence if distinct values become few 32-bit floats, as with a large offset; else empty.
 std::string mergedValuesText(const Manifest& manifest);
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
-// manifest.json: every key is written, every key is required, and no other is allowed. The checksum is over the text
-// with its own 32 digits read as zeros, so that it can stand inside.
+// manifest.json: every key is written, every key is required, and no further key is allowed. The checksum covers the
+// text with the 32 digits of the checksum itself read as zeros.
 #include "store/manifest/manifest.h"
 
 #include <fmt/format.h>
@@ -48,7 +48,7 @@ Json rows(const glm::dmat4& m) {
   return out;
 }
 
-// JSON has no infinities; a background may be one.
+// JSON has no infinities, but a background may be infinite.
 Json number(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
@@ -56,7 +56,7 @@ Json number(double value) {
 
 constexpr const char* kStoreRemedy = "; restore this file of the store, or convert the source again";
 
-// Reads the values of one JSON object by key, and knows at the end whether there was a key nobody asked for.
+// Reads the values of a JSON object by key, and reports keys that were never read.
 class Reader {
  public:
   Reader(const Json& object, std::string place, const std::filesystem::path& path)
@@ -229,10 +229,10 @@ void requireHalved(const VolumeGeometry& fine, const VolumeGeometry& coarse, con
                    const std::string& place) {
   const VolumeGeometry expected = coarserThan(fine);
   if (coarse.dims == expected.dims && coarse.world_from_index == expected.world_from_index) return;
-  root.fail(place.c_str(), "is not the level before at half the resolution");
+  root.fail(place.c_str(), "is not the finer level at half the resolution");
 }
 
-// Where the 32 digits of the checksum stand; npos where there are none.
+// Position of the checksum's 32 digits; npos if there are none.
 std::size_t digitsOf(const std::string& text) {
   const std::size_t key = text.rfind(kChecksumKey);
   if (key == std::string::npos) return key;
@@ -311,7 +311,7 @@ std::string manifestText(const Manifest& m) {
 
 namespace {
 
-// Tables have an entry for each value of the small integer types: a range beyond the type would never end.
+// Tables have an entry for each value of a small integer type: a loop over a range beyond the type would never end.
 void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root) {
   if (range.lo > range.hi) root.fail("range", "its first number is above its second");
   const bool holds = withVoxelType(type, [&]<class T>(std::type_identity<T>) {
@@ -320,7 +320,7 @@ void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root
              range.hi <= static_cast<double>(std::numeric_limits<T>::max());
     return true;
   });
-  if (!holds) root.fail("range", fmt::format("has values that {} has not", nameOf(type)));
+  if (!holds) root.fail("range", fmt::format("has values outside the range of {}", nameOf(type)));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a store says of itself (FORMAT.md, manifest.json), as a struct and as checked text.
+// The manifest of a store (FORMAT.md, manifest.json), as a struct and as checked text.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@
 namespace kiln {
 
 inline constexpr int kFormatVersion = 4;
-/// The first that is still read.
+/// The oldest format that is still read.
 inline constexpr int kFirstFormatVersion = 1;
 inline constexpr std::int64_t kApron = 6;
 inline constexpr std::int64_t kDefaultBrickSize = 128;
 
-/// Counts of voxels by value: `counts.size()` equal bins of [lo, hi].
+/// Numbers of voxels in `counts.size()` equal bins of [lo, hi].
 struct ValueHistogram {
   double lo = 0, hi = 0;
   std::vector<std::uint64_t> counts;
@@ -30,17 +30,17 @@ struct LevelInfo {
   VolumeGeometry geometry;
   Extent3 bricks;
   std::uint64_t stored_bricks = 0;
-  /// unit: bytes of all brick files.
+  /// Sum over all brick files of the level. unit: bytes.
   std::uint64_t stored_bytes = 0;
 };
 
 struct Provenance {
   std::string format;
   std::vector<std::string> files;
-  std::string
-      state;  // of the files when they were read (convert/resume/source_state.h); empty where nothing is known of it
+  /// State of the files when they were read (convert/resume/source_state.h); empty if unknown.
+  std::string state;
   std::string command;
-  std::string time;  // ISO 8601, UTC; what the caller of the conversion gave
+  std::string time;  // ISO 8601, UTC; given by the caller of the conversion
   std::optional<VdbOrigin> vdb;
 };
 
@@ -62,27 +62,27 @@ struct Manifest {
 
   const VolumeGeometry& geometry() const { return levels.front().geometry; }
 
-  /// Lengths of the world per length of the volume's own world. Not part of the file: 1, but of a volume that `placeIn`
-  /// has scaled.
+  /// Lengths in the world per length in the volume's own world; 1 unless `placeIn` has scaled the volume. Not part of
+  /// the file.
   double world_per_own = 1;
-  /// A sentence on what `placeIn` took for the same because it is unknown; empty where all is known.
+  /// A sentence on assumptions that `placeIn` made about unknown frames or units; empty if there are none.
   std::string assumption;
-  /// The mean spacing in the volume's own unit, whatever world it is placed in.
+  /// The mean spacing in the volume's own unit, in whatever world the volume is placed.
   double ownMeanSpacing() const { return geometry().meanSpacing() / world_per_own; }
-  /// Moves the volume, all levels of it, into the frame and unit of `world` (grid/shared_world.h). Changes no bit of
-  /// the geometry where both are the same already.
+  /// Moves all levels of the volume into the frame and unit of `world` (grid/shared_world.h). Changes no bit of the
+  /// geometry if frame and unit are equal.
   void placeIn(const VolumeGeometry& world);
 };
 
-/// The most labels that are counted one by one.
+/// Largest number of labels with a histogram bin each.
 inline constexpr std::size_t kMostLabels = 65536;
-/// Whether the histogram of labels in that range has a bin for each of them: those of 8 and 16 bits, and of wider types
-/// those from 0 to 65534. False of what is no label volume.
+/// True if the histogram has a bin per label: labels of 8 and 16 bits, and labels of wider types from 0 to 65534. False
+/// for a volume that holds no labels.
 bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange& range);
 
-/// The text of manifest.json, checksum included.
+/// Returns the text of manifest.json, including the checksum.
 std::string manifestText(const Manifest& manifest);
-/// throws: Error kDamaged (checksum), kFormat (another format number, a missing or wrong key), naming `path`.
+/// throws: Error, naming `path`: kDamaged (checksum), kFormat (unknown format number, a missing or wrong key).
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace kiln

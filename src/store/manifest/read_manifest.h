@@ -1,4 +1,4 @@
-// The manifest of a store alone, without the index: a few KiB, whatever the size of the volume.
+// Reads the manifest of a store without its index: a few KiB for a volume of any size.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// throws: Error kNotFound, kFormat (no manifest: an unfinished conversion or not a store), kDamaged.
+/// throws: Error kNotFound, kFormat (no manifest: an unfinished conversion or no store), kDamaged.
 Manifest readManifest(const std::filesystem::path& store);
 
 }  // namespace kiln

@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-// What no value is less than, and none greater.
+// The start values of a minimum (kGreatest) and a maximum (kLeast).
 template <class T>
 struct Ends {
   using Limits = std::numeric_limits<T>;
@@ -16,13 +16,13 @@ struct Ends {
   static constexpr T kLeast = Limits::has_infinity ? -Limits::infinity() : Limits::lowest();
 };
 
-// Least and greatest of each column of some rows. `v < lo` is false for NaN, which is thus left out.
+// Minimum and maximum of each column over some rows. `v < lo` is false for NaN, so NaN is ignored.
 template <class T>
 struct ColumnBounds {
   std::vector<T> lo, hi;
   explicit ColumnBounds(std::size_t count) : lo(count), hi(count) {}
 
-  // Of `rows` rows, `stride` apart. Some columns at a time: their bounds stay in registers from row to row.
+  // Sets the bounds over `rows` rows, `stride` apart. Columns are processed in groups whose bounds stay in registers.
   KILN_VECTORS void set(std::size_t to, const T* from_lo, const T* from_hi, std::size_t stride, std::size_t rows,
                         std::size_t columns) noexcept {
     constexpr std::size_t kAtATime = 32;
@@ -30,12 +30,12 @@ struct ColumnBounds {
       for (std::size_t x = 0; x < columns; ++x) setSome<1>(to, from_lo, from_hi, stride, rows, x);
       return;
     }
-    // Where fewer are left, some of them again.
+    // The last group overlaps the group before, if columns are left over.
     for (std::size_t x = 0; x < columns; x += kAtATime)
       setSome<kAtATime>(to, from_lo, from_hi, stride, rows, std::min(x, columns - kAtATime));
   }
 
-  // Of `count` columns together.
+  // Range of `count` columns together.
   ValueRange range(std::size_t first, std::size_t count) const {
     T least = Ends<T>::kGreatest, most = Ends<T>::kLeast;
     for (std::size_t i = first; i < first + count; ++i) {
@@ -62,7 +62,7 @@ struct ColumnBounds {
   }
 };
 
-// Along y, then z, then x: whole rows first, so that most of the work is many voxels at a time.
+// Reduces along y, then z, then x: whole rows first, so most work is vectorised.
 template <class T>
 std::vector<ValueRange> boxRangesOf(const T* voxels, const VoxelBox& box,
                                     const std::array<std::vector<VoxelSpan>, 3>& spans) {
@@ -76,7 +76,8 @@ std::vector<ValueRange> boxRangesOf(const T* voxels, const VoxelBox& box,
   ColumnBounds<T> along_y(plane * longest), along_z(plane);
   std::vector<ValueRange> out;
   out.reserve(spans[0].size() * ny * spans[2].size());
-  // What two spans along z share is done twice: of all planes, what is along y would not stay in the processor's cache.
+  // Planes shared by two spans along z are reduced twice: the reduced rows of all planes would exceed the processor's
+  // cache.
   for (const VoxelSpan& planes : spans[2]) {
     for (std::size_t z = 0; z < count(planes); ++z) {
       for (std::size_t j = 0; j < ny; ++j) {

@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-// The voxels of the extent that support each cell of an axis.
+// The voxels of the extent that support each cell along an axis.
 std::vector<VoxelSpan> supportsAlong(int axis, std::int64_t core, const VoxelBox& extent, int edge) {
   std::vector<VoxelSpan> out;
   for (int c = 0; c < edge; ++c) {

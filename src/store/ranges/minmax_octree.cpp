@@ -11,7 +11,7 @@
 namespace kiln {
 namespace {
 
-// Least and greatest of some voxels, without NaN: `v < lo` is false for it. Of zeros of both signs the first counts.
+// Minimum and maximum of some voxels, ignoring NaN: `v < lo` is false for NaN. Of zeros of both signs the first counts.
 template <class T>
 class Extremes {
  public:
@@ -20,7 +20,7 @@ class Extremes {
       for (std::int64_t i = 0; i < count; ++i) {
         if (!std::isnan(values[i])) include(values[i]);
       }
-    } else {  // many at once
+    } else {  // vectorised
       T lo = lo_, hi = hi_;
       for (std::int64_t i = 0; i < count; ++i) {
         lo = std::min(lo, values[i]);
@@ -57,8 +57,8 @@ ValueRange rangeOfTyped(const T* voxels, const VoxelBox& box, const VoxelBox& re
   return extremes.range();
 }
 
-// A row of whole cells of whole numbers: the extremes of the cells' columns, all at once, then of each cell's eight.
-// `columns` is room for two rows of voxels.
+// A row of whole cells of integers: reduces the columns of all cells at once, then the eight columns of each cell.
+// requires: `columns` has room for two rows of voxels.
 template <class T>
 KILN_VECTORS void rangesOfCellRow(const T* first, std::int64_t row, std::int64_t slice, int cells, T* columns,
                                   ValueRange* out) noexcept {

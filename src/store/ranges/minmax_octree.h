@@ -1,6 +1,6 @@
-// Min-max octree of one brick: the leaves are cells of 8³ voxels, each node holds the least and greatest value below
-// it. It is a subtree of the store's one octree, whose upper part is the index. Source: Wilhelms and Van Gelder 1992;
-// Lee and Ihm §2.1.
+// Min-max octree of a brick. The leaves are cells of 8³ voxels; each node holds the least and greatest value below. The
+// octree is a subtree of the store's octree, whose upper part is the index.
+// Source: Wilhelms and Van Gelder 1992; Lee and Ihm §2.1.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@
 
 namespace kiln {
 
-/// The edge of a cell. unit: voxels.
+/// Edge of a cell. unit: voxels.
 inline constexpr std::int64_t kCellSize = 8;
 
 class MinMaxOctree {
  public:
   MinMaxOctree() = default;
-  /// shape: `cells` holds edge³ ranges, x fastest; cells outside of the volume are empty. requires: edge a power of
+  /// shape: `cells` holds edge³ ranges, x fastest; cells outside the volume are empty. requires: edge is a power of
   /// two.
   MinMaxOctree(std::vector<ValueRange> cells, int edge);
 
-  /// 0 is the cells; depth() - 1 is the root.
+  /// Number of levels: level 0 holds the cells, level depth() - 1 the root.
   int depth() const { return static_cast<int>(levels_.size()); }
   /// Nodes along an axis of a level.
   int edge(int level) const { return edge_ >> level; }
@@ -40,12 +40,12 @@ class MinMaxOctree {
   std::vector<std::vector<ValueRange>> levels_;
 };
 
-/// The ranges of the cells of a brick, computed from its voxels. shape: `voxels` covers `box` (x fastest), which
-/// contains `core`; the result is edge³ cells from the core's first voxel, x fastest.
+/// Computes the ranges of a brick's cells from its voxels. shape: `voxels` covers `box` (x fastest), which contains
+/// `core`; the result has edge³ cells from the core's first voxel on, x fastest.
 std::vector<ValueRange> cellRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                    const VoxelBox& core, int edge);
 
-/// The range of the voxels of `region`. requires: region inside box.
+/// Returns the range of the voxels of `region`. requires: region inside box.
 ValueRange rangeOf(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box, const VoxelBox& region);
 
 }  // namespace kiln

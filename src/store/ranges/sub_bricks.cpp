@@ -11,14 +11,14 @@ namespace {
 
 constexpr int kSubSteps = 255;
 
-// The value that a byte stands for. The ends are the support's own, infinities included.
+// The value of a byte. The ends are exactly those of the support, including infinities.
 double valueOfStep(int step, const ValueRange& support) {
   if (step == 0) return support.lo;
   if (step == kSubSteps) return support.hi;
   return support.lo + (support.hi - support.lo) * (step / static_cast<double>(kSubSteps));
 }
 
-// The last step whose value does not exceed `value`, or nearly so.
+// Returns the greatest step whose value does not exceed `value`, up to rounding.
 int stepBelow(double value, const ValueRange& support) {
   const double share = (value - support.lo) / (support.hi - support.lo);
   if (!(share >= 0 && share <= 1) || !std::isfinite(support.hi - support.lo)) return 0;
@@ -35,10 +35,10 @@ int stepAbove(double value, const ValueRange& support) {
   return step;
 }
 
-// The edge of a sub-brick. unit: voxels.
+// Edge of a sub-brick. unit: voxels.
 std::int64_t sizeOf(std::int64_t brick_size, int along) { return std::max(kCellSize, brick_size / along); }
 
-// Sub-brick i of an axis: [lo, hi) of the core.
+// Sub-brick i along an axis: [lo, hi) of the core.
 VoxelSpan spanOf(std::int64_t i, std::int64_t core_lo, std::int64_t core_hi, std::int64_t size) {
   return {core_lo + i * size, std::min(core_lo + (i + 1) * size, core_hi)};
 }

@@ -1,6 +1,6 @@
-// What the index knows of the inside of a brick: the ranges of its 8³ sub-bricks, each as two bytes. Decides which part
-// of a brick is worth drawing before it is read: a brick may straddle the depths where its level is drawn, or the edge
-// of what is visible, with nothing to show on the side that counts.
+// Ranges of the 8³ sub-bricks inside a brick, stored in the index as two bytes each.
+// A renderer selects the visible part of a brick before reading the brick. A brick may straddle the depths at which its
+// level is drawn, or the edge of the visible region, and have nothing visible on the side that counts.
 #pragma once
 
 #include <cstddef>
@@ -14,43 +14,44 @@
 
 namespace kiln {
 
-/// Sub-bricks of a brick along an axis, at the most.
+/// Largest number of sub-bricks of a brick along an axis.
 inline constexpr int kMostSubBricks = 8;
-/// How many there were in stores of format 2.
+/// Number of sub-bricks along an axis in stores of format 2.
 inline constexpr int kEarlierSubBricks = 4;
-/// How many voxels beyond a sub-brick interpolation in it takes: a cubic's.
+/// Voxels beyond a sub-brick that cubic interpolation inside reads.
 inline constexpr std::int64_t kSubBrickReach = 2;
 
-/// Sub-bricks of a brick along an axis: they are whole cells.
+/// Number of sub-bricks of a brick along an axis; a sub-brick consists of whole cells.
 int subBricksOf(std::int64_t brick_size);
-/// The voxels of sub-brick `at` of a brick that has `along` of them along an axis. Empty where the brick ends before
-/// it.
+/// The voxels of sub-brick `at` in a brick with `along` sub-bricks per axis; empty if the brick ends before.
 VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, int along, const VoxelCoord& at);
 
-/// The range of each sub-brick's voxels, of those within kSubBrickReach, and, where it ends with the brick, of the
-/// apron: of all that is interpolated or classified in it, and in the apron beside it. shape: as boxRanges, along³ of
-/// them; empty ranges where there is no voxel.
+/// Returns the range of each sub-brick. A range covers the voxels of the sub-brick, voxels within kSubBrickReach and,
+/// at a face of the brick, the apron: everything that is interpolated or classified in the sub-brick and in the apron
+/// beside it.
+/// shape: as boxRanges, along³ ranges; empty for a sub-brick without voxels.
 std::vector<ValueRange> subBrickRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                        const VoxelBox& core, std::int64_t brick_size, int along);
 
-/// Those ranges, ends rounded outward to 255ths of the brick's support.
+/// The ranges of sub-bricks, with ends rounded outward to 255ths of the brick's support.
 class SubRanges {
  public:
-  /// requires: along³ ranges inside of `support`.
+  /// requires: along³ ranges inside `support`.
   SubRanges(int along, std::span<const ValueRange> ranges, const ValueRange& support);
-  /// Of what `bytes` gave. requires: bytesOf(along) of them.
+  /// Restores ranges from the result of `bytes`. requires: bytesOf(along) bytes.
   SubRanges(int along, std::span<const std::byte> bytes);
   static std::size_t bytesOf(int along) { return 2 * countOf(along); }
 
-  /// How many there are along an axis, and in all.
+  /// Number of sub-bricks along an axis, and in total.
   int along() const { return along_; }
   std::size_t count() const { return countOf(along_); }
-  /// As FORMAT.md has them: least of all, then greatest; the least above the greatest where there is nothing.
+  /// The bytes as in FORMAT.md: all minima, then all maxima; an empty range has its minimum above its maximum.
   std::span<const std::byte> bytes() const { return bytes_; }
-  /// What contains the i-th range that was given, of the same support. Empty where that was.
+  /// Returns a range that contains the original i-th range, or is empty if the original is. requires: the original
+  /// `support`.
   ValueRange at(std::size_t i, const ValueRange& support) const;
 
-  /// Whether test(i, at) is true of any sub-brick `at`, the i-th; asks no further then.
+  /// True if test(i, at) holds for any sub-brick `at`, the i-th; stops at the first.
   template <class Test>
   bool any(Test&& test) const {
     std::size_t i = 0;
