@@ -41,7 +41,7 @@ void requireParts(const RenderJob& job) {
   if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
 }
 
-// Of the first frame's transfer function, so that a rank keeps its bricks. One rank cuts for all.
+// Cuts by the first frame's transfer function, so that a rank keeps its bricks. Rank 0 cuts for all.
 std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores, Ranks& ranks) {
   std::vector<VoxelBox> boxes;
   if (ranks.first()) {
@@ -53,7 +53,7 @@ std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores,
   return boxes;
 }
 
-// Of a store; nothing where it is not there to be looked at.
+// Returns the checksum of a store's index; nothing where the store cannot be read.
 std::optional<Hash128> indexOf(const std::filesystem::path& store) {
   try {
     return readManifest(store).index_checksum;
@@ -62,7 +62,7 @@ std::optional<Hash128> indexOf(const std::filesystem::path& store) {
   }
 }
 
-// What each rank holds on its own disk, of `whole`: the picture names that.
+// Returns the box that each rank holds on its own disk. Headers name the `whole` store.
 std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std::filesystem::path& whole,
                                    Ranks& ranks) {
   const Manifest manifest = readManifest(part);
@@ -146,7 +146,7 @@ class BrickSequence : public RankedSequence {
     hear(report);
   }
 
-  // All ranks' reports, on the first, in one; whether none of them failed, on all.
+  // Collective. Adds all ranks' reports on rank 0. Returns, on all ranks, whether none failed.
   bool collect(FrameReport& report) {
     const auto reports = ranks_.gather(packed(report));
     if (ranks_.first()) {

@@ -1,4 +1,4 @@
-// What a render would cost, without drawing: nothing is read but the manifest and the index.
+// Predicts the cost of a render from manifest and index alone.
 #pragma once
 
 #include <string>
@@ -10,27 +10,27 @@
 namespace kiln {
 
 struct DryRun {
-  int samples = 1;  // a pixel, in the frame that has the most; memory is for these
+  int samples = 1;  // per pixel, in the frame with most samples; `memory` is for this frame
   std::uint64_t bricks_total = 0;
-  std::uint64_t bricks_interesting = 0;  // hold something the transfer function shows
-  std::uint64_t bricks_in_view = 0;      // of these, in the image: a frame asks for no others
-  std::uint64_t files_in_view = 0;       // of these, not constant
-  /// Of these files: the most that a frame reads, or a band of its sub-pixels where the cache keeps nothing for the
-  /// next. What is hidden behind opaque parts is not read. unit: bytes.
+  std::uint64_t bricks_interesting = 0;  // bricks with a value that the transfer function shows
+  std::uint64_t bricks_in_view = 0;      // interesting bricks inside the image; a frame reads no other bricks
+  std::uint64_t files_in_view = 0;       // bricks in view that are not constant
+  /// Upper bound for the bytes that a frame reads, or a band of sub-pixels where the cache keeps no bricks for the next
+  /// band. Bricks hidden behind opaque parts are not read. unit: bytes.
   std::uint64_t file_bytes_in_view = 0;
-  /// What all bricks in view take in memory, decoded. unit: bytes.
+  /// Size in memory of all bricks in view, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
-  EmptyFrame empty = EmptyFrame::kShows;  // why nothing is to be seen
+  EmptyFrame empty = EmptyFrame::kShows;  // why the picture shows nothing
   bool one_colour = false;                // FrameStatistics::one_colour
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;
 };
 
-/// Of the job's first frame; `beside` are charged with the image (besideBytes). throws: Error kUsage, kNotFound,
-/// kFormat, kDamaged (manifest and index); not kBudget: the answer says what works.
+/// Predicts the job's first frame; `beside` is charged with the image (besideBytes). throws: Error kUsage, kNotFound,
+/// kFormat, kDamaged (manifest and index). Never throws kBudget: the result has the smallest memory that works.
 DryRun dryRun(const RenderJob& job, const MemoryBeside& beside = 0);
 
-/// JSON for `--stats`: the keys of a render's statistics where they mean the same.
+/// Returns JSON for `--stats`, with the keys of a render's statistics where the meaning is equal.
 std::string dryRunText(const DryRun& run);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// What of a drawn picture a file holds, lent out while it is written: nothing is copied.
+// Lends a file the planes of a drawn picture that the file holds, without a copy, while the file is written.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace kiln {
 
 inline bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 
-/// Takes the file's part out of the image, and puts it back.
+/// Moves the file's planes out of the image, and back on destruction.
 class FilePart {
  public:
   FilePart(Image& whole, const OutputFile& file, const Aovs& aovs) : whole_(whole) {

@@ -1,6 +1,6 @@
-// The file: records (base/record_file.h). The first holds the hashes of the frame's files, each of the others a tile
-// (sequence/tile_image.h). A tile whose pixels are all equal, such as background, is stored as one pixel: most of a
-// large poster of a small object costs no disk.
+// The file consists of records (base/record_file.h). The first record holds the hashes of the frame's files, each later
+// record one tile (sequence/tile_image.h). A tile of equal pixels, such as background, is stored as one pixel, so that
+// most of a large poster of a small object takes no disk.
 #include "sequence/frame_checkpoint.h"
 
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '2'};
-// A multiple of what the visibility structure is made of. unit: pixels.
+// Edge of a tile: a multiple of the occlusion structure's blocks. unit: pixels.
 constexpr int kEdge = 512;
 
 using Place = std::tuple<int, int, int, int>;
@@ -43,7 +43,7 @@ bool repeats(const Values& values, std::size_t pixels) {
   return pixels < 2 || std::memcmp(first, first + bytes, bytes * (pixels - 1)) == 0;
 }
 
-// One pixel if all are equal, bit for bit.
+// Returns one pixel if all pixels are equal bit for bit.
 std::optional<Image> onePixelOf(const Image& tile) {
   const std::size_t pixels = static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height);
   const bool flat =
@@ -80,7 +80,7 @@ struct PlacedTile {
   Image image;
 };
 
-// Nothing where the bytes are no tile.
+// Returns nothing where the bytes are no tile.
 std::optional<PlacedTile> tileFrom(std::span<const std::byte> payload) {
   ByteTaker taker{payload};
   const auto at = taker.take<PixelRect>();
@@ -98,8 +98,7 @@ class TileFile {
   TileFile(FrameTiles& tiles, std::string identity)
       : path_(tiles.path), identity_(std::move(identity)), records_(tiles.records) {}
 
-  // Finds the tiles that are there. throws: Error kExists where the file is of another picture, or of no picture at
-  // all.
+  // Finds the finished tiles. throws: Error kExists where the file belongs to another picture, or to none.
   std::set<Place> read(const std::vector<PixelRect>& tiles) {
     std::set<Place> known, found;
     for (const PixelRect& tile : tiles) known.insert(placeOf(tile));
@@ -125,7 +124,7 @@ class TileFile {
                   fmt::format("{}; name another picture, or remove the file",
                               bytes && !is_first ? "has tiles of another picture, or of another volume"
                                                  : "is where tiles would be kept, and has none"));
-    // What was torn is cut off, so that the next one is read again.
+    // Cuts off a torn record, so that the next record is readable.
     std::error_code failed;
     if (begun_) fs::resize_file(path_, *bytes, failed);
     if (failed) throw systemError(failed.value(), path_, "shortening");
@@ -155,7 +154,7 @@ class TileFile {
   const std::string identity_;
   std::vector<FrameTiles::Record>& records_;
   bool begun_ = false;
-  std::uint64_t end_ = 0;  // of the file, where the next record begins. unit: bytes
+  std::uint64_t end_ = 0;  // offset of the next record in the file. unit: bytes
 };
 
 std::string identityOf(const OpenedJob& opened, int frame, const FrameScene& scene) {
@@ -172,7 +171,7 @@ fs::path checkpointOf(const RenderJob& job, int frame) { return filesOf(job, fra
 MemoryBeside checkpointMemory(const RenderJob& job) {
   const PixelRect whole = drawnPixels(job.picture.size, job.picture.crop);
   const std::uint64_t of_pixel = 16 + aovBytes(drawnAovs(job));
-  // A tile and its record, twice where the record is put together; and a band of rows.
+  // A tile, its record (twice while the record is assembled), and a band of rows.
   MemoryBeside out =
       of_pixel * (3 * std::uint64_t{kEdge} * kEdge + static_cast<std::uint64_t>(whole.width()) *
                                                          static_cast<std::uint64_t>(std::min(kEdge, whole.height())));

@@ -1,6 +1,6 @@
-// One long frame, tile by tile: each tile that is finished is kept beside the picture, under a name that nothing takes
-// for one, until the picture is there. A tile's pixels are the whole frame's bit for bit, so it does not matter which
-// run drew it.
+// Problem: continue one long frame after an interrupt. Method: draw the frame tile by tile and keep finished tiles in a
+// file beside the picture until the picture is written. Invariant: a tile's pixels equal the whole frame's bit for bit,
+// so any run may draw any tile.
 #pragma once
 
 #include <filesystem>
@@ -16,24 +16,25 @@ namespace kiln {
 
 class FilePart;
 
-/// The file of a frame's tiles: the name of its first file with ".tiles" added. requires: the job names a file.
+/// Returns the file of a frame's tiles: the name of the frame's first file with ".tiles" added. requires: the job names
+/// a file.
 std::filesystem::path checkpointOf(const RenderJob& job, int frame);
 
-/// What drawing in tiles takes: one tile is drawn at a time, and the picture is written in bands of one row of tiles.
+/// Returns the memory for drawing in tiles: one tile at a time, and one row of tiles while the picture is written.
 MemoryBeside checkpointMemory(const RenderJob& job);
 
-/// throws: Error kUsage where a frame of this job is not kept in tiles: its pixels would depend on them, or on what
-/// was damaged when they were drawn.
+/// throws: Error kUsage where a frame of this job cannot be kept in tiles, because pixels would depend on the tiles or
+/// on bricks that were damaged at the time of drawing.
 void requireCheckpoint(const RenderJob& job);
 
-/// As OpenedJob::draw, but the picture is not in memory: `tiles` of the result refers to the file. Tile by tile, with
-/// progress in pixels. Tiles that are kept of the same frame are taken where `resume` says so; what is kept of another
-/// is replaced. The file stays for the caller to remove, when the frame's files are written. The statistics are of what
-/// was drawn. throws: as OpenedJob::draw; of kCancelled it says how to go on; Error kExists where tiles of this frame
-/// are kept and nobody resumes it, kNoSpace, kIo.
+/// Draws as OpenedJob::draw, tile by tile, with progress in pixels. The picture is not in memory: `tiles` of the result
+/// refers to the file, which the caller removes once the frame's files are written. With `resume`, kept tiles of the
+/// same frame are reused; kept tiles of another frame are replaced. Statistics cover the tiles drawn by this call.
+/// throws: as OpenedJob::draw; kCancelled, with the way to resume; Error kExists where tiles of this frame are kept and
+/// `resume` is false; kNoSpace, kIo.
 DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& progress);
 
-/// The finished tiles of a frame in their file. shape: of the picture `whole`, whose tiles are checkpointTiles(whole).
+/// The finished tiles of a frame in their file. shape: the tiles are checkpointTiles(whole).
 struct FrameTiles {
   struct Record {
     PixelRect at;
@@ -45,13 +46,13 @@ struct FrameTiles {
   std::vector<Record> records;
 };
 
-/// What a file of the job's holds of a frame, read band by band from its tiles.
+/// Reads the planes of one output file band by band from a frame's tiles.
 class TileRows : public ImageRows {
  public:
   /// requires: all tiles are finished; `tiles` outlives this.
   TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs);
   ~TileRows() override;
-  /// throws: Error kDamaged where a tile's bytes are not those that were written, kIo.
+  /// throws: Error kDamaged where a tile's bytes have changed since they were written, kIo.
   Band bandAt(int row) override;
 
  private:
@@ -63,7 +64,7 @@ class TileRows : public ImageRows {
   std::unique_ptr<FilePart> part_;
 };
 
-/// The tiles of a frame, which fill `pixels`, neighbours behind each other.
+/// Returns tiles that fill `pixels`; consecutive tiles are neighbours.
 std::vector<PixelRect> checkpointTiles(const PixelRect& pixels);
 
 }  // namespace kiln

@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* kHashKey = "kiln:jobHash";
 
-// The job that draws what the file holds of the frame, and nothing else.
+// Returns the job that draws the planes of one file and no other planes.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
   RenderJob out;
   out.volume = job.volume;
@@ -39,7 +39,7 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
   out.picture = scene.picture;
   out.picture.aovs = aovsOf(job, file);
   if (file.eye && out.picture.stereo) out.picture.stereo->eye = *file.eye;
-  out.picture.skip_damaged = false;  // a whole picture's header does not depend on it
+  out.picture.skip_damaged = false;  // the header of a whole picture does not depend on this option
   out.speed = job.speed;
   return out;
 }
@@ -80,15 +80,14 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   return out;
 }
 
-// The views that the file holds, of those that were drawn.
+// Returns the drawn views that the file holds.
 std::span<DrawnView> viewsIn(const OutputFile& file, DrawnFrame& drawn) {
   const std::span<DrawnView> all(drawn.views);
   if (!file.eye || all.size() == 1) return all;
   return all.subspan(*file.eye == StereoEye::kLeft ? 0 : 1, 1);
 }
 
-// One beside the other, as they are looked at by eyes that cross, or by players of such pictures: the left eye's is on
-// the left.
+// Puts both views side by side, the left eye's on the left, as players of stereo pictures expect.
 Image besideEachOther(const Image& left, const Image& right) {
   Image out(left.width + right.width, left.height);
   for (int y = 0; y < out.height; ++y) {
@@ -100,19 +99,19 @@ Image besideEachOther(const Image& left, const Image& right) {
 
 OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / "######.png", Content::kColor, {}}; }
 
-// Whether a video may take it: of a pair, both eyes' in one picture, which an EXR has in two.
+// Returns whether a video can use the file. A stereo video needs both eyes in one picture; an EXR has two pictures.
 bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
   const bool in_two = hasEyePlace(file.path) || (drawsBothEyes(job.picture.stereo) && isExrPath(file.path));
   return holdsColors(file.content) && !file.eye && !in_two;
 }
 
-// The files that a job asks for but the video, their names still without numbers.
+// Returns all requested files except the video, with names that have no frame number yet.
 std::vector<OutputFile> askedPatternsOf(const RenderJob& job) {
   std::vector<OutputFile> out;
   if (!job.output.path.empty())
     out.push_back({job.output.path, job.output.deep ? Content::kDeep : Content::kPicture, {}});
   for (OutputFile file : job.output.files) {
-    // Beside an EXR with more planes, a PNG is what can be seen of it.
+    // A PNG holds the colours alone.
     if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
     out.push_back(file);
   }
@@ -153,7 +152,7 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
     writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
 }
 
-// What differs between the job of a picture that is there and this one, as the end of a sentence.
+// Describes the difference between the job of an existing picture and this job, as the end of a sentence.
 std::string differenceOf(const std::string& there, const std::string& here) {
   const std::string difference = jobDifference(there, here);
   return difference.empty() ? "; what its volume holds, its kind of file or Kiln's version is another"

@@ -1,4 +1,4 @@
-// The files of a frame: their names, what each holds, and how a later run knows its own.
+// The files of a frame: names, contents, and the hash by which a later run recognises its own files.
 #pragma once
 
 #include <filesystem>
@@ -10,39 +10,40 @@
 
 namespace kiln {
 
-/// The text of a picture's header that names the frames by which a time series is framed and coloured.
+/// Header key for the frames that decide camera and colours of a time series.
 inline constexpr const char* kSeriesKey = "kiln:series";
 
-/// The files of a frame, its number in their names. A video alone has its frames kept beside it.
+/// Returns the files of a frame, with the frame's number in their names. A job with a video only keeps its frames
+/// beside the video.
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
-/// Before a frame is drawn: that its files can be made. throws: as FileSystem::requirePlaceFor.
+/// Tests, before a frame is drawn, that its files can be made. throws: as FileSystem::requirePlaceFor.
 void requirePlaces(const RenderJob& job, int frame);
-/// Of those, the one whose colours a video takes. requires: a video.
+/// Returns the file whose colours the video takes. requires: a video.
 std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
-/// Whether the job asks for its frames as a video only, for which they are kept, and where that is.
+/// Returns whether the job's only output is a video, and the folder that keeps its frames.
 bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
-/// throws: Error kUsage where a name is no picture's, has no place for the number of several frames, or where two of
-/// these frames' files are one.
+/// throws: Error kUsage where a name has no picture's ending, lacks a place for the frame number although there are
+/// several frames, or where two files of these frames have one name.
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames);
 
-/// The job that draws a file of a frame, every choice made, as an EXR's header holds it.
+/// Returns the job that draws one file of a frame, with every choice made, as stored in an EXR's header.
 std::string frameText(const RenderJob& job, const OutputFile& file, const FrameScene& scene);
 
-/// What a file's pixels depend on, as a text of 32 digits: the scene, the volume's content, the kind of file and this
-/// version of Kiln. Not: where the files are, which frames there are, threads, memory and exact visibility methods.
+/// Returns a hash, as 32 digits, of everything that a file's pixels depend on: scene, content of the volume, kind of
+/// file, version of Kiln. Paths, other frames, threads, memory and exact visibility methods do not enter.
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
                         const Manifest& manifest);
 
-/// Writes all files of a frame, each of them whole or not at all, and notes how long it took. Compressing them takes up
-/// to `writer_bytes` (FrameMemory::files). throws: Error kNoSpace, kIo.
+/// Writes all files of a frame, each whole or not at all, and records the time. Compression takes up to `writer_bytes`
+/// (FrameMemory::files). throws: Error kNoSpace, kIo.
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
                 std::uint64_t writer_bytes);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
-/// Whether the file is there and this job's, read to its end. throws: Error kExists where it is another job's picture,
-/// saying what differs where that is known.
+/// Reads a file to its end and tests whether this job wrote it. throws: Error kExists where another job wrote the file,
+/// with the difference if known.
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store);
 
 }  // namespace kiln

@@ -25,7 +25,7 @@ RenderJob withDrawnAovs(RenderJob job) {
   return job;
 }
 
-// One thread reads nothing ahead, so that its statistics repeat.
+// With one thread no brick is read ahead, so that statistics repeat exactly.
 unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::active() : 0; }
 
 BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
@@ -49,7 +49,7 @@ bool isAuto(const VolumeOptions& volume) {
   return volume.functions.empty() && name != nullptr && *name == "auto";
 }
 
-// Brings the volumes of a picture to one frame and unit. Of one volume alone, its own are the picture's.
+// Brings all volumes of a picture to one frame of reference and unit. A single volume keeps its own.
 void placeTogether(const RenderJob& job, const std::vector<std::unique_ptr<StoreReader>>& stores) {
   if (stores.size() == 1 && !job.series) return;
   const VolumeGeometry world = worldOf(job, manifestsOf(stores));
@@ -127,7 +127,7 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
-  // Shares of the budget are of what the caller leaves.
+  // The caller's memory is taken off before shares of the budget are computed.
   job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes);
   FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
   out.image += beside.bytes;

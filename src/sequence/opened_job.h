@@ -1,4 +1,4 @@
-// A job over a volume, or several in one picture, that stay open from frame to frame, so that bricks stay in memory.
+// A job whose volumes stay open from frame to frame, so that bricks stay in memory.
 #pragma once
 
 #include <cstdint>
@@ -20,66 +20,67 @@
 namespace kiln {
 
 struct DrawnView {
-  Image image;  // with the planes that any of the job's files holds
+  Image image;  // with all planes of the job's files
   View view;
 };
 
 struct FrameTiles;
 
 struct DrawnFrame {
-  std::vector<DrawnView> views;  // one, or the left eye's and the right eye's
+  std::vector<DrawnView> views;  // one view, or the left and the right eye's
   std::shared_ptr<FrameTiles>
-      tiles{};  // if given, they hold the pixels (sequence/frame_checkpoint.h), and no view does
+      tiles{};  // if not null, the pixels are here (sequence/frame_checkpoint.h) and not in `views`
   FrameScene scene;
   FrameStatistics statistics;
-  bool continued = false;  // parts of it were drawn by an earlier run: statistics are of the rest
+  bool continued = false;  // an earlier run drew some tiles; statistics cover the rest
 };
 
 class OpenedJob {
  public:
-  /// `job.volume` is a store; of several volumes, each is. `beside` are the caller's, charged with the image.
+  /// All volumes of the job are stores. `beside` is memory of the caller, charged with the image. With `shared`, brick
+  /// files are read once among all ranks, if memory is left. With `writes_behind`, the caller keeps a frame while the
+  /// next frame is drawn, if memory is left.
   /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
-  /// With `shared`, brick files are read once among all ranks, where memory is left for it. With `writes_behind`, the
-  /// caller keeps a frame while it draws the next, where memory is left for that.
   OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside = 0, SharedReads* shared = nullptr,
             bool writes_behind = false);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
-  /// What the frame shows. throws: Error kUsage where it cannot be drawn.
+  /// Returns the scene of a frame. throws: Error kUsage where the frame cannot be drawn.
   FrameScene sceneAt(int frame) const { return scenes_.at(frame); }
-  /// `progress` hears of one step, how far the frame is. throws: as renderFrame, and sceneAt.
+  /// Draws a frame, reported to `progress` as one step. throws: as renderFrame, and sceneAt.
   DrawnFrame draw(int frame, Progress& progress);
-  /// What the frame needs, and a painter that draws it piece by piece. requires: no other one is there.
+  /// Return the request of a frame, and a painter that draws the frame piece by piece. requires: no other painter
+  /// exists.
   FrameRequest requestFor(const FrameScene& scene) const;
   std::unique_ptr<FramePainter> painterFor(const FrameScene& scene, Progress& progress);
-  /// What the pieces have cost.
+  /// Returns the statistics of the pieces.
   FrameStatistics finish(FramePainter& painter, int frame) const;
 
-  /// Whether memory is set aside for a frame that is kept while the next is drawn.
+  /// Returns whether memory is reserved for a frame that is kept while the next frame is drawn.
   bool writesBehind() const { return memory_.behind > 0; }
-  /// Of several volumes, the first.
+  /// The first volume's store.
   const StoreReader& store() const { return *stores_.front(); }
-  /// As it was given.
+  /// The job as given to the constructor.
   const RenderJob& job() const { return job_; }
-  /// A doubt whether the picture is what was asked for, to be warned of once where several volumes have the same.
+  /// A reason to doubt that the picture is as intended. Volumes with the same kind of doubt cause one warning.
   struct Doubt {
     std::string kind, sentence;
   };
-  /// Labels that are there and have no entry; frames and units that are unknown; amounts that look like labels.
+  /// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels.
   std::vector<Doubt> doubts() const;
-  /// Sets why the frame shows nothing, if it does.
+  /// Sets the reason why an empty frame shows nothing.
   void judge(DrawnFrame& drawn) const;
-  /// Notes that a deep picture is not the flat picture of the same options, unless a flat one is drawn beside it.
+  /// Notes that a deep picture differs from the flat picture of the same options, unless both are drawn.
   void noteDeep(Progress& progress) const;
-  /// What the memory is for.
+  /// The plan of the job's memory.
   const FrameMemory& memory() const { return memory_; }
-  /// The same as statistics, and the most that was taken of it so far.
+  /// Adds the plan and the peak so far to the statistics.
   void describeMemory(RenderStatistics& statistics) const;
 
  private:
   const RenderJob job_;
-  const RenderJob drawn_job_;  // its AOVs are all that any file holds
+  const RenderJob drawn_job_;  // with the AOVs of all files
   const std::vector<std::unique_ptr<StoreReader>> stores_;
   SceneOfJob scenes_;
   FrameMemory memory_;
@@ -87,26 +88,27 @@ class OpenedJob {
   BrickCache cache_;
 };
 
-/// The job's stores: of several volumes, each. throws: as StoreReader.
+/// Opens the stores of all volumes. throws: as StoreReader.
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
 std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 
-/// The frame and unit of the job's picture: those of its series, or else the first known ones of these volumes.
+/// Returns the geometry whose frame of reference and unit the picture has: the series', else the first known of the
+/// volumes.
 VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests);
 
-/// What drawing the job's first frame takes, with as many samples as any of them has; `beside` is charged with
-/// the image. throws: as SceneOfJob::at.
+/// Plans the memory of the job's first frame, with the samples of the frame that has most. `beside` is charged with the
+/// image. throws: as SceneOfJob::at.
 FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
                      const MemoryBeside& beside);
 
-/// Says how many bricks are missing from a picture, if any.
+/// Notes how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);
 
-/// The planes that a file of the job's holds.
+/// Returns the planes of one file.
 Aovs aovsOf(const RenderJob& job, const OutputFile& file);
 
-/// What is drawn beside colours so that each of the job's files has what it holds.
+/// Returns the planes of all files together.
 Aovs drawnAovs(const RenderJob& job);
 
 }  // namespace kiln

@@ -17,7 +17,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// The manifest without its history: equal voxels that were converted at different times are the same volume.
+// Returns the manifest without its history: equal voxels converted at different times are one volume.
 std::string textOf(Manifest manifest) {
   manifest.source = {};
   return manifestText(manifest);
@@ -35,7 +35,7 @@ RankFact factOf(const fs::path& store, const Manifest& manifest) {
   return out;
 }
 
-// The volumes of one frame after the other; neighbours that have the same ones share what was read of them.
+// Reads the volumes of one frame after the other; consecutive frames with equal volumes share the reading.
 class FrameFacts {
  public:
   FrameFacts(const RenderJob& job, const StoreFor& stores) : job_(job), stores_(stores) {}
@@ -45,7 +45,7 @@ class FrameFacts {
     const FrameScene scene = scenes_->at(frame);
     const std::vector<OutputFile> files = filesOf(job_, frame);
     if (with_text && !files.empty()) {
-      RenderJob unnamed = opened_;  // a rank may have its own part or copy of a store elsewhere
+      RenderJob unnamed = opened_;  // a rank may have a part or copy of the store in another place
       forEachVolume(unnamed, [](const fs::path&) { return fs::path(); });
       out.push_back({"the job", frameText(unnamed, files.front(), scene), jobDifference});
     }

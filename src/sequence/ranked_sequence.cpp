@@ -20,7 +20,7 @@ RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& opti
       ranks_(*options.ranks),
       progress_(progress),
       shared_reads_(share_reads ? std::make_unique<SharedReads>(ranks_) : nullptr),
-      // Of a time series, ranks have volumes of their own.
+      // In a time series each rank has volumes of its own.
       frames_(job, std::move(stores), progress, besideBytes(job, options),
               {part, shared_reads_.get(), ranks_.first() || isSeries(job)}),
       resume_(options.resume),
@@ -36,7 +36,7 @@ SequenceResult RankedSequence::run() {
   try {
     if (!to_draw_.empty()) shareAndRead();
   } catch (const Error& error) {
-    // Each rank is told, and one says it, which need not know how many the others have made.
+    // All ranks are cancelled, one rank reports; the number of finished frames may be unknown there.
     if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
     throw;
   }
@@ -44,7 +44,7 @@ SequenceResult RankedSequence::run() {
   return std::move(result_);
 }
 
-// A rank that fails here ends all: what it waits for will not come.
+// A rank that fails here ends all ranks, because messages for it would wait without end.
 void RankedSequence::shareAndRead() {
   try {
     share();
@@ -55,7 +55,7 @@ void RankedSequence::shareAndRead() {
   }
 }
 
-// Each rank looks at some of the frames, since looking is reading them.
+// Each rank tests some of the frames, because a test reads the whole file.
 void RankedSequence::findKept() {
   std::vector<int> kept;
   const std::vector<int>& numbers = frames_.numbers();

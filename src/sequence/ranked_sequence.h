@@ -1,5 +1,5 @@
-// What is the same for a job's frames however ranks share them: the stores, the frames that are there already, which
-// the ranks look for together, what the first rank hears of each frame, and each rank's statistics.
+// The parts of a sequence that are common to all ways of sharing frames: stores, the search for finished frames,
+// reports to rank 0, statistics of the ranks.
 #pragma once
 
 #include <functional>
@@ -24,18 +24,18 @@ class RankedSequence {
   SequenceResult run();
 
  protected:
-  /// Draws `toDraw()`; the first rank returns when it has heard of all of them.
+  /// Draws `toDraw()`; rank 0 returns once it has a report of each frame.
   virtual void share() = 0;
-  /// Of `share`, as the statistics name it.
+  /// The name of the way of sharing in the statistics.
   virtual const char* sharedBy() const = 0;
 
-  /// Frames that are not kept; messages name them by their place here.
+  /// The frames to draw. Messages name a frame by its index here.
   const std::vector<int>& toDraw() const { return to_draw_; }
   bool single() const { return frames_.numbers().size() == 1; }
-  /// Runs `body`. An error in it is that frame's alone, unless the job has no other, or has been told to stop.
+  /// Runs `body`. An error fails this frame only, unless the job has one frame or was cancelled.
   void attempt(FrameReport& report, const std::function<void()>& body);
   void write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn);
-  /// On the first rank: a frame is begun, and what became of it.
+  /// Handle, on rank 0, the start and the report of a frame.
   void started(std::uint32_t frame);
   void hear(const FrameReport& report);
 
@@ -59,7 +59,7 @@ class RankedSequence {
   SequenceResult result_;
 };
 
-/// Collective. The store of each volume of the job; the first rank makes those that are foreign files.
+/// Collective. Returns the store of each volume; rank 0 converts foreign files.
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options);
 
 }  // namespace kiln

@@ -74,7 +74,7 @@ RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) 
   DrawnFrame drawn;
   UncountedProgress of_one(progress);
   for (int i = 0; i < repeat; ++i) {
-    drawn = {};  // the picture before is not held while the next is drawn
+    drawn = {};  // frees the previous picture before the next is drawn
     drawn = opened.draw(number, repeat == 1 ? progress : of_one);
     opened.judge(drawn);
     if (i + 1 == repeat) writeFrame(job, number, drawn, opened.store(), opened.memory().files);

@@ -1,4 +1,4 @@
-// A render job from the store to the picture on disk.
+// Runs one frame of a render job, from the store to the picture on disk.
 #pragma once
 
 #include "base/progress.h"
@@ -12,21 +12,22 @@
 namespace kiln {
 
 struct RenderResult {
-  Image image;                         // of both eyes, the left's
+  Image image;                         // the left eye's where there are two
   Camera camera;                       // with every choice made
-  TransferFunction transfer_function;  // the same
+  TransferFunction transfer_function;  // with every choice made
   RenderStatistics statistics;
 };
 
-/// Draws the first frame of the job `repeat` times (the first with a cold cache) and writes the last to the job's
-/// files, if it names any. With `skip_damaged` what is missing is noted: a sentence a brick, and how many. throws:
-/// Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+/// Draws the first frame of the job `repeat` times, first with an empty cache, and writes the last picture to the job's
+/// files, if any. With `skip_damaged`, each missing brick and their number are noted. throws: Error kUsage, kBudget,
+/// kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
-/// The camera, the transfer function and the rest of a picture, resolved for a volume.
+/// Return camera and transfer function of a picture, resolved for a volume.
 Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
 TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
-/// Where nobody says how many samples a pixel has, it has one; a scene says (SceneOfJob).
+/// Return the request of a frame. Without a number of samples a pixel has one sample; scenes always have a number
+/// (SceneOfJob).
 FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed);
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,

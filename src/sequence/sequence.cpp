@@ -46,19 +46,19 @@ class Sequence {
   }
 
  private:
-  // A frame that is drawn, and whose files are being written.
+  // A drawn frame whose files are being written.
   struct Unwritten {
     int frame;
     OpenedJob& opened;
     DrawnFrame drawn;
   };
 
-  // What goes wrong with a frame costs no other one.
+  // Runs `body`; an error fails this frame only.
   void attempt(int frame, const std::function<void()>& body) {
     try {
       body();
     } catch (const Error& error) {
-      if (unwritten_ && unwritten_->frame != frame) finishWriting();  // which was drawn before this one
+      if (unwritten_ && unwritten_->frame != frame) finishWriting();  // the previous frame
       if (error.code() == ErrorCode::kExists || frames_.numbers().size() == 1) throw;
       if (error.code() == ErrorCode::kCancelled) throw frames_.interrupted(done_ - result_.statistics.failed.size());
       if (result_.statistics.failed.empty()) result_.first_failure = error.what();
@@ -128,10 +128,10 @@ class Sequence {
   SequenceResult result_;
   std::map<int, std::unique_ptr<FileLock>> tile_locks_;  // by frame, on checkpoints until the frame's files are written
   std::optional<Unwritten> unwritten_;
-  std::optional<WorkerThread> writer_;  // goes first, and waits
+  std::optional<WorkerThread> writer_;  // destroyed first: waits for the files
 };
 
-// Each rank has its own clock and its own file: NAME.json is the first one's, then NAME.1.json.
+// Each rank has its own clock and its own trace file: NAME.json is rank 0's, then NAME.1.json.
 std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Ranks* ranks) {
   if (ranks == nullptr || ranks->first()) return trace;
   std::filesystem::path of_rank = trace;
@@ -141,7 +141,7 @@ std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Rank
 
 }  // namespace
 
-// One thread gains nothing by it.
+// With one thread writing behind gains nothing.
 bool writesBehind(const RenderJob& job) {
   return framesOf(job).size() > 1 && !isSeries(job) && ThreadLimit::active() > 1;
 }
@@ -156,10 +156,10 @@ SequenceResult runSequence(const RenderJob& given, const SequenceOptions& option
                            SequenceListener& listener) {
   const ThreadLimit threads(given.speed.threads);
   RenderJob job = given;
-  // Before the first step that ranks do together: its messages depend on frames and volumes.
+  // Precedes the first collective step: messages depend on frames and volumes.
   if (options.ranks != nullptr) requireAgreement(*options.ranks, jobFacts(job, options));
   const bool first = options.ranks == nullptr || options.ranks->first();
-  // Another process with the same video would remove the frames that are kept for it.
+  // Another process with the same video would remove the frames that are kept for the video.
   std::optional<FileLock> video;
   if (const auto path = behindLinks(job.output.video.path); first && !path.empty())
     video.emplace(lockOf(path), refusalOf(path));

@@ -1,4 +1,4 @@
-// All frames of a job, one after the other: unattended, interrupted, and gone on with.
+// Draws all frames of a job: unattended, interruptible, resumable.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@
 
 namespace kiln {
 
-/// Told how a sequence goes, by the thread that runs it. `done` counts frames that are drawn, kept or failed. Where the
-/// files of a frame are written while the next one is drawn, that one is started before this one is done.
+/// Receives the progress of a sequence on the thread that runs it. `done` counts frames that are drawn, kept or failed.
+/// Where files are written behind, a frame may start before the previous frame is done.
 class SequenceListener {
  public:
   virtual ~SequenceListener() = default;
@@ -27,35 +27,36 @@ class SequenceListener {
 };
 
 struct SequenceOptions {
-  bool resume = false;  // frames whose files are there and whole are kept
-  /// A frame is drawn in tiles, which are kept until its files are there; those of an earlier run with `resume`.
+  bool resume = false;  // keep frames whose files exist and are whole
+  /// Draw a frame in tiles and keep the tiles until its files are written; with `resume`, reuse an earlier run's tiles.
   bool checkpoint = false;
-  StoreFor store_for;  // if not given, volumes are stores
-  /// That share the frames; each calls runSequence with the same job. Null is this process alone.
+  StoreFor store_for;  // if empty, all volumes are stores
+  /// The ranks that share the frames; each calls runSequence with the same job. Null: this process alone.
   Ranks* ranks = nullptr;
-  /// Where ranks share bricks: this rank's own part of the store (ranks/split_store.h), in whose name a run of # is
-  /// the rank's number, from 1 on; if not given, all read the job's.
+  /// With `--distribute bricks`: this rank's part of the store (ranks/split_store.h); # in the name stands for the
+  /// rank's number, from 1 on. If empty, all ranks read the job's store.
   std::filesystem::path store_local;
 };
 
 struct SequenceResult {
-  RenderStatistics statistics;  // frames that were drawn, kept and failed
-  std::string first_failure;    // what the error of the first that failed says; else empty
+  RenderStatistics statistics;  // of frames that were drawn, kept and failed
+  std::string first_failure;    // the first error of a frame; else empty
 };
 
-/// Whether one process writes the files of a frame while it draws the next, if memory is left for that: a PNG most of
-/// all is made by one thread, whatever others do. Of a time series one store is open at a time.
+/// Returns whether one process writes the files of a frame while it draws the next frame, if memory is left. Deflating
+/// a PNG takes one thread. In a time series one store is open at a time.
 bool writesBehind(const RenderJob& job);
 
-/// What drawing them so has in memory beside the picture: tiles and a band of rows, or tiles of other ranks.
+/// Returns the memory beside the picture: tiles and a band of rows, or tiles of other ranks.
 MemoryBeside besideBytes(const RenderJob& job, const SequenceOptions& options);
 
-/// Draws the job's frames and writes their files and its video. Bricks stay in memory from frame to frame; of a time
-/// series, one store is open at a time. A frame that fails costs no other one, but for a job of one frame; no video is
-/// made then. throws: Error kUsage where the job as a whole cannot be drawn, kExists where, resuming, a file is of
-/// another job; kCancelled saying how to go on; kNotFound, kIo of the video.
-/// Of several ranks, the first tells the listener and returns the result; an error of another that is no frame's alone
-/// is thrown there.
+/// Draws the job's frames and writes their files and the video. Bricks stay in memory from frame to frame; in a time
+/// series one store is open at a time. A frame that fails does not stop later frames, but no video is made; the error
+/// of a job with one frame is thrown.
+/// throws: Error kUsage where the whole job cannot be drawn; kExists where, resuming, another job wrote a file;
+/// kCancelled, with the way to resume; kNotFound, kIo of the video.
+/// With several ranks, rank 0 calls the listener, returns the result, and throws errors of other ranks that concern
+/// more than one frame.
 SequenceResult runSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener);
 

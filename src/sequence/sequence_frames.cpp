@@ -81,7 +81,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   if (opened_ && volumesOf(job) == volumes_) return *opened_;
   volumes_ = volumesOf(job);
   if (opened_) opened_->describeMemory(memory_);
-  opened_.reset();  // before the next one takes its memory
+  opened_.reset();  // frees memory before the next job opens
   if (store_for_) forEachVolume(job, store_for_);
   if (role_.part) job.picture.clipping.part = role_.part;
   opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
@@ -113,7 +113,7 @@ RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
   RenderJob job = opened.job();
   if (!role_.part) return job;
   job.picture.clipping.part.reset();
-  job.volume = job_.volume;  // also where this rank reads a part of it elsewhere
+  job.volume = job_.volume;  // headers name the whole store, also where this rank reads a part
   return job;
 }
 
@@ -124,7 +124,7 @@ void SequenceFrames::makeVideo() const {
   for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
   writeVideo(pictures, video, job_.speed.memory_bytes, progress_);
   if (!keepsFramesForVideo(job_)) return;
-  // The folder goes, too, unless somebody has put something there.
+  // Removes the folder, too, unless it holds other files.
   for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);
   std::error_code not_empty;
   fs::remove(keptFramesOf(video), not_empty);

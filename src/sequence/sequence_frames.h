@@ -1,5 +1,4 @@
-// What a sequence is made of, whoever draws which of its frames: their folders, the store of each, which of them are
-// there already, and the video.
+// The frames of a sequence, independent of who draws them: folders, stores, finished frames, the video.
 #pragma once
 
 #include <functional>
@@ -15,54 +14,54 @@
 
 namespace kiln {
 
-/// Whether each frame of the job may have a volume of its own.
+/// Returns whether each frame of the job may have a volume of its own.
 bool isSeries(const RenderJob& job);
-/// The job over the volume of a frame.
+/// Returns the job with the volumes of one frame.
 RenderJob jobAtFrame(const RenderJob& job, int frame);
 
-/// Renames the job's volume, or each of several.
+/// Renames all volumes of the job.
 void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
-/// The names of its volumes.
+/// Returns the names of all volumes.
 std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
 
-/// The store for a volume, which may be a foreign file.
+/// Returns the store of a volume; converts a foreign file.
 using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;
 
-/// What is done of each frame, and how.
+/// The share of each frame that a process draws, and how it writes.
 struct FramesRole {
-  /// It draws this part of each picture; the job's files are of the whole.
+  /// The box of the volume that is drawn; the job's files show the whole volume.
   std::optional<VoxelBox> part{};
-  SharedReads* shared_reads = nullptr;  // what it reads is read for others, too
-  bool warns = true;                    // of what the volumes are
-  /// Files of a frame are written while the next is drawn, where memory is left for that.
+  SharedReads* shared_reads = nullptr;  // shares brick files with other ranks; may be null
+  bool warns = true;                    // print doubts about the volumes
+  /// Write the files of a frame while the next frame is drawn, if memory is left.
   bool writes_behind = false;
 };
 
 class SequenceFrames {
  public:
-  /// `beside` is charged to the memory with the image. requires: the others outlive this. throws: Error kUsage
-  /// where the job names no files for its frames.
+  /// `beside` is charged with the image. requires: `job` and `progress` outlive this. throws: Error kUsage where the
+  /// job names no files for its frames.
   SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside = 0,
                  FramesRole role = {});
 
   const std::vector<int>& numbers() const { return numbers_; }
   const RenderJob& job() const { return job_; }
   const StoreFor& stores() const { return store_for_; }
-  /// A folder that a frame's number names is ours to make, and so is that of frames kept for a video.
+  /// Makes folders whose names contain the frame number, and the folder of frames kept for a video.
   void makeFolders() const;
-  /// What is wrong with a frame is known before the first is drawn. Of a time series it is not.
+  /// Tests the scenes of all frames before the first is drawn; the frames of a time series are not tested.
   void requireScenes();
-  /// The frame's store, the only one that is open. throws: as OpenedJob.
+  /// Opens the job over the frame's stores and closes any other. throws: as OpenedJob.
   OpenedJob& openedFor(int frame);
-  /// Whether all files of a frame are there and whole. throws: Error kExists where one is another job's.
+  /// Returns whether all files of a frame exist and are whole. throws: Error kExists where another job wrote a file.
   bool isThere(int frame);
-  /// What the frame shows, and the job, as its files say: without the part.
+  /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
   RenderJob jobToWrite(const OpenedJob& opened) const;
   void makeVideo() const;
-  /// Of the stores that were open.
+  /// Adds the memory of all stores opened so far.
   void describeMemory(RenderStatistics& statistics) const;
-  /// That says how to go on, where `done` frames are finished.
+  /// Returns the error of an interrupt, with the way to resume after `done` finished frames.
   Error interrupted(std::optional<std::size_t> done) const;
 
  private:
@@ -74,7 +73,7 @@ class SequenceFrames {
   const std::vector<int> numbers_;
   std::vector<std::filesystem::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;
-  std::set<std::string> doubted_;  // kinds of doubts that were warned of
+  std::set<std::string> doubted_;  // kinds of doubts already warned about
   RenderStatistics memory_;
 };
 

@@ -25,7 +25,7 @@ namespace {
 
 // The place of a frame's number in a path.
 struct NumberPlace {
-  fs::path folder;     // in which names differ
+  fs::path folder;     // the folder whose entries differ by the number
   std::string before;  // the name's beginning, up to the number
 };
 

@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kTileTag = 1, kShareTag = 2, kFrameTag = 3;
 
-// A frame that this rank puts together.
+// A frame that this rank assembles.
 struct Assembly {
   Image image;
   std::size_t tiles = 0;
@@ -43,7 +43,7 @@ class SharedSequence : public RankedSequence {
  private:
   const char* sharedBy() const override { return plan_.wholeFrames() ? "frames" : "tiles"; }
 
-  // One rank plans, so that all have the same plan.
+  // Rank 0 plans, so that all ranks have the same plan.
   void makePlan() {
     if (ranks_.first()) {
       const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
@@ -72,7 +72,7 @@ class SharedSequence : public RankedSequence {
     counters_.reset();
   }
 
-  // The first rank has heard of every frame, the others' are counted.
+  // Rank 0 has reports of all frames; other ranks read the shared counter.
   bool allDone() { return ranks_.first() ? heard_ == toDraw().size() : counters_->add(0, 0) == toDraw().size(); }
 
   void drawFrames() {
@@ -106,7 +106,7 @@ class SharedSequence : public RankedSequence {
   int ownerOf(std::uint32_t frame) const { return static_cast<int>(frame % static_cast<unsigned>(ranks_.count())); }
 
   void drawTilesOf(std::uint32_t i) {
-    // Of the frames before it one may still be unfinished: images that wait for tiles are memory.
+    // At most one earlier frame may be unfinished, because each unfinished frame holds an image.
     while (counters_->add(0, 0) + 1 < i) serveOrWait();
     begun_[i] = Clock::now();
     started(i);
@@ -141,13 +141,13 @@ class SharedSequence : public RankedSequence {
     if (painter) statistics = opened.finish(*painter, toDraw()[i]);
   }
 
-  // All ranks' tiles: those that are handed out, but for one that each is about to draw.
+  // Reports progress over all ranks: tiles handed out, less one per rank that is being drawn.
   void tellTiles(int frame, WorkRanges& work) {
     const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
     progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), plan_.tiles.size());
   }
 
-  // Takes in what others have sent. Returns whether there was anything.
+  // Handles messages of other ranks. Returns whether there was a message.
   bool serve() {
     bool any = false;
     while (auto message = ranks_.poll(kTileTag)) {
@@ -191,7 +191,7 @@ class SharedSequence : public RankedSequence {
     own_.idle_s += secondsSince(begin);
   }
 
-  // Writes the frame, if all of it is here.
+  // Writes the frame once all its tiles have arrived.
   void completed(std::uint32_t i) {
     Assembly& frame = assemblies_[i];
     if (frame.shares < ranks_.count() || (!frame.report.failure && frame.tiles < plan_.tiles.size())) return;
@@ -216,7 +216,7 @@ class SharedSequence : public RankedSequence {
 
   const PixelRect crop_;
   TilePlan plan_;
-  std::unique_ptr<SharedCounters> counters_;  // 0: frames that are finished; then those of the work
+  std::unique_ptr<SharedCounters> counters_;  // counter 0: finished frames; then the counters of WorkRanges
   std::map<std::uint32_t, Assembly> assemblies_;
   std::map<std::uint32_t, Clock::time_point> begun_;
   Clock::time_point begin_;

@@ -1,19 +1,19 @@
-// The frames of a job shared by ranks (DESIGN §8, sort-first): whole frames, or tiles of them, are handed out as ranks
-// come free. A rank draws with its own cache, under its own memory. Of a frame that is drawn in tiles, one rank, in
-// turn, puts them together and writes the files; the first rank is told of every frame, and makes the video.
+// Problem: draw the frames of a job by several ranks. Method: sort-first. Whole frames, or tiles of frames, are handed
+// out as ranks become free. A rank has its own cache and memory. The ranks take turns at assembling a frame of tiles
+// and writing its files; rank 0 receives a report of every frame and makes the video. Source: Molnar et al. 1994.
 #pragma once
 
 #include "sequence/sequence.h"
 
 namespace kiln {
 
-/// As runSequence, by several ranks. A frame that fails on any rank has failed; what is no frame's is thrown there,
-/// with the frame's number where the job has only one.
+/// As runSequence, by several ranks. A frame that fails on one rank has failed. Errors that concern more than one frame
+/// are thrown on rank 0.
 SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                              SequenceListener& listener);
 
-/// Beside the image that a rank may put together: a tile of its own, its rays, one that it sends and one that it gets.
-/// unit: bytes.
+/// Returns the memory of a rank beside the image it assembles: a tile being drawn, its rays, a tile being sent and a
+/// tile being received. unit: bytes.
 std::uint64_t sharedTileBytes(const RenderJob& job);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// A tile of a picture, as bytes that are kept or sent, and its pixels put where they belong.
+// Converts tiles of a picture to bytes for files and messages, and back.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace kiln {
 
-/// Puts a tile's pixels into an image of `whole`'s, which has the planes of the tile or none yet. requires: `at`, where
-/// the tile lies, is in `whole`.
+/// Copies a tile at `at` into an image of the pixels `whole`, which has the tile's planes or none yet. requires: `at`
+/// is inside `whole`.
 void putTile(const Image& tile, const PixelRect& at, const PixelRect& whole, Image& image);
 
-/// Adds a tile's place, its colours and its planes, as floats.
+/// Appends a tile's rectangle, colours and planes, as floats.
 void appendTile(std::vector<std::byte>& out, const PixelRect& at, const Image& tile);
 
-/// Of the tile that lies at `at`, which has been taken: the rest of the bytes, or nothing where they are not one's.
+/// Takes colours and planes of the tile at `at`, whose rectangle was taken before; nothing where the bytes are no tile.
 std::optional<Image> takeTile(ByteTaker& taker, const PixelRect& at);
 
 }  // namespace kiln

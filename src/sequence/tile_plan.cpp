@@ -12,18 +12,18 @@
 namespace kiln {
 namespace {
 
-// Frames that are looked at; a job's others lie between them.
+// Number of frames that the plan samples, evenly over the job.
 constexpr std::size_t kSampled = 8;
-// Of each rank, so that what one has too much, others take.
+// Tiles per rank: enough for other ranks to take over an uneven share.
 constexpr int kTilesOfRank = 16, kFewestTilesOfRank = 4;
-// Of a pixel where there is nothing, beside what one brick's pixel takes; and how much more than an even share a rank
-// may have by the plan, since others take from it.
+// Work of an empty pixel relative to a pixel of one brick; and the excess over an even share that a plan may give to a
+// rank, since other ranks take tiles from it.
 constexpr double kEmptyWork = 0.02, kUneven = 0.15;
-// Bytes that tiles must save to be worth their seams.
+// Factor by which tiles must reduce the bytes read, to pay for bricks on their seams.
 constexpr double kWorthTiles = 1.1;
 
 struct SampledBrick {
-  std::size_t place;  // the same for a brick in every frame
+  std::size_t place;  // number of the brick, equal in all frames
   PixelRect rect;
   std::uint64_t bytes;
 };
@@ -32,7 +32,7 @@ using BrickPlaces = std::map<BrickKey, std::size_t>;
 
 SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, BrickPlaces& places) {
   SampledFrames out;
-  // Of several volumes the index of one says little: tiles count by their areas.
+  // With several volumes one index predicts little: tiles are weighed by area.
   const std::size_t count = opened.job().volumes.empty() ? std::min(kSampled, frames.size()) : 0;
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<SampledBrick> bricks;
@@ -51,12 +51,12 @@ SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, Br
 
 double areaOf(const PixelRect& r) { return static_cast<double>(r.count()); }
 
-// The picture in steps of kVisibilityTile, so that no cut goes through a thread's tile, with what drawing each may
-// take.
+// The picture in squares of kVisibilityTile pixels ("steps"), with the estimated work of each. Cuts run between steps,
+// so that no cut divides a thread's tile.
 struct Grid {
   PixelRect crop;
   int columns, rows;
-  std::vector<double> sums;  // of all steps before a column and a row
+  std::vector<double> sums;  // work of all steps before a column and a row
 
   Grid(const PixelRect& pixels, const SampledFrames& frames)
       : crop(pixels),
@@ -73,7 +73,7 @@ struct Grid {
       for (int x = 1; x <= columns; ++x) at(x, y) += at(x - 1, y) + at(x, y - 1) - at(x - 1, y - 1);
     }
   }
-  // Of a rectangle of steps, in the picture.
+  // Converts a rectangle of steps to pixels.
   PixelRect rect(const PixelRect& t) const {
     const int x = crop.x0 / kVisibilityTile, y = crop.y0 / kVisibilityTile;
     return intersection({(x + t.x0) * kVisibilityTile, (y + t.y0) * kVisibilityTile, (x + t.x1) * kVisibilityTile,
@@ -96,7 +96,7 @@ struct Grid {
   }
 };
 
-// How many bytes a rank reads that draws some pixels of all frames.
+// Counts the bytes that a rank reads to draw a rectangle of all frames.
 class Reading {
  public:
   explicit Reading(const SampledFrames& frames) : frames_(frames) {
@@ -121,14 +121,14 @@ class Reading {
 
  private:
   const SampledFrames& frames_;
-  std::vector<std::uint64_t> asked_;  // in which question a brick was counted last
+  std::vector<std::uint64_t> asked_;  // last query in which a brick was counted
   std::uint64_t question_ = 0;
 };
 
 enum class Cuts { kRows, kColumns, kBoth };
 
-// Cuts the picture again and again in two: of the cuts whose sides have about the work of their ranks, where the two
-// sides read the fewest bytes; so it goes between bricks where it can.
+// Bisects the picture. Among cuts whose sides have about the work of their ranks, takes the cut whose sides read the
+// fewest bytes, which runs between bricks where possible.
 class Cutter {
  public:
   Cutter(const Grid& grid, Reading& reading, Cuts cuts) : grid_(grid), reading_(reading), cuts_(cuts) {}
@@ -151,7 +151,7 @@ class Cutter {
   struct Choice {
     PixelRect first, second;
     bool even = false;
-    double cost = std::numeric_limits<double>::infinity();  // bytes where it is even, else how far it is from it
+    double cost = std::numeric_limits<double>::infinity();  // bytes where the cut is even, else the unevenness
   };
 
   void tryRows(const PixelRect& t, int ranks, Choice& best) {
@@ -181,7 +181,7 @@ std::uint64_t bytesOfFrames(const SampledFrames& frames, int ranks) {
   std::uint64_t out = 0;
   std::vector<std::set<std::size_t>> bricks(static_cast<std::size_t>(ranks));
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    // Where there are more ranks than samples, those between draw much the same.
+    // With more ranks than sampled frames, ranks between two samples draw nearly the same bricks.
     const std::size_t copies = std::max<std::size_t>(bricks.size() / frames.size(), 1);
     for (const SampledBrick& brick : frames[i]) {
       if (bricks[i * bricks.size() / frames.size()].insert(brick.place).second) out += copies * brick.bytes;
@@ -190,14 +190,14 @@ std::uint64_t bytesOfFrames(const SampledFrames& frames, int ranks) {
   return out;
 }
 
-// The edge of tiles in a part. Not smaller than that a rank's threads have enough to do in each. unit: steps.
+// Returns the edge of tiles in a part, large enough to occupy all threads of a rank. unit: steps.
 int tileEdge(const PixelRect& part) {
   const int least = static_cast<int>(std::ceil(std::sqrt(4.0 * std::min(ThreadLimit::active(), 64u))));
   return std::max(least, static_cast<int>(std::sqrt(areaOf(part) / kTilesOfRank)));
 }
 
-// Each beside the next, row by row to and fro, from what is far from the picture's middle on: what another rank takes
-// over, from the end, is then beside its own tiles, and shares bricks with them.
+// Adds tiles row by row in alternating direction, starting far from the picture's middle. Another rank takes tiles from
+// the end, which then lie beside its own tiles and share bricks with them.
 void addTiles(const Grid& grid, const PixelRect& part, std::vector<PixelRect>& out) {
   if (part.empty()) return;
   const bool upwards = part.y0 + part.y1 > grid.rows, leftwards = part.x0 + part.x1 > grid.columns;
@@ -215,7 +215,7 @@ void addTiles(const Grid& grid, const PixelRect& part, std::vector<PixelRect>& o
 
 std::vector<BrickHome> homesOf(const SampledFrames& frames, const BrickPlaces& places,
                                const std::vector<PixelRect>& parts) {
-  std::vector<std::map<std::size_t, double>> seen(places.size());  // pixels of each rank's
+  std::vector<std::map<std::size_t, double>> seen(places.size());  // pixels per rank
   for (const auto& bricks : frames) {
     for (const SampledBrick& brick : bricks) {
       for (std::size_t rank = 0; rank < parts.size(); ++rank) {

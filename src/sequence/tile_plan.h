@@ -1,5 +1,6 @@
-// How ranks share the pixels of a job: a frame's tiles, and which of them each rank draws first, frame after frame, so
-// that the bricks behind its tiles stay in its memory. Planned by the index alone, as if nothing were hidden.
+// Problem: share the pixels of a job's frames among ranks so that few bricks are read twice.
+// Method: bisect the picture, each time at the cut of about even work that reads the fewest bytes. A rank has the same
+// rectangle in every frame, so its bricks stay in memory. The plan uses the index alone and ignores occlusion.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +12,17 @@
 namespace kiln {
 
 struct TilePlan {
-  /// Of its tiles, how many others leave to a rank: to take them would make them read its bricks, for little time.
+  /// Number of a rank's last tiles that other ranks do not take: they would read its bricks to save little time.
   static constexpr std::uint32_t kSpared = 4;
-  std::vector<PixelRect> tiles;       // of the whole picture's pixels; they fill the crop, neighbours behind each other
+  std::vector<PixelRect> tiles;       // fill the crop, in pixels of the whole picture; consecutive tiles are neighbours
   std::vector<std::uint32_t> bounds;  // the i-th rank's tiles are [bounds[i], bounds[i + 1])
-  std::vector<BrickHome> homes;       // bricks that are seen, each at the rank whose tiles have most of it
-  bool wholeFrames() const { return tiles.empty(); }  // are handed out, not their tiles
+  std::vector<BrickHome> homes;       // bricks in view, each at the rank whose tiles show most of the brick
+  bool wholeFrames() const { return tiles.empty(); }  // whole frames are handed out instead of tiles
 };
 
-/// The tiles of a rank lie in one rectangle of about an even share of the work: in rows, in columns or in blocks,
-/// whichever reads the fewest bytes over the frames. `kAuto` takes whole frames where there are enough of them and
-/// tiles would read as much, or be too few to share. requires: frames of one volume, `frames` not empty.
+/// Plans one rectangle per rank with about an even share of the work, as rows, columns or blocks: the layout that reads
+/// the fewest bytes over the frames. `kAuto` hands out whole frames where there are enough frames and tiles would read
+/// as much, or be too few to share. requires: frames of one volume, `frames` not empty.
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution);
 
 }  // namespace kiln

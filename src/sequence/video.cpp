@@ -1,5 +1,4 @@
-// Frames come from their files, not from memory, so that a video is the same whether its frames were drawn just now or
-// by a run before.
+// Frames come from their files, not from memory, so that a resumed video equals an uninterrupted video.
 #include "sequence/video.h"
 
 #include <fmt/format.h>
@@ -21,7 +20,7 @@ std::vector<std::byte> overBlack(const Image& image) {
   std::vector<std::byte> out;
   out.reserve(image.rgba.size() / 4 * 3);
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
-    // Premultiplied: over black as it stands.
+    // A premultiplied colour is already the colour over black.
     for (std::size_t channel = 0; channel < 3; ++channel) out.push_back(std::byte{bytes.of(image.rgba[i + channel])});
   }
   return out;
@@ -34,16 +33,16 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
   std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
   add({"-s", fmt::format("{}x{}", width, height), "-r", options.rate.text(), "-i", "-", "-an"});
-  // Colours by the matrix of high definition, and said so: what players take for granted differs.
+  // Names the colour matrix of high definition, because players assume different matrices.
   add({"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"});
   add({"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"});
   if (webm)
     add({"-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"});
   else
     add({"-c:v", "libx264", "-crf", "16"});
-  // Without the encoder's name and the time, so that equal frames are equal files.
+  // Leaves out the encoder's name and the time, so that equal frames give equal files.
   add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
-  // A name with a colon would be taken for that of a protocol, and what is not whole has no ending yet.
+  // ffmpeg reads a colon as the end of a protocol's name, and a temporary file has no ending: both are named here.
   const std::string ending = extensionOf(options.path);
   add({"-f", ending == ".mkv" ? "matroska" : ending.substr(1), "file:" + file.string()});
   return out;
@@ -68,7 +67,7 @@ void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& optio
       progress.advance("making the video", "frames", i + 1, pictures.size());
     }
     encoder.finish(waiting);
-    // What it was made of may be removed once it has its name.
+    // Frames may be removed once the video has its name, so the video must be on the disk before.
     disk.syncFile(temporary);
   });
 }
