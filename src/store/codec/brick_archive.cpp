@@ -17,9 +17,9 @@ namespace kiln {
 namespace {
 
 constexpr std::uint32_t kCompression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
-// As OpenVDB has it.
+// OpenVDB's own level.
 constexpr int kBloscLevel = 9;
-// Only the values of active voxels follow; the others have the background's.
+// Only values of active voxels are stored; inactive voxels have the background value.
 constexpr char kActiveValuesOnly = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
 
 void put(std::ostream& out, const void* data, std::size_t bytes) {
@@ -41,7 +41,7 @@ void noteLengths([[maybe_unused]] const PackedGrid& packed) {
 #endif
 }
 
-// The leaves from `first` on that the node with that leaf has, which is 2^log2_edge voxels wide.
+// Returns the leading leaves of `from` that lie in one node, 2^log2_edge voxels wide.
 std::span<const PackedLeaves::Leaf> leavesOfNode(std::span<const PackedLeaves::Leaf> from, openvdb::Index log2_edge) {
   const auto nodeOf = [&](const PackedLeaves::Leaf& leaf) { return leaf.origin >> log2_edge; };
   std::size_t count = 1;
@@ -49,7 +49,7 @@ std::span<const PackedLeaves::Leaf> leavesOfNode(std::span<const PackedLeaves::L
   return from.first(count);
 }
 
-// Calls f(leaves) for each node of that width.
+// Calls f(leaves) for each node of this width.
 template <class F>
 void forNodes(std::span<const PackedLeaves::Leaf> leaves, openvdb::Index log2_edge, F&& f) {
   while (!leaves.empty()) {
@@ -59,8 +59,8 @@ void forNodes(std::span<const PackedLeaves::Leaf> leaves, openvdb::Index log2_ed
   }
 }
 
-// What Tree::writeTopology writes of a tree without tiles: each node is a mask of its children, one without active
-// values, and no values; each leaf a mask.
+// Writes the topology of a tree without tiles, as Tree::writeTopology does. Each inner node is a mask of its children,
+// an empty mask of active values, and no values; each leaf is a mask.
 class TopologyWriter {
  public:
   TopologyWriter(std::ostream& out, std::size_t value_bytes, bool as_half)
@@ -108,11 +108,11 @@ class TopologyWriter {
   const bool half_;
 };
 
-// Instead of writing bytes, compares them with those that are there.
+// A stream that compares the written bytes with expected bytes.
 class Matcher : public std::streambuf {
  public:
   explicit Matcher(std::span<const std::byte> expected) : expected_(expected) {}
-  /// How many there were; 0 where one differs, or is not there.
+  /// Number of equal bytes; 0 if a byte differs or is missing.
   std::size_t matched() const { return same_ ? at_ : 0; }
 
  protected:
@@ -134,7 +134,7 @@ class Matcher : public std::streambuf {
   bool same_ = true;
 };
 
-// What Archive::write does, with the leaves' values as they come.
+// Writes the file as Archive::write does, with packed leaf values.
 class PackedArchive : public openvdb::io::Archive {
  public:
   PackedArchive() { setCompression(kCompression); }
@@ -156,7 +156,7 @@ class PackedArchive : public openvdb::io::Archive {
     openvdb::io::GridDescriptor descriptor(grid.getName(), grid.type(), grid.saveFloatAsHalf());
     descriptor.writeHeader(out);
     const std::streampos offsets_at = out.tellp();
-    descriptor.writeStreamPos(out);  // to be written again when they are known
+    descriptor.writeStreamPos(out);  // overwritten when the offsets are known
     descriptor.setGridPos(out.tellp());
     setGridCompression(out, grid);
     noteLengths(packed);
@@ -220,8 +220,7 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) words[i] = leaf.active.getWord<Mask::Word>(i);
   append(words.data(), sizeof words);
   append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
-  // As openvdb::io::bloscToStream has it, which makes a buffer for each leaf: how many bytes there are, below zero
-  // where they are as they were.
+  // As openvdb::io::bloscToStream, without its buffer per leaf. The length is negative for uncompressed values.
   const std::size_t bytes = stored_bytes * count, before = size_;
   const int packed = blosc_compress_ctx(kBloscLevel, BLOSC_SHUFFLE, kBloscTypeBytes, bytes, values,
                                         data_.get() + size_ + sizeof(std::int64_t), bytes + BLOSC_MAX_OVERHEAD,

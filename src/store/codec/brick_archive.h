@@ -1,7 +1,9 @@
-// An OpenVDB file in memory, from grids whose leaves were packed beforehand. OpenVDB's own writer compresses every leaf
-// twice, first to note its length for delayed loading, then to write it, wants the values as a tree of floats, and
-// looks at every tile that a tree might have; this one takes what was compressed once, from wherever it was, knows that
-// there are no tiles, and gives the same bytes. Internal, and not installed.
+// Writes an OpenVDB file in memory from grids whose leaves are already packed.
+// Problem. OpenVDB's writer compresses every leaf twice (for the length in the delayed-loading table, then for the
+// file), needs values as a tree of floats, and visits every possible tile.
+// Method. Leaves are compressed once, from any memory layout; trees have no tiles.
+// Invariant. The bytes equal those of OpenVDB's writer, except the UUID.
+// Internal, not installed.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -16,7 +18,7 @@
 
 namespace kiln {
 
-/// A growing buffer that can be written at any place, as a file with offsets needs.
+/// A growing buffer that can be written at any position, as a file with offsets needs.
 class MemoryWriter : public std::streambuf {
  public:
   std::vector<std::byte> take() { return std::move(data_); }
@@ -34,7 +36,7 @@ class MemoryWriter : public std::streambuf {
   std::size_t at_ = 0;
 };
 
-/// A grid's leaves as its file holds them, one after the other.
+/// The leaves of a grid in file order, compressed.
 class PackedLeaves {
  public:
   using Mask = openvdb::util::NodeMask<3>;
@@ -43,20 +45,20 @@ class PackedLeaves {
     Mask active;
   };
 
-  /// For at most `most` leaves of a grid whose tree has values of `value_bytes` bytes.
+  /// requires: at most `most` leaves; the grid's tree has values of `value_bytes` bytes.
   PackedLeaves(std::size_t most, std::size_t value_bytes);
 
-  /// Appends a leaf: `count` values of `stored_bytes` bytes each, those of its active voxels in order of their offsets;
-  /// all others have the background's value. requires: leaves come in the order of a tree; `stored_bytes` no more than
-  /// the tree's values have.
+  /// Appends a leaf: the `count` values of its active voxels, `stored_bytes` bytes each, in order of their offsets.
+  /// Inactive voxels have the background value. requires: leaves come in tree order; `stored_bytes` is at most the
+  /// tree's value size.
   void add(const Leaf& leaf, const void* values, std::size_t stored_bytes, std::size_t count);
 
-  /// Of the tree's values. unit: bytes.
+  /// Size of a value in the tree. unit: bytes.
   std::size_t valueBytes() const { return value_bytes_; }
   std::span<const Leaf> leaves() const { return leaves_; }
-  /// Their values in the file.
+  /// The compressed values of all leaves, as in the file.
   std::span<const std::byte> bytes() const { return {data_.get(), size_}; }
-  /// The length of each leaf's values, with their own length in front. unit: bytes.
+  /// Length of each leaf's values, including the length field. unit: bytes.
   std::span<const std::int64_t> lengths() const { return lengths_; }
 
  private:
@@ -64,23 +66,23 @@ class PackedLeaves {
 
   std::size_t value_bytes_;
   std::vector<Leaf> leaves_;
-  std::unique_ptr<std::byte[]> data_;  // as large as leaves that do not compress
+  std::unique_ptr<std::byte[]> data_;  // capacity for leaves that do not compress
   std::size_t size_ = 0;
   std::vector<std::int64_t> lengths_;
 };
 
-/// A grid without leaves, for its name, transform and kind, and those that its file is to have. Its background is 0.
+/// A grid without leaves (name, transform and type; background 0), and the leaves that its file will have.
 struct PackedGrid {
   openvdb::GridBase::Ptr grid;
   PackedLeaves leaves;
 };
 
-/// How many bytes of `file` are the topology of a tree of such leaves and nothing else; 0 where it begins otherwise.
-/// requires: the order of a tree.
+/// Length of the topology at the start of `file` if it is exactly that of a tree of these leaves; else 0. unit: bytes.
+/// requires: leaves in tree order.
 std::size_t matchTopology(std::span<const std::byte> file, std::span<const PackedLeaves::Leaf> leaves,
                           std::size_t value_bytes, bool as_half);
 
-/// The bytes of the file, but for the random UUID in it: Blosc, active-mask compression, grid offsets.
+/// Returns the bytes of the file, except its random UUID: Blosc, active-mask compression, grid offsets.
 std::vector<std::byte> archiveOf(std::span<const PackedGrid> grids, const openvdb::MetaMap& metadata);
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
-// A decoded brick, as the kernels read it: core and apron in one dense array of the source's type, and its part of the
-// min-max octree. OpenVDB is the container on disk, not the inner loop.
+// A decoded brick for the kernels: core and apron in one dense array of the source's type, and the brick's part of the
+// min-max octree. OpenVDB is only the container on disk.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-/// The voxels of a brick that a store keeps: core and apron, cut off at the volume.
+/// The stored voxels of a brick: core and apron, clipped at the volume.
 inline VoxelBox storedBox(const VoxelBox& core, std::int64_t apron, const Extent3& dims) {
   return intersection(dilated(core, apron), boxOf(dims));
 }
@@ -23,8 +23,8 @@ struct BrickBlock {
   VoxelType type = VoxelType::u8;
   /// Global index coordinates of the core's voxels.
   VoxelBox core;
-  /// Global index coordinates of all voxels in `voxels`: the core grown by the apron. Those outside of the volume
-  /// repeat the nearest voxel of the volume.
+  /// Global index coordinates of all voxels in `voxels`: the core grown by the apron. Voxels outside the volume repeat
+  /// the nearest voxel of the volume.
   VoxelBox extent;
   /// shape: extent, x fastest, densely packed.
   UnsetBytes voxels;
@@ -33,14 +33,14 @@ struct BrickBlock {
 
   std::int64_t strideY() const { return extent.extent().x; }
   std::int64_t strideZ() const { return extent.extent().x * extent.extent().y; }
-  /// What the block costs in memory. unit: bytes.
+  /// Memory of the block. unit: bytes.
   std::size_t bytes() const { return sizeof *this + voxels.size() + octree.bytes() + supports.bytes(); }
 
   template <class T>
   const T* data() const {
     return reinterpret_cast<const T*>(voxels.data());
   }
-  /// The element of `data()` that holds the voxel at `v`. requires: v in extent.
+  /// Index into `data()` of the voxel at `v`. requires: v in extent.
   std::int64_t offsetOf(const VoxelCoord& v) const {
     return (v.x - extent.lo.x) + (v.y - extent.lo.y) * strideY() + (v.z - extent.lo.z) * strideZ();
   }

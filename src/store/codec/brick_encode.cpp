@@ -1,5 +1,7 @@
-// Voxels to a brick file. Leaves are packed straight from the voxels: exactly those of core and apron are active
-// whatever their value, and the bytes depend on the voxels alone.
+// Encodes voxels as a brick file.
+// Method. Leaves are packed directly from the voxels, without a tree.
+// Invariant. Exactly the voxels of core and apron are active, whatever their values, and the bytes depend only on the
+// voxels.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,21 +23,21 @@ namespace {
 constexpr std::size_t kUuidAt = 21;
 constexpr std::size_t kUuidLength = 36;
 
-// The world in units of 2^exponent.
+// Converts an affine to units of 2^exponent.
 glm::dmat4 inUnits(int exponent, const glm::dmat4& world_from_grid) {
   glm::dmat4 units_from_world(std::ldexp(1.0, -exponent));
   units_from_world[3][3] = 1;
   return units_from_world * world_from_grid;
 }
 
-// 0, but where OpenVDB refuses the level's affine one in which an edge is about 1 (FORMAT.md).
+// Returns 0, or, if OpenVDB refuses the level's affine, an exponent that makes a voxel edge about 1 (FORMAT.md).
 int unitExponentOf(const VolumeGeometry& geometry, const std::filesystem::path& source = {}) {
   if (hasTransform(geometry.world_from_index)) return 0;
   const int exponent = std::ilogb(geometry.meanSpacing());
   if (hasTransform(inUnits(exponent, geometry.world_from_index))) return exponent;
   const glm::dvec3 edge = geometry.spacing(), origin = geometry.worldOf({0, 0, 0});
   throw Error(ErrorCode::kUnsupported, source, "geometry",
-              fmt::format("voxels of {:g} x {:g} x {:g} world units are not told apart as far from 0 as "
+              fmt::format("voxels of {:g} x {:g} x {:g} world units are lost to rounding as far from 0 as "
                           "({:g}, {:g}, {:g}); give the source an origin nearer to 0",
                           edge.x, edge.y, edge.z, origin.x, origin.y, origin.z));
 }
@@ -52,7 +54,7 @@ class Encoder {
         half_(fitsHalf()),
         unit_exponent_(unitExponentOf(frame.geometry)) {}
 
-  // The core, or the apron.
+  // Grid of the core or of the apron.
   PackedGrid voxelGrid(const char* name, bool core) const {
     if constexpr (kMayBeHalf) {
       if (half_) return packVoxels<openvdb::FloatGrid>(name, core, true, halfBitsOf);
@@ -62,7 +64,8 @@ class Encoder {
   }
 
   PackedGrid cellGrid(const char* name, std::span<const ValueRange> cells, bool least) const {
-    // On coarser levels cells hold values of voxels below, which need not survive where the brick's own do.
+    // On coarser levels cells hold values of finer voxels, which may not survive as halves although the brick's own
+    // values do.
     const bool half = half_ && std::all_of(cells.begin(), cells.end(), [](const ValueRange& cell) {
                         return cell.empty() ||
                                (survivesHalf(static_cast<float>(cell.lo)) && survivesHalf(static_cast<float>(cell.hi)));
@@ -109,7 +112,7 @@ class Encoder {
     return out;
   }
 
-  // Cell c covers voxels [8c, 8c+8): its centre is at voxel 8c + 3.5.
+  // Cell c covers the voxels [8c, 8c+8), so its centre is at voxel 8c + 3.5.
   glm::dmat4 worldFromCell() const {
     const double s = static_cast<double>(kCellSize);
     glm::dmat4 index_from_cell(s);
@@ -143,8 +146,8 @@ class Encoder {
     return out;
   }
 
-  // The values of the leaves, one leaf after the other. Voxels are taken in the order in which they lie in the block:
-  // leaf by leaf, each cache line of it would be read four times, long after.
+  // Values of the leaves, leaf by leaf. Voxels are read in the memory order of the block: reading leaf by leaf would
+  // load each cache line four times.
   std::unique_ptr<const T[]> inOrderOf(std::span<const LeafPart> leaves, const VoxelBox& box) const {
     const LeafLattice lattice(box);
     std::vector<std::int64_t> begin(lattice.count(), -1);
@@ -161,7 +164,7 @@ class Encoder {
     return values;
   }
 
-  // Voxels of the block, x fastest, to those of a leaf, z fastest: of what of the leaf lies in the box.
+  // Copies the voxels of a leaf inside the box from the block (x fastest) to the leaf (z fastest).
   void transposeLeaf(const VoxelBox& part, T* to) const {
     const Extent3 n = part.extent();
     const std::int64_t row = size_.x, slice = size_.x * size_.y;
@@ -201,7 +204,7 @@ class Encoder {
   int unit_exponent_;
 };
 
-// OpenVDB's random UUID becomes the content's own.
+// Replaces OpenVDB's random UUID by a hash of the contents.
 void stampUuid(std::vector<std::byte>& file) {
   std::memset(file.data() + kUuidAt, '0', kUuidLength);
   const std::string hex = toHex(hashOf(file));

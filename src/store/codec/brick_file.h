@@ -1,4 +1,5 @@
-// What writer and reader of a brick file agree on (FORMAT.md, brick files). Internal, and not installed.
+// Names, leaf order and metadata shared by the encoder and decoder of brick files (FORMAT.md, brick files). Internal,
+// not installed.
 #pragma once
 
 #include "grid/openvdb_glue.h"
@@ -11,22 +12,22 @@ inline constexpr const char* kCoreGrid = "density";
 inline constexpr const char* kApronGrid = "apron";
 inline constexpr const char* kCellMinGrid = "cell_min";
 inline constexpr const char* kCellMaxGrid = "cell_max";
-/// A grid's metadata, where its transform is not in the world's unit.
+/// Grid metadata for a transform that is not in the world's unit.
 inline constexpr const char* kUnitExponent = "kiln_unit_exponent";
 
-/// The grid that a voxel type has in a brick. Of 8 and 16 bits as Int32 the upper bytes are almost constant, and cost
-/// next to nothing once Blosc has put the bytes of one place together; half and float spread the same bits wider.
+/// The grid type of a voxel type. 8 and 16 bits are stored as Int32: the upper bytes are almost constant, and cost
+/// almost nothing after Blosc's byte shuffle. Half and float spread the same bits wider.
 template <class T>
 using BrickGridFor = std::conditional_t<std::is_integral_v<T> && sizeof(T) <= 2, openvdb::Int32Grid, GridFor<T>>;
 
-/// The edge of a leaf of every grid. unit: voxels.
+/// Edge of a leaf of every grid. unit: voxels.
 inline constexpr std::int64_t kLeaf = 8;
 inline std::int64_t leafBelow(std::int64_t n) { return n & ~(kLeaf - 1); }
 
 inline VoxelBox leafAt(const VoxelCoord& v) { return {v, {v.x + kLeaf, v.y + kLeaf, v.z + kLeaf}}; }
 inline VoxelCoord voxelOf(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-/// The leaves that have voxels in a box, x fastest. requires: coordinates of 0 and more.
+/// The leaves with voxels in a box, x fastest. requires: coordinates are not negative.
 struct LeafLattice {
   VoxelCoord first;
   Extent3 size;
@@ -35,16 +36,16 @@ struct LeafLattice {
         size{(box.hi.x - 1) / kLeaf + 1 - first.x, (box.hi.y - 1) / kLeaf + 1 - first.y,
              (box.hi.z - 1) / kLeaf + 1 - first.z} {}
   std::size_t count() const { return static_cast<std::size_t>(size.count()); }
-  /// Of the one that holds the voxel.
+  /// Index of the leaf that holds the voxel.
   std::size_t indexOf(const VoxelCoord& v) const {
     const std::int64_t y = v.y / kLeaf - first.y, z = v.z / kLeaf - first.z;
     return static_cast<std::size_t>((z * size.y + y) * size.x + v.x / kLeaf - first.x);
   }
 };
 
-/// The voxels of the leaf at `origin` that lie in `part`. requires: part inside of the leaf.
+/// Mask of the voxels of the leaf at `origin` that lie in `part`. requires: part inside the leaf.
 inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBox& part) {
-  // A word is a plane of one x, z fastest.
+  // A word of the mask is a plane of constant x, z fastest.
   const std::uint64_t along_z = ((1u << (part.hi.z - part.lo.z)) - 1) << (part.lo.z - origin.z);
   std::uint64_t plane = 0;
   for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) plane |= along_z << (kLeaf * (y - origin.y));
@@ -55,8 +56,8 @@ inline openvdb::util::NodeMask<3> maskOf(const VoxelCoord& origin, const VoxelBo
   return mask;
 }
 
-/// Calls f(origin, part) for each cube of `edge`, aligned to multiples of it, that meets the box, z fastest, as a
-/// tree's nodes lie; `part` is what of it lies in the box.
+/// Calls f(origin, part) for each cube of `edge`, aligned to multiples of `edge`, that meets the box; z fastest, as in
+/// a tree. `part` is the intersection of cube and box.
 template <class F>
 void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
   const auto down = [&](std::int64_t v) { return v & ~(edge - 1); };
@@ -69,7 +70,7 @@ void forCubes(const VoxelBox& box, std::int64_t edge, F&& f) {
   }
 }
 
-/// Calls leaf(origin, part) for each 8³ leaf that has voxels in `box`, in the order of a tree.
+/// Calls leaf(origin, part) for each 8³ leaf with voxels in `box`, in tree order.
 template <class F>
 void forEachLeafOfTree(const VoxelBox& box, F&& leaf) {
   using Upper = openvdb::FloatTree::RootNodeType::ChildNodeType;
@@ -79,8 +80,8 @@ void forEachLeafOfTree(const VoxelBox& box, F&& leaf) {
   });
 }
 
-/// Calls leaf(part) for each 8³ leaf that has voxels in `box`, in the order in which a block has them: in that of a
-/// tree, each cache line of a block is come to four times, long after one another.
+/// Calls leaf(part) for each 8³ leaf with voxels in `box`, in the memory order of a block. In tree order each cache
+/// line of a block would be visited four times, at long intervals.
 template <class F>
 void forEachLeaf(const VoxelBox& box, F&& leaf) {
   for (std::int64_t z = leafBelow(box.lo.z); z < box.hi.z; z += kLeaf) {
@@ -92,8 +93,8 @@ void forEachLeaf(const VoxelBox& box, F&& leaf) {
   }
 }
 
-/// In a tree's order, the leaves of a brick's core, or of its apron. A core begins and ends where leaves do, or where
-/// the volume ends: no leaf has voxels of both.
+/// Calls leaf(origin, part) in tree order for the leaves of a brick's core, or of its apron. Core boundaries are leaf
+/// boundaries or the end of the volume, so no leaf has voxels of both.
 template <class F>
 void forEachLeafOfGrid(const VoxelBox& core, const VoxelBox& stored, bool of_core, F&& leaf) {
   forEachLeafOfTree(of_core ? core : stored, [&](const VoxelCoord& origin, const VoxelBox& part) {
@@ -101,10 +102,10 @@ void forEachLeafOfGrid(const VoxelBox& core, const VoxelBox& stored, bool of_cor
   });
 }
 
-/// Of stores of every format.
+/// The version in every brick file, in stores of every format.
 inline constexpr int kBrickFileFormat = 1;
 
-/// The file's own metadata, by which a reader knows that it has the right brick.
+/// Metadata of the file, by which a reader recognises the right brick.
 inline openvdb::MetaMap metadataOf(const BrickDesc& frame) {
   openvdb::MetaMap out;
   const BrickCoord& brick = frame.key.brick;

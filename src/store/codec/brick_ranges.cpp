@@ -19,7 +19,7 @@ BrickRanges rangesOf(const BrickDesc& frame, std::span<const std::byte> voxels) 
   return rangesIn(frame.core(), frame.brick_size, frame.type, voxels, frame.stored());
 }
 
-// What the extent has beyond the volume repeats voxels of it, and changes no range.
+// Voxels of the extent beyond the volume repeat voxels of the volume and change no range.
 BrickRanges rangesOf(const BrickBlock& block) {
   return rangesIn(block.core, block.octree.edge(0) * kCellSize, block.type, block.voxels, block.extent);
 }

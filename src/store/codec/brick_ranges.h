@@ -1,4 +1,4 @@
-// What the min-max octree and the index say of one brick.
+// All value ranges of a brick, for its octree and the index.
 #pragma once
 
 #include <span>
@@ -10,17 +10,17 @@
 namespace kiln {
 
 struct BrickRanges {
-  /// shape: edge³ cells from the core's first voxel, x fastest; empty ranges outside of the volume.
+  /// shape: edge³ cells from the core's first voxel on, x fastest; empty ranges outside the volume.
   std::vector<ValueRange> cells;
-  ValueRange core;     // of the brick's own voxels, and of what lies below them
-  ValueRange support;  // of every value that is interpolated in core and apron, at this level or below
-  /// As subBrickRanges: of this level alone, since a brick draws its own voxels.
+  ValueRange core;     // voxels of the brick and all finer voxels below
+  ValueRange support;  // every value interpolated in core and apron, at this level or below
+  /// As subBrickRanges: of this level only, because a brick draws its own voxels.
   std::vector<ValueRange> sub_bricks;
 };
 
-/// The ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.
+/// Computes the ranges of a brick's own voxels. shape: `voxels` covers frame.stored(), x fastest.
 BrickRanges rangesOf(const BrickDesc& frame, std::span<const std::byte> voxels);
-/// The same of a decoded brick.
+/// Computes the ranges of a decoded brick's own voxels.
 BrickRanges rangesOf(const BrickBlock& block);
 
 }  // namespace kiln

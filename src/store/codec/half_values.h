@@ -1,5 +1,5 @@
-// Floats as halves: the bits that one makes, and what they make; and, many at once, does every one of them survive it?
-// Internal, and not installed.
+// Conversion between floats and the bits of halves, and a fast test of whether all values of a list survive as halves.
+// Internal, not installed.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,12 @@ inline float floatOfHalf(std::uint16_t bits) {
   return value;
 }
 
-/// Whether every value comes back bit for bit from a half.
+/// True if every value survives a round trip through half bit for bit.
 inline bool fitHalf(std::span<const float> values) {
   for (std::size_t first = 0; first < values.size(); first += 1024) {
     const std::span<const float> some = values.subspan(first, std::min<std::size_t>(1024, values.size() - first));
-    // A half has 10 bits behind the point and 5 of exponent: most values are told by their bits.
+    // A half has 10 mantissa bits and 5 exponent bits. A bit test decides for normal numbers and zero; only lists with
+    // further values are converted.
     std::uint32_t others = 0;
     for (const float value : some) {
       const auto bits = std::bit_cast<std::uint32_t>(value), size = bits & 0x7fffffffu;

@@ -5,13 +5,13 @@
 namespace kiln {
 namespace {
 
-// Blosc's header. Little-endian.
+// Blosc's header, little-endian.
 struct FrameHead {
   std::uint8_t version, of_codec, flags, type_bytes;
   std::uint32_t bytes, block_bytes, frame_bytes;
 };
 static_assert(sizeof(FrameHead) == 16);
-// Where the only block begins, and its own length.
+// Offset of the only block, and the length of the block.
 struct BlockHead {
   std::uint32_t at, packed_bytes;
 };
@@ -47,7 +47,7 @@ bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size
   const auto* const from = reinterpret_cast<const char*>(packed.data());
   auto* const to = reinterpret_cast<char*>(planes);
   const auto size = static_cast<int>(packed.size()), capacity = static_cast<int>(bytes);
-  // What LZ4 cuts off it copies byte by byte: this pays where one byte in four is wanted, and not where two are.
+  // LZ4 copies the end of a partial block byte by byte. Partial decompression pays for one byte in four, not for two.
   const int unpacked = wanted <= bytes / kBloscTypeBytes
                            ? LZ4_decompress_safe_partial(from, to, size, static_cast<int>(wanted), capacity)
                            : LZ4_decompress_safe(from, to, size, capacity);

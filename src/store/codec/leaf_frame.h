@@ -1,7 +1,8 @@
-// Blosc's frame around the values of a leaf, as brick_archive.cpp has Blosc make it: one block of LZ4, its bytes
-// shuffled by fours, or the values as they are where that is no smaller. Blosc's own reader has memory given to it for
-// each frame, which takes as long as all else it does, and puts bytes together that a voxel of fewer does not need.
-// Internal, and not installed.
+// Reads Blosc's frame around the values of a leaf, as written by brick_archive.cpp: one LZ4 block with bytes shuffled
+// by fours, or uncompressed values if LZ4 saves nothing.
+// Problem. Blosc's reader allocates memory per frame, which takes as long as all its further work, and joins bytes that
+// a voxel of fewer bytes does not need.
+// Internal, not installed.
 #pragma once
 
 #include <cstddef>
@@ -15,22 +16,22 @@
 
 namespace kiln {
 
-/// Numbers are shuffled as so many bytes each, whatever their type.
+/// Size of a number in Blosc's shuffle, for every type. unit: bytes.
 inline constexpr std::size_t kBloscTypeBytes = 4;
 
-/// Whether it is such a frame of so many bytes of values, and these a multiple of kBloscTypeBytes.
+/// True for such a frame around `bytes` bytes of values, a multiple of kBloscTypeBytes.
 bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept;
 
-/// The values of such a frame where they are as they were; null where they are packed.
+/// Returns the values of an uncompressed frame; null for a compressed frame.
 const std::byte* keptValues(std::span<const std::byte> frame) noexcept;
 
-/// Unpacks the first `wanted` bytes of `bytes` where they are packed: the first byte of each four, then all second
-/// ones, and so on. False where it is damaged. shape: `planes` has `bytes`.
+/// Decompresses the first `wanted` of `bytes` bytes of a compressed frame: the first byte of each number, then the
+/// second bytes, and so on. Returns false if the frame is damaged. shape: `planes` has `bytes` bytes.
 bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size_t wanted,
                   std::uint8_t* planes) noexcept;
 
-/// The numbers of those bytes: `count` of type Stored, of which a T of fewer bytes is the lower ones. requires: Stored
-/// is a T, or a whole number of four bytes; count · sizeof(Stored) a multiple of four.
+/// Joins the byte planes to `count` numbers of type Stored; a smaller T receives the lower bytes. requires: Stored is
+/// T, or Stored has four bytes and T fewer; count · sizeof(Stored) is a multiple of four.
 template <class Stored, class T>
 KILN_VECTORS void joinPlanes(const std::uint8_t* __restrict planes, std::size_t count, T* __restrict out) noexcept {
   if constexpr (sizeof(T) < sizeof(Stored)) {
@@ -51,12 +52,13 @@ KILN_VECTORS void joinPlanes(const std::uint8_t* __restrict planes, std::size_t 
   }
 }
 
-/// What of a leaf's value a voxel of type T has: those of fewer than four bytes are kept as Int32, and need no others.
+/// The type in which values are unpacked: voxels of one or two bytes are stored as Int32, of which only the lower bytes
+/// are needed.
 template <class Stored, class T>
 using UnpackedFor = std::conditional_t<std::is_same_v<Stored, std::int32_t> && sizeof(T) < kBloscTypeBytes, T, Stored>;
 
-/// The `count` values of a leaf, of which the frame has them as Stored. False where it is damaged. requires:
-/// isLeafFrame; T as UnpackedFor has it.
+/// Unpacks the `count` values of a leaf from a frame of Stored values. Returns false if the frame is damaged. requires:
+/// isLeafFrame; T is UnpackedFor<Stored, voxel type>.
 template <class Stored, class T>
 bool unpackLeaf(std::span<const std::byte> frame, std::size_t count, T* out) noexcept {
   if (const std::byte* const kept = keptValues(frame)) {

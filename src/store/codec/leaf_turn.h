@@ -1,4 +1,4 @@
-// OpenVDB's leaves have z fastest, blocks of voxels x. Internal, and not installed.
+// Transposes between OpenVDB's leaves (z fastest) and blocks of voxels (x fastest). Internal, not installed.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ struct LeafRow {
   using type [[gnu::vector_size(kLeaf * sizeof(T))]] = T;
 };
 
-// Rows of 8 values become columns; strides between rows, in values. Interleaving the first four rows with the last four
-// does it, three times over.
+// Transposes 8×8 values; strides between rows in values. Three stages, each of which interleaves the first four rows
+// with the last four.
 template <class T>
 void transposeSquare(const T* from, std::int64_t from_stride, T* to, std::int64_t to_stride) {
   static_assert(kLeaf == 8);
