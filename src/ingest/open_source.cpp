@@ -1,5 +1,5 @@
-// Which format a file is: by its first bytes, then by its name. What is recognised but not read is refused by its own
-// name, so that the user knows what to convert. What is computed (phantom:…) is not a file and is asked for first.
+// Identifies the format of a file by its first bytes, then by its name. Known formats that are not supported are
+// refused by name, so that the user can convert the file. Phantoms (phantom:…) are not files and are tested first.
 #include "ingest/open_source.h"
 
 #include <algorithm>
@@ -71,13 +71,13 @@ std::string firstBytes(const File& file) {
   return bytes;
 }
 
-// The first decompressed bytes, or none where the stream is damaged from the start.
+// Returns the first decompressed bytes; fewer if the stream is damaged, none if it is damaged from the start.
 std::string firstDecompressedBytes(const fs::path& path) {
   std::string bytes(512, '\0');
   std::size_t got = 0;
   try {
     InflateStream stream(File(path), 0, StreamWrapper::kGzip);
-    // Byte by byte: a stream that is cut short still shows what it was.
+    // Reads byte by byte, so that a stream that is cut short still yields its first bytes.
     while (got < bytes.size() && stream.readSome(std::as_writable_bytes(std::span(bytes).subspan(got, 1)), "start"))
       ++got;
   } catch (const Error& error) {
@@ -116,7 +116,7 @@ Finding byName(const fs::path& path) {
   return {};
 }
 
-// The voxels of a NIfTI pair carry no magic: their header stands beside them.
+// The .img file of a NIfTI pair has no magic; the header beside it identifies the format.
 bool isNiftiVoxels(const fs::path& path) {
   if (!endsWith(path, {".img", ".img.gz"})) return false;
   const fs::path stem = path.extension() == ".gz" ? fs::path(path).replace_extension() : path;
@@ -141,7 +141,7 @@ Finding identify(const fs::path& path, bool described) {
   return byName(path);
 }
 
-// A pipe would be waited for, and a device has no length.
+// Refuses pipes, which block, and devices, which have no length.
 void requireRegularFile(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -151,7 +151,7 @@ void requireRegularFile(const fs::path& path) {
   }
 }
 
-// " or give 'engine.nhdr', …" where a header with the name of the raw file lies beside it.
+// Returns " or give 'engine.nhdr', …" if a header with the raw file's name lies beside the raw file.
 std::string headerBeside(const fs::path& path) {
   for (const char* extension : {".nhdr", ".mhd"}) {
     const fs::path header = fs::path(path).replace_extension(extension);
@@ -163,7 +163,7 @@ std::string headerBeside(const fs::path& path) {
   return "";
 }
 
-// "an OpenEXR", "a PNG": by the sound of a format's first letter, where that is a vowel or is spelt.
+// Returns "an OpenEXR", "a PNG": the article by the sound of the format's first letter.
 std::string withArticle(const std::string& format) {
   const bool vowel = std::any_of(std::begin(kSpokenWithAn), std::end(kSpokenWithAn),
                                  [&](std::string_view name) { return format.starts_with(name); });
@@ -236,7 +236,7 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   std::error_code ignored;
   if (fs::is_directory(input, ignored)) return openDirectory(input, options);
   requireRegularFile(input);
-  // Some magics are short and raw voxels are anything: who names dimensions and type has said what the file is.
+  // Some magics are short and raw voxels may hold any bytes: explicit dimensions and type override the magic.
   const bool described = options.dims && options.type;
   Finding found = identify(input, described);
   if (found.format == Format::kForeign && !described) {
@@ -260,7 +260,7 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     case Format::kTiff:
       return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
     case Format::kDicom:
-      // The list of a CD stands for the folder that it lies in.
+      // The list of a CD stands for its folder.
       if (isDicomDirectory(input)) return openDirectory(input.has_parent_path() ? input.parent_path() : ".", options);
       return openDicom({input, SliceFormat::kDicom, {input}, {}}, options);
     case Format::kUnknown:

@@ -1,4 +1,4 @@
-// Opens a foreign volume of any known format.
+// Opens a foreign volume of any supported format.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,14 @@
 
 namespace kiln {
 
-/// That no option is given for a store, which says all of this itself. throws: Error kUsage, naming the option.
+/// Refuses options that describe voxels, because a store contains the description. throws: Error kUsage, naming the
+/// option.
 void requireNoOptions(const std::filesystem::path& store, const SourceOptions& options);
 
-/// Opens `input` by what it holds (its first bytes, then its name); a directory by the slices in it.
-/// throws: Error kNotFound, kFormat, kUnsupported (naming what it is: vector data, an unknown format), kUsage where raw
-/// data comes without --dims and --type or an option does not apply to the format; kBudget, before reading a grid that
-/// does not fit in `options.memory_bytes`.
+/// Opens `input` by its content (the first bytes, then the name); a directory by its slices.
+/// throws: Error kNotFound; kFormat; kUnsupported (naming the content: vector data, an unknown format); kUsage if
+/// raw data come without --dims and --type, or an option does not apply to the format; kBudget, before reading a grid
+/// larger than `options.memory_bytes`.
 std::unique_ptr<VolumeSource> openSource(const std::filesystem::path& input, const SourceOptions& options = {});
 
 }  // namespace kiln

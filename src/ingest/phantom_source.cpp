@@ -1,5 +1,5 @@
-// phantom:NAME:XxYxZ: a volume that is computed where others are read. Its voxels are a function of name, size and
-// coordinates, so that any box may be asked for at any time and the same name is always the same volume.
+// phantom:NAME:XxYxZ: a computed volume behind the interface of files. Voxels are a function of name, size and
+// coordinates: any box can be read at any time, and a name always gives the same volume.
 #include <charconv>
 #include <limits>
 
@@ -21,7 +21,7 @@ std::string knownNames() {
   return out;
 }
 
-// "XxYxZ", or empty.
+// Parses "XxYxZ"; empty if the text has another form.
 std::optional<Extent3> extentIn(std::string_view text) {
   std::array<std::int64_t, 3> dims{};
   const char *at = text.data(), *const end = at + text.size();
@@ -70,7 +70,7 @@ class PhantomSource : public VolumeSource {
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override { phantom_.read(box, out); }
 
-  // The figure still divides its own box; only where the voxels are in the world changes.
+  // Changes only the world positions; the figure still fills the box of voxels.
   void setSpacing(const glm::dvec3& spacing) {
     for (int axis = 0; axis < 3; ++axis) {
       const double ratio = spacing[axis] / info_.geometry.world_from_index[axis][axis];

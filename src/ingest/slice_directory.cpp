@@ -1,5 +1,5 @@
-// People keep other things beside their slices: notes, thumbnails, a DICOMDIR. What is not a slice is passed over and
-// named, so that a slice which is not recognised is noticed.
+// Directories of slices also hold notes, thumbnails, a DICOMDIR. Files that are not slices are passed over and named in
+// a note, so that the user notices an unrecognised slice.
 #include "ingest/slice_directory.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ using namespace std::string_view_literals;
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-// The digits at the front of `text`, without the zeros before them; `text` goes on behind them.
+// Returns the digits at the front of `text` without leading zeros, and removes all of them from `text`.
 std::string_view takeNumber(std::string_view& text) {
   const auto end = std::find_if_not(text.begin(), text.end(), isDigit);
   std::string_view digits = text.substr(0, static_cast<std::size_t>(end - text.begin()));
@@ -33,7 +33,7 @@ std::string_view takeNumber(std::string_view& text) {
   return digits;
 }
 
-// A file that cannot be read, and why.
+// A file that cannot be read, and the reason.
 struct Unread {
   fs::path path;
   ErrorCode code;
@@ -45,16 +45,17 @@ Unread unreadBy(const Error& error, const fs::path& path) {
   return {path, error.code(), text.starts_with(prefix) ? text.substr(prefix.size()) : text};
 }
 
-// Drops an error's remedy, as beside other slices the remedy is another.
+// Drops an error's remedy, because a file beside other slices has another remedy.
 std::string withoutRemedy(const std::string& sentence) { return sentence.substr(0, sentence.find(';')); }
 
-// A file may have no ending, as those of a DICOM export often do.
+// True if a slice has the ending of `path`. DICOM exports often have files without an ending.
 bool isNamedLike(const fs::path& path, const std::vector<fs::path>& slices) {
   return std::any_of(slices.begin(), slices.end(),
                      [&](const fs::path& slice) { return slice.extension() == path.extension(); });
 }
 
-// A file that could be a slice is an error, as without one those above it would move down; others are passed over.
+// An unreadable file named like a slice is an error, because without it the slices above would move down. Other
+// unreadable files are passed over.
 void passOver(const std::vector<Unread>& unread, const std::vector<fs::path>& slices, std::vector<std::string>& notes) {
   for (const Unread& file : unread) {
     if (slices.empty()) throw Error(file.code, file.path, "", file.reason);
@@ -80,13 +81,14 @@ std::string named(const std::vector<fs::path>& files) {
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
 }
 
-// A link to nothing, or to itself.
+// True for a link to nothing, or to itself.
 bool isBadLink(const fs::path& path) {
   std::error_code unknown;
   return fs::is_symlink(fs::symlink_status(path, unknown)) && !fs::exists(fs::status(path, unknown));
 }
 
-// DICOM slices lie where they say, so that none moves down where one is missing, and a gap is noticed.
+// DICOM slices carry their positions: a missing slice moves no other slice, and the gap is detected later. So links to
+// nothing are passed over.
 void passOverBadLinks(std::vector<Unread>& unread, std::vector<fs::path>& other, std::vector<std::string>& notes) {
   std::vector<fs::path> links;
   for (const Unread& file : unread) {
@@ -98,7 +100,7 @@ void passOverBadLinks(std::vector<Unread>& unread, std::vector<fs::path>& other,
   if (!links.empty()) notes.push_back("passed over " + named(links) + ": links to nothing");
 }
 
-// The entries of a directory: files, and pipes, devices and folders, which cannot be slices.
+// The entries of a directory: files; and pipes, devices and folders, which cannot be slices.
 struct Entries {
   std::vector<fs::path> files, others;
 };
@@ -106,7 +108,7 @@ struct Entries {
 Entries entriesOf(const fs::path& directory) {
   Entries out;
   forEachEntry(directory, [&](const fs::directory_entry& entry) {
-    // An entry without a status, such as a link to nothing, may be a slice that is missing.
+    // An entry without a status, such as a link to nothing, may be a missing slice.
     std::error_code unknown;
     const fs::file_status status = entry.status(unknown);
     const bool hidden = entry.path().filename().string().starts_with('.');
@@ -122,7 +124,7 @@ Entries entriesOf(const fs::path& directory) {
   return out;
 }
 
-// All folders below a directory, in natural order of their paths. Links to folders are not followed.
+// Returns all folders below a directory, in natural order of their paths. Links to folders are not followed.
 std::vector<fs::path> foldersBelow(const fs::path& directory) {
   std::vector<fs::path> out;
   forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
@@ -207,7 +209,7 @@ SliceFiles slicesIn(const fs::path& directory) {
   out.input = directory;
   out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
   out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
-  // Without one of them those above it would move down.
+  // Skipping a file named like a slice would move the slices above it down.
   for (const fs::path& path : other) {
     if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
     if (!isThere(path))
@@ -220,7 +222,7 @@ SliceFiles slicesIn(const fs::path& directory) {
   }
   for (const fs::path& path : no_files) {
     if (!isNamedLike(path, out.files)) continue;
-    // DICOM slices carry their places, and both their names and their folders' may be identifiers such as 1.3.6.1.
+    // DICOM slices carry their positions, and names of files and folders may be identifiers such as 1.3.6.1.
     if (isFolder(path) && (out.format == SliceFormat::kDicom || !path.has_extension())) continue;
     throw Error(ErrorCode::kFormat, path, "",
                 fmt::format("is named like the slices beside it, but is a {}; rename or remove it",

@@ -1,4 +1,4 @@
-// Two channels a slice, or a missing slice, would become a volume with wrong distances and no error. Formats with
+// Two channels per slice, or a missing slice, would become a volume with wrong distances and no error. Formats with
 // positions of their own (DICOM) do not need this check.
 #include "ingest/slice_names.h"
 
@@ -16,11 +16,11 @@ namespace {
 
 struct NumberedName {
   std::string name;
-  /// The text before each number, and after the last one.
+  /// The text before each number, and after the last number.
   std::vector<std::string> texts;
-  /// As written, and without leading zeros ("" is zero).
+  /// Numbers as written, and without leading zeros ("" is zero).
   std::vector<std::string> digits, numbers;
-  /// The byte of each number in `name`.
+  /// Position of each number in `name`. unit: bytes.
   std::vector<std::size_t> places;
 };
 
@@ -47,7 +47,7 @@ NumberedName numberedName(const std::filesystem::path& path) {
   return out;
 }
 
-// The name with `*` for the number that runs on; for all numbers where `running` is none of them.
+// Returns the name with `*` for the number at index `running`, or for all numbers if the index is beyond them.
 std::string patternOf(const NumberedName& name, std::size_t running) {
   std::string out = name.texts.front();
   const bool all = running >= name.numbers.size();
@@ -57,7 +57,7 @@ std::string patternOf(const NumberedName& name, std::size_t running) {
   return out;
 }
 
-// A sentence on the stacks that the names form.
+// Returns a sentence about the stacks that the names form.
 std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running) {
   constexpr std::size_t kMost = 6;
   std::map<std::string, std::vector<const NumberedName*>> groups;
@@ -76,7 +76,7 @@ std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running
   return fmt::format("the names of its slices form {} groups, not one numbered stack: {}", groups.size(), list);
 }
 
-// The fields whose numbers differ. requires: as many numbers in all names.
+// Returns the distinct values of each number field. requires: equally many numbers in all names.
 std::vector<std::set<std::string>> valuesOf(const std::vector<NumberedName>& names) {
   std::vector<std::set<std::string>> out(names.front().numbers.size());
   for (const NumberedName& name : names) {
@@ -89,7 +89,7 @@ std::string sameNumber(const NumberedName& a, const NumberedName& b) {
   return fmt::format("{} and {} have the same number", inQuotes(a.name), inQuotes(b.name));
 }
 
-// The name of the slice with `number` in place of its own, with as many digits where the name has leading zeros.
+// Returns the name of the slice with another number, padded with zeros if the name has leading zeros.
 std::string renumbered(const NumberedName& name, std::size_t field, std::int64_t number) {
   const std::string& digits = name.digits[field];
   const bool padded = digits.size() > name.numbers[field].size();
@@ -98,7 +98,7 @@ std::string renumbered(const NumberedName& name, std::size_t field, std::int64_t
       out.replace(name.places[field], digits.size(), fmt::format("{:0{}}", number, padded ? digits.size() : 1)));
 }
 
-// A sentence on the first unequal step of one field; empty where all steps are equal.
+// Returns a sentence about the first unequal step of one field; empty if all steps are equal.
 std::string irregularSteps(const std::vector<NumberedName>& names, std::size_t field) {
   std::vector<std::int64_t> numbers;
   for (const NumberedName& name : names) {

@@ -1,4 +1,4 @@
-// Names a volume's format, for commands that were given one in place of a store or a picture.
+// Names the format of a file that a command got in place of a store or a picture.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,14 @@
 namespace kiln {
 
 struct VolumeFormat {
-  /// The name with its article, "a NRRD"; empty where the file is of no known format of volumes.
+  /// The name with its article, "a NRRD"; empty if the format is unknown.
   std::string name;
-  /// Whether openSource reads it.
+  /// True if openSource can read the format.
   bool read = false;
 };
 
-/// Returns the format by the file's first bytes, then by its name; none for what is no regular file. throws: Error kIo.
+/// Returns the format by the file's first bytes, then by its name; empty for anything but a regular file. throws: Error
+/// kIo.
 VolumeFormat volumeFormatOf(const std::filesystem::path& path);
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
-// Invariant: every entry has its place in `uses_`, and `used_bytes_` is the sum of what entries were charged. An entry
-// may be dropped while a thread decodes it: that thread keeps the block, and charges nothing.
+// Invariant: every entry has its place in `uses_`, and `used_bytes_` is the sum of the entries' charges. An entry may
+// be dropped while a thread decodes its block: the thread keeps the block and charges nothing.
 #include "ingest/bytes/block_cache.h"
 
 namespace kiln {

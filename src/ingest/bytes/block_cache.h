@@ -1,5 +1,5 @@
-// Decoded strips, tiles or slices that neighbouring boxes share: each is decoded once while it fits, by one thread
-// while the others that want it wait.
+// A least-recently-used cache of decoded strips, tiles or slices, which neighbouring boxes share. One thread decodes a
+// block while other threads that need the block wait.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,10 @@ class BlockCache {
   };
   using Bytes = std::vector<std::byte>;
 
-  /// unit: bytes of decoded blocks; those in use are beside it. thread: with no `get` under way.
+  /// unit: bytes of cached blocks; blocks in use are not counted. thread: not during a `get`.
   void setCapacity(std::uint64_t bytes) { capacity_bytes_ = bytes; }
-  /// The block, by `decode` where it is not here. throws: what `decode` throws; the next to ask tries again.
+  /// Returns the block, decoded by `decode` if it is not cached. throws: the exceptions of `decode`; the next call
+  /// then decodes again.
   /// thread: any.
   std::shared_ptr<const Bytes> get(const Key& key, const std::function<Bytes()>& decode);
 

@@ -1,4 +1,4 @@
-// Many rows of a brick are shorter than a page of memory: what they cost is calls, not bytes.
+// Many rows of a brick are shorter than a memory page, so the number of read calls costs more than the bytes.
 #include "ingest/bytes/gather_rows.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace kiln {
 void gatherRows(const File& file, std::uint64_t first, std::uint64_t rows, std::uint64_t row_bytes,
                 std::uint64_t stride, std::byte* out) {
   constexpr std::uint64_t kChunkBytes = 1 << 20;
-  // Short rows close together: one read over the gaps moves less than twice the bytes and saves a call a row.
+  // Short rows close together: one read over the gaps moves less than twice the bytes and saves a call per row.
   const bool together = rows > 1 && stride < 2 * row_bytes && stride + row_bytes <= kChunkBytes;
   const std::uint64_t group = together ? (kChunkBytes - row_bytes) / stride + 1 : 1;
   std::vector<std::byte> run(together ? static_cast<std::size_t>((std::min(group, rows) - 1) * stride + row_bytes) : 0);

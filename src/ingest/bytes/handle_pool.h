@@ -1,5 +1,5 @@
-// Open files for threads to borrow. A stack has thousands of files and a process may hold about a thousand open, so the
-// pool keeps some of those that nobody uses, the least recently used first to close; a thread has its file for itself.
+// A pool of open files for threads to borrow. A stack has thousands of files and a process may hold about a thousand
+// open. The pool keeps idle files and closes the least recently used first; a borrowed file belongs to one thread.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace kiln {
 template <class T>
 class HandlePool {
  public:
-  /// Keeps `idle_limit` handles, or a quarter of what the process may have open where that is less. The default is a
-  /// brick's slices with its aprons.
+  /// Keeps `idle_limit` handles, at most a quarter of the process's limit of open files. The default covers the slices
+  /// of one brick with its aprons.
   explicit HandlePool(std::size_t idle_limit = 160)
       : idle_limit_(static_cast<std::size_t>(std::min<std::uint64_t>(idle_limit, mostOpenFiles() / 4))) {}
 
@@ -27,7 +27,7 @@ class HandlePool {
         : pool_(pool), key_(key), handle_(std::move(handle)) {}
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
-    // What failed is not lent out again: it may be in any state.
+    // Drops the handle after an exception: its state is unknown.
     ~Lease() {
       if (std::uncaught_exceptions() == exceptions_) pool_.giveBack(key_, std::move(handle_));
     }
@@ -41,7 +41,7 @@ class HandlePool {
     int exceptions_ = std::uncaught_exceptions();
   };
 
-  /// An idle handle of `key`, or what `open` returns as std::unique_ptr<T>. thread: any.
+  /// Returns an idle handle of `key`, or a new handle by `open`, which returns std::unique_ptr<T>. thread: any.
   template <class Open>
   Lease take(std::size_t key, Open&& open) {
     {
@@ -58,7 +58,7 @@ class HandlePool {
 
  private:
   void giveBack(std::size_t key, std::unique_ptr<T> handle) {
-    std::unique_ptr<T> closing;  // outside of the lock
+    std::unique_ptr<T> closing;  // destroyed after the lock is released
     const std::scoped_lock lock(mutex_);
     idle_.emplace_front(key, std::move(handle));
     if (idle_.size() <= idle_limit_) return;

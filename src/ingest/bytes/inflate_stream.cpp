@@ -1,5 +1,6 @@
-// zlib does the decoding and the checksums; this file feeds it and turns its verdicts into errors that name the byte.
-// Invariant: `ended_` is set only after zlib has compared the trailer of the last member with what it produced.
+// zlib decodes and verifies the checksums; this file feeds zlib and turns its return codes into errors that name the
+// byte.
+// Invariant: `ended_` is set only after zlib has compared the trailer of the last member with its own output.
 #include "ingest/bytes/inflate_stream.h"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace {
 constexpr std::size_t kInputBytes = 1 << 18;
 constexpr std::size_t kSkipBytes = 1 << 16;
 
-// zlib.h: 16 more means the gzip wrapper and nothing else, a negative number none.
+// zlib.h: adding 16 selects the gzip wrapper alone, a negative number selects a stream without wrapper.
 int windowBits(StreamWrapper wrapper) {
   return wrapper == StreamWrapper::kGzip ? MAX_WBITS + 16 : wrapper == StreamWrapper::kZlib ? MAX_WBITS : -MAX_WBITS;
 }
@@ -63,7 +64,7 @@ bool InflateStream::refill() {
 void InflateStream::endMember() {
   z_stream& z = decoder_->z;
   const bool gzip = wrapper_ == StreamWrapper::kGzip;
-  // Only the first byte of a next member is looked at: the second may lie in the next chunk, and zlib checks it.
+  // Tests only the first byte of a next member: the second byte may lie in the next chunk, and zlib checks it.
   if (gzip && refill() && *z.next_in == 0x1f) {
     inflateReset(&z);
     return;
@@ -91,7 +92,7 @@ std::size_t InflateStream::step(std::span<std::byte> out, const std::string& whe
     fail(where, std::string("the compressed data are damaged (") + (z.msg ? z.msg : "needs a dictionary") +
                     "); get the file again");
   } else if (produced == 0 && !more) {
-    // zlib may still hold output when the input is used up, so the end counts only once nothing comes any more.
+    // zlib may still hold output when the input is used up: the stream is cut only once a step produces nothing.
     fail(where, "the compressed data end here before their end mark; the file is cut short, get it again");
   }
   return produced;

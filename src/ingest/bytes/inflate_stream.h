@@ -1,4 +1,4 @@
-// A gzip or zlib stream inside a file, read forwards: what compressed NRRD, MetaImage and NIfTI data are.
+// A gzip or zlib stream inside a file, read forwards: the form of compressed NRRD, MetaImage and NIfTI data.
 #pragma once
 
 #include <memory>
@@ -11,27 +11,27 @@ namespace kiln {
 
 enum class StreamWrapper { kGzip, kZlib, kNone };
 
-/// Decompresses from `offset_bytes` of `file` to its end. Members of a gzip stream that follow each other are one
-/// stream (RFC 1952 §2.2), and zero bytes after the last are padding, as for gzip(1). cost: kHeldBytes, whatever the
-/// length.
+/// Decompresses from `offset_bytes` of `file` to its end. Consecutive members of a gzip stream are one stream (RFC 1952
+/// §2.2). Zero bytes after the last member are padding, as for gzip(1).
+/// cost: kHeldBytes, whatever the length.
 class InflateStream {
  public:
-  /// Its input, and what zlib keeps (zlib.h: 44 KiB). unit: bytes.
+  /// The input buffer and the state of zlib (zlib.h: 44 KiB). unit: bytes.
   static constexpr std::uint64_t kHeldBytes = 320 << 10;
 
-  /// throws: Error kIo where zlib has no memory.
+  /// throws: Error kIo if zlib has no memory.
   InflateStream(File file, std::uint64_t offset_bytes, StreamWrapper wrapper);
   ~InflateStream();
 
-  /// The number of bytes written to `out`: all of it, or fewer where the stream ended, its checksum verified.
+  /// Returns the number of bytes written to `out`: its size, or fewer if the stream ended with a verified checksum.
   /// throws: Error kFormat, with the byte of the file and `where` ("slice 3"), for a cut or damaged stream; kIo.
   std::size_t readSome(std::span<std::byte> out, const std::string& where);
-  /// Fills `out`; throws: as readSome, and kFormat where the stream ends before.
+  /// Fills `out`. throws: as readSome, and kFormat if the stream ends too early.
   void read(std::span<std::byte> out, const std::string& where);
   /// Reads `count` bytes and drops them. throws: as read.
   void skip(std::uint64_t count, const std::string& where);
-  /// Reads to the end of the stream, so that its checksum is compared. Returns a sentence for the user where the stream
-  /// goes on behind what was read, or other bytes follow it; else nothing. throws: as readSome.
+  /// Reads to the end of the stream, so that its checksum is verified. Returns a note for the user if the stream is
+  /// longer than the bytes read so far, or other bytes follow the stream. throws: as readSome.
   std::vector<std::string> finish();
 
  private:

@@ -1,7 +1,7 @@
-// Voxels in linear order, by two roads: a raw file is gathered by pread, any box from any thread; a compressed stream
-// goes forward and holds one chunk beside what was asked for.
-// Invariant: all sizes are checked against 63 bits and the file before the first voxel is read, so that no offset
-// computed later can overflow.
+// Voxels in linear order, by two sources. `RawSource` gathers any box by pread, from any thread. `StreamSource` reads a
+// compressed stream forward and holds one chunk beside the caller's buffer.
+// Invariant: all sizes are checked against 63 bits and the file before the first voxel is read, so no later offset
+// overflows.
 #include "ingest/bytes/linear_source.h"
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ namespace kiln {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
-// No deflate stream expands more (zlib's technical notes, "Maximum Compression Factor").
+// Upper bound for the expansion by deflate (zlib's technical notes, "Maximum Compression Factor").
 constexpr std::uint64_t kMaxExpansion = 1032;
 
 ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
@@ -76,7 +76,7 @@ void RawSource::read(const VoxelBox& box, std::span<std::byte> out) {
   }
 }
 
-// The stored bytes of a box as the fewest sequences of equal rows at equal distances.
+// Reads the stored bytes of a box as the fewest sequences of equal rows at equal distances.
 void RawSource::gather(const VoxelBox& box, std::byte* out) const {
   const Extent3 dims = info_.geometry.dims, n = box.extent();
   const std::uint64_t size = sizeOf(map_.from);
@@ -125,7 +125,7 @@ void StreamSource::read(const VoxelBox& box, std::span<std::byte> out) {
   assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
   skipPrefix();
   std::byte* to = out.data();
-  // Slice by slice, as an error names the one where it is.
+  // Reads slice by slice, because an error names the slice.
   for (std::uint64_t left = static_cast<std::uint64_t>(box.count()); left > 0;) {
     const std::uint64_t now = std::min(left, leftInSlice());
     readRun(now, to);

@@ -1,4 +1,4 @@
-// Headerless voxels: everything is what the user says, so the file's length is the only witness, and it must agree.
+// Headerless voxels. The user gives the dimensions and the type; the file's length must agree with them.
 #include "base/error.h"
 #include "base/file.h"
 #include "ingest/bytes/linear_source.h"
@@ -15,7 +15,7 @@ std::string described(const Extent3& dims, VoxelType type, std::uint64_t skip_by
   return out;
 }
 
-// What the user said of the bytes beyond their number and type: a store is known by it (foreign_cache.cpp).
+// Describes the user's options beyond dimensions and type. A store is recognised by this text (foreign_cache.cpp).
 std::string formatOf(VoxelType type, const SourceOptions& options) {
   std::string out = "raw";
   if (options.big_endian.value_or(false) && sizeOf(type) > 1) out += ", big-endian";

@@ -36,7 +36,7 @@ bool ValueMap::leavesFloat() const {
 }
 
 bool ValueMap::mergesInFloat() const {
-  // 24 bits of a float: a distance of two stored values should be two of its last places at least.
+  // A float has 24 bits: neighbouring stored values should differ by at least two units in the last place.
   constexpr double kLastPlace = 0x1p-23;
   return std::abs(intercept) * kLastPlace > std::abs(slope) / 2;
 }

@@ -28,9 +28,9 @@ bool isRepresentation(std::string_view text) {
   return text.size() == 2 && at != std::string_view::npos && at % 3 == 0;
 }
 
-// The byte behind an element that may stand in front of a file without preamble; 0 where there is none.
+// Returns the end of an element that may begin a file without preamble; 0 if there is no such element.
 std::size_t endOfFirstElement(std::string_view bytes, std::size_t at) {
-  constexpr std::uint32_t kMostBytes = 256;  // of identifiers and dates
+  constexpr std::uint32_t kMostBytes = 256;  // enough for identifiers and dates
   if (bytes.size() < at + 8) return 0;
   const bool big_endian = bytes[at] == 0;
   const std::uint32_t group = big_endian ? static_cast<unsigned char>(bytes[at + 1]) : littleEndian(bytes, at, 2);

@@ -16,7 +16,7 @@ struct FrameSize {
   int bits = 0, components = 0;
 };
 
-// The bytes of all fragments, one after the other; what is beyond the last is not there.
+// The bytes of all fragments, concatenated. Reads beyond the end are tested by `has`.
 class Codestream {
  public:
   explicit Codestream(const std::vector<std::vector<char>>& fragments) {
@@ -40,17 +40,17 @@ class Codestream {
   std::vector<char> bytes_;
 };
 
-// A JPEG or JPEG-LS stream, walked from its first marker to its first scan. GDCM ends the process on some streams whose
-// segments are damaged. Source: ITU-T T.81, B.2; T.87, C.1.
+// Walks a JPEG or JPEG-LS stream from its first marker to its first scan, because GDCM ends the process on some streams
+// with damaged segments. Source: ITU-T T.81, B.2; T.87, C.1.
 class JpegWalk {
  public:
   JpegWalk(const Codestream& stream, const std::string& syntax) : s_(stream), syntax_(syntax) {}
 
-  /// What is wrong; empty where the segments are sound. Then `size` is the frame's.
+  /// Returns the fault found; empty if the segments are sound. `size` is then the frame's size.
   std::string fault() {
     std::size_t at = 2;
     while (true) {
-      while (s_.has(at, 2) && s_.byte(at) == 0xff && s_.byte(at + 1) == 0xff) ++at;  // filled up
+      while (s_.has(at, 2) && s_.byte(at) == 0xff && s_.byte(at + 1) == 0xff) ++at;  // fill bytes
       if (!s_.has(at, 4)) return "ends in front of its pixels";
       const int marker = s_.byte(at + 1);
       if (s_.byte(at) != 0xff || marker < 0xc0 || isBare(marker))
@@ -68,15 +68,15 @@ class JpegWalk {
  private:
   static constexpr int kTables = 0xc4, kScan = 0xda, kLosslessFrame = 0xc3, kLsFrame = 0xf7;
 
-  // Markers without a segment: restarts, begin and end of an image.
+  // True for markers without a segment: restarts, begin and end of an image.
   static bool isBare(int marker) { return marker >= 0xd0 && marker <= 0xd9; }
   static bool isFrame(int marker) {
     const bool tables = marker == kTables || marker == 0xc8 || marker == 0xcc;
     return (marker >= 0xc0 && marker <= 0xcf && !tables) || marker == kLsFrame;
   }
 
-  // Whether the frame is of the family of the file's transfer syntax: JPEG-LS, or JPEG in one scan, with or without
-  // loss.
+  // True if the frame belongs to the family of the file's transfer syntax: JPEG-LS, or JPEG in one scan, lossy or
+  // lossless.
   bool isOfSyntax(int marker) const {
     const bool ls = syntax_.ends_with(".80") || syntax_.ends_with(".81");
     return ls ? marker == kLsFrame : marker == 0xc0 || marker == 0xc1 || marker == kLosslessFrame;
@@ -101,13 +101,13 @@ class JpegWalk {
     return "";
   }
 
-  // Huffman tables: class and number, how many codes there are of each length, and their values.
+  // Huffman tables: class and number, the number of codes of each length, and their values.
   std::string tableFault(std::size_t at, std::size_t bytes) const {
     constexpr std::size_t kHead = 17;
     const std::size_t end = at + bytes;
     while (at < end) {
       if (end - at < kHead) return "has a Huffman table that is cut short";
-      std::size_t codes = 0, room = 1;  // how many codes of a length are left
+      std::size_t codes = 0, room = 1;  // codes still unused at this length
       for (std::size_t i = 1; i < kHead; ++i) {
         const auto of_length = static_cast<std::size_t>(s_.byte(at + i));
         room = 2 * room;
@@ -138,7 +138,8 @@ class JpegWalk {
 };
 
 std::optional<FrameSize> jpeg2000Size(const Codestream& s) {
-  constexpr std::uint64_t kBoxes = 0x6a502020;  // "jP  ", of files that are more than DICOM asks for
+  // "jP  ": a JP2 file around the codestream; DICOM needs the codestream alone
+  constexpr std::uint64_t kBoxes = 0x6a502020;
   std::size_t at = 0;
   if (s.has(0, 8) && s.big(4, 4) == kBoxes)
     while (s.has(at, 4) && s.big(at, 4) != 0xff4fff51) ++at;
@@ -149,7 +150,7 @@ std::optional<FrameSize> jpeg2000Size(const Codestream& s) {
   return FrameSize{right - left, lower - upper, (s.byte(at + 42) & 0x7f) + 1, static_cast<int>(s.big(at + 40, 2))};
 }
 
-// How many bytes a run-length segment becomes. Behind `enough` of them zeros may fill it up.
+// Returns the unpacked size of a run-length segment. Zeros may pad the segment behind `enough` bytes. unit: bytes.
 std::uint64_t unpackedBytes(const Codestream& s, std::size_t at, std::size_t end, std::uint64_t enough) {
   std::uint64_t out = 0;
   const auto is_filling = [&] {
@@ -187,7 +188,7 @@ std::string runLengthFault(const DicomPixels& pixels, const Codestream& s) {
   return "";
 }
 
-// Of the values that GDCM makes of so many bits.
+// Size of a value that GDCM decodes from `bits` bits. unit: bytes.
 int bytesFor(int bits) { return bits <= 8 ? 1 : bits <= 16 ? 2 : 4; }
 
 }  // namespace

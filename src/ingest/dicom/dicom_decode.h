@@ -1,4 +1,4 @@
-// One compressed frame of a DICOM file as its pixels.
+// Decodes one compressed frame of a DICOM file.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace kiln {
 
-/// The stored values of a frame, x fastest, in the machine's order. requires: pixels that are packed. throws: Error
-/// kFormat where they cannot be decoded, kIo, kUnsupported where GDCM's module is not there. thread: any. cost: the
-/// frame's compressed bytes twice, and the frame.
+/// Returns the stored values of a frame, x fastest, in the machine's byte order. requires: pixels that are packed.
+/// throws: Error kFormat if the frame cannot be decoded, kIo, kUnsupported without GDCM's module. thread: any.
+/// cost: the frame's compressed bytes twice, and the frame.
 std::vector<std::byte> decodeDicomFrame(const DicomHeader& header, std::int64_t frame);
 
 }  // namespace kiln

@@ -1,6 +1,7 @@
-// Explicit elements carry their representation, implicit ones do not; either in sequences with a length or with an end
-// mark, nested. Every step forward is checked against what encloses it, and at the outermost against the file.
-// Source: DICOM PS3.5: 7.1 elements, 7.5 sequences, 6.2.2 unknown ones.
+// Problem. DICOM elements nest in sequences, with explicit lengths or end marks, and may be damaged anywhere.
+// Method. One recursive walk; explicit elements carry their value representation, implicit elements do not.
+// Invariant. Every step forward is checked against the enclosing element, and the outermost against the file.
+// Source. DICOM PS3.5: 7.1 elements, 7.5 sequences, 6.2.2 unknown representations.
 #include "ingest/dicom/dicom_elements.h"
 
 #include <fmt/format.h>
@@ -32,7 +33,7 @@ struct Head {
 
 class Parser {
  public:
-  // The elements begin at `begin`: behind preamble and magic, or at 0 without them.
+  // The elements begin at `begin`: behind preamble and magic, or at 0 in files without preamble.
   Parser(const File& file, std::uint64_t begin, const std::vector<DicomTag>& wanted)
       : cursor_(file, begin), wanted_(wanted) {
     std::sort(wanted_.begin(), wanted_.end());
@@ -63,7 +64,7 @@ class Parser {
   }
 
  private:
-  // Files without a syntax of their own: whether the first group is 0x0008 in big-endian order, and whether the first
+  // Files without a transfer syntax: tests whether the first group is 0x0008 in big-endian order, and whether the first
   // element has a value representation.
   bool beginsBigEndian() const { return cursor_.left() >= 2 && DicomBytes(cursor_).integer(2) == 0x0800; }
   bool beginsExplicit() const {
@@ -74,7 +75,7 @@ class Parser {
     return std::all_of(text.begin(), text.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
   }
 
-  // The group of the file's own description is explicit and little-endian whatever follows.
+  // Reads the file meta group, which is explicit and little-endian whatever the syntax of the rest.
   std::string metaSyntax() {
     std::string syntax;
     while (cursor_.left() >= 8) {
@@ -124,12 +125,12 @@ class Parser {
       return;
     }
     DicomElement element = {head.tag, cursor_.big_endian, "", {}};
-    // What is unknown is implicit inside.
+    // Elements of unknown representation (UN) are implicit inside.
     readItems(head, implicit || head.representation == "UN", element, depth + 1);
     if (wanted) into.add(std::move(element));
   }
 
-  // Implicit files do not say what is a sequence: of those that are wanted, these are.
+  // Implicit files do not mark sequences; among the wanted tags, the tags below are sequences.
   static bool isGroups(DicomTag tag) {
     constexpr std::array<DicomTag, 7> kSequences = {0x00209113, 0x00209116, 0x00283000, 0x00289110,
                                                     0x00289145, 0x52009229, 0x52009230};
@@ -148,7 +149,7 @@ class Parser {
   void readItems(const Head& sequence, bool implicit, DicomElement& into, int depth) {
     if (depth > kMaxDepth) cursor_.fail("sequences are nested too deeply");
     const std::uint64_t end = endOf(sequence);
-    // An icon's, say, compressed: its items are fragments and hold no elements.
+    // Other compressed pixels, for example of an icon: the items are fragments and hold no elements.
     const bool fragments = sequence.tag == kPixelData || sequence.representation.starts_with('O');
     while (cursor_.at() < end) {
       const Head item = readHead(implicit);

@@ -1,5 +1,5 @@
-// The elements at the front of a DICOM file, as a tree of sequences, up to the pixels. This walks every length itself:
-// GDCM, as Debian builds it, ends the process at a file that is cut short, so that it is shown compressed frames only.
+// Parses the elements of a DICOM file, up to the pixels, as a tree of sequences. The parser checks every length itself:
+// GDCM, as Debian builds it, ends the process at a file that is cut short, so GDCM only gets compressed frames.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@ namespace kiln {
 
 struct DicomElement;
 
-/// The elements of a file or of an item of a sequence that the parser was asked for.
+/// The wanted elements of a file or of an item of a sequence.
 class DicomSet {
  public:
   void add(DicomElement element);
-  /// Null where there is none.
+  /// Null if the set has no such element.
   const DicomElement* find(DicomTag tag) const;
-  /// The first item of the sequence `tag`, or item `index`; null where there is none.
+  /// Returns item `index` of the sequence `tag`; null if there is no such item.
   const DicomSet* item(DicomTag tag, std::size_t index = 0) const;
-  /// The value as text without the padding behind it; empty where there is none.
+  /// Returns the value as text without trailing padding; empty if there is no value.
   std::string text(DicomTag tag) const;
-  /// The finite numbers of a value in text; empty where one of them is none.
+  /// Returns the finite numbers of a text value; empty if any of them is not a finite number.
   std::vector<double> numbers(DicomTag tag) const;
-  /// An unsigned short.
+  /// Returns an unsigned short.
   std::optional<int> number(DicomTag tag) const;
 
  private:
@@ -42,23 +42,23 @@ struct DicomFile {
   std::string transfer_syntax;
   bool big_endian = false;
   DicomSet set;
-  /// Where the deflated stream begins, which holds all elements but the first group; 0 where there is none.
+  /// Begin of the deflated stream, which holds all elements but the first group; 0 in files that are not deflated.
   std::uint64_t deflated_offset_bytes = 0;
   /// The pixels are 32- or 64-bit floats, under tags of their own.
   bool float_pixels = false;
-  /// In the inflated elements where there are such. Just behind the tag, the representation and the length of the pixel
-  /// data; 0 where there is none.
+  /// Begin of the pixels, behind tag, representation and length; 0 without pixel data. In a deflated file the offset
+  /// counts in the inflated elements.
   std::uint64_t pixels_offset_bytes = 0;
-  /// Empty where the pixels are in fragments, whose number is not known.
+  /// Empty if the pixels are in fragments, whose total size is unknown.
   std::optional<std::uint64_t> pixels_bytes;
-  /// OB or OW, as far as the file says.
+  /// OB or OW; empty if the file gives no representation.
   std::string pixels_representation;
 };
 
-/// Reads up to the pixel data and keeps the elements of `wanted`, in sequences of `wanted`, too.
-/// throws: Error kFormat with the byte and the element where the file is not DICOM, is cut short or contradicts itself;
-/// kIo. cost: reads little more than the elements' heads; a file that is deflated as a whole is unpacked up to its
-/// pixels.
+/// Reads up to the pixel data and keeps the elements of `wanted`, also inside sequences of `wanted`.
+/// throws: Error kFormat with the byte and the element if the file is not DICOM, is cut short or contradicts itself;
+/// kIo.
+/// cost: reads little more than the elements' heads; a deflated file is inflated up to its pixels.
 DicomFile readDicomElements(const File& file, const std::vector<DicomTag>& wanted);
 
 }  // namespace kiln

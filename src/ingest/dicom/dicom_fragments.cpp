@@ -1,4 +1,4 @@
-// Source: DICOM PS3.5, A.4: a table of offsets, which may be empty, then the fragments, then an end mark.
+// Layout: a table of offsets, which may be empty, then the fragments, then an end mark. Source: DICOM PS3.5, A.4.
 #include "ingest/dicom/dicom_fragments.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ std::vector<std::vector<ByteRange>> dicomFragments(const File& file, std::uint64
     cursor.skip(length);
   }
   if (items.size() < 2) cursor.fail("the pixels have no fragment");
-  // The first says where frames begin, counted from the second.
+  // The first item is the offset table: the begin of each frame, counted from the second item.
   const ByteRange table = items.front();
   items.erase(items.begin());
   std::vector<std::vector<ByteRange>> out(frames);

@@ -1,4 +1,4 @@
-// Compressed pixels lie in fragments, one or more a frame: which bytes are whose.
+// Finds the fragments of each compressed frame; a frame has one or more fragments.
 #pragma once
 
 #include "base/file.h"
@@ -10,8 +10,8 @@ struct ByteRange {
   std::uint64_t offset = 0, size = 0;
 };
 
-/// Where the bytes of each of `frames` compressed frames lie that begin at `offset_bytes`.
-/// throws: Error kFormat where the fragments are not all there; kUnsupported where nothing says whose they are.
+/// Returns the byte ranges of each of `frames` compressed frames, whose fragments begin at `offset_bytes`.
+/// throws: Error kFormat if fragments are missing; kUnsupported if fragments cannot be assigned to frames.
 std::vector<std::vector<ByteRange>> dicomFragments(const File& file, std::uint64_t offset_bytes, std::size_t frames);
 
 }  // namespace kiln

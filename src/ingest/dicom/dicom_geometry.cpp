@@ -1,6 +1,8 @@
-// From positions to an affine. Slices are parallel and equally far apart, or the user has said that they may be taken
-// for it: nothing is resampled here. Sorted along the normal the volume is right-handed, whatever the scanner's order.
-// Source: DICOM PS3.3 C.7.6.2.1.1 (image plane: position, orientation and spacing to the patient's millimetres).
+// Problem. Each slice has its own position and orientation; a volume needs one affine.
+// Method. Sort the slices by position along their normal; the affine runs from the first slice to the last. Nothing is
+// resampled: slices must be parallel and equally far apart, unless the user allows irregular slices.
+// Invariant. The volume is right-handed, whatever order the scanner wrote.
+// Source. DICOM PS3.3 C.7.6.2.1.1 (image plane: position, orientation and spacing to the patient's millimetres).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,8 +18,8 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Positions are decimal strings that were rounded to a few digits: a distance may be off by this part of itself, a
-// direction by this many radians (0.1 degrees), and a slice aside by this part of a pixel.
+// Positions are decimal strings rounded to a few digits. Tolerances: relative error of a distance; tilt in radians (0.1
+// degrees); offset of a slice from the line, in pixels.
 constexpr double kDistanceTolerance = 0.02, kTiltTolerance = 1.75e-3, kAsideTolerance = 0.1;
 constexpr double kDirectionTolerance = 1e-3;
 
@@ -69,7 +71,7 @@ class Arrangement {
     throw Error(code, input_, "", what);
   }
 
-  // Where all have one number it says nothing.
+  // Refuses equal instance numbers, except if all numbers are equal: then the number carries no information.
   void requireDifferentNumbers() const {
     std::vector<const DicomHeader*> numbered;
     for (const DicomHeader& file : files_)
@@ -89,7 +91,7 @@ class Arrangement {
   void orderByInstance() {
     const auto number = [&](const DicomSlice& s) { return files_[s.file].instance.value_or(0); };
     requireDifferentNumbers();
-    // Equal numbers stay in the natural order of names, and frames in theirs.
+    // Stable sort: equal numbers keep the natural order of names, and frames keep their order in the file.
     std::stable_sort(slices_.begin(), slices_.end(),
                      [&](const DicomSlice& a, const DicomSlice& b) { return number(a) < number(b); });
     if (slices_.size() > 1) {
@@ -121,7 +123,7 @@ class Arrangement {
     requireLikeFirst(resized, "has pixels of another size than", "slices of one volume are alike");
   }
 
-  // Names the slice that differs from most, be it the first.
+  // Reports the slice that differs from most slices, even if it is the first.
   template <class Differs>
   void requireLikeFirst(const Differs& differs, const char* what, const char* rule) const {
     const auto unlike = [&](const DicomSlice& s) { return differs(frame(s)); };
@@ -154,7 +156,7 @@ class Arrangement {
     return directionsAffine({x, y, step}, *first().position);
   }
 
-  // True where all distances are the median one.
+  // True if all distances equal the median distance.
   bool checkDistances() {
     std::vector<double> distances;
     for (std::size_t i = 1; i < slices_.size(); ++i) distances.push_back(along(slices_[i]) - along(slices_[i - 1]));
@@ -192,7 +194,7 @@ class Arrangement {
           "them sheared by just this");
   }
 
-  // Off the line from the first slice to the last.
+  // Tests the distance of each slice from the line between the first and the last slice.
   void checkAside(const glm::dvec3& whole) {
     const glm::dvec3 per_height = whole / glm::dot(whole, normal_);
     const double limit = kAsideTolerance * std::min(first().spacing->x, first().spacing->y);
@@ -205,7 +207,7 @@ class Arrangement {
     }
   }
 
-  // An error, or a note where the user allows it.
+  // Throws, or adds a note if the user allows irregular slices.
   void allow(const std::string& what, const std::string& taken) {
     if (!options_.allow_irregular) fail(what + "; --allow-irregular takes " + taken);
     notes_.push_back(what + "; took " + taken);

@@ -1,6 +1,6 @@
-// The few attributes that a volume needs. Of a file with many frames the functional groups are asked first, each
-// frame's own, then the shared ones, then the file's top. Source: DICOM PS3.3, C.7.6 for images, C.7.6.16 for
-// functional groups; PS3.5, annex A for transfer syntaxes.
+// Extracts the few attributes that a volume needs. Attributes of a frame are searched in its own functional group, then
+// in the shared group, then at the top of the file.
+// Source: DICOM PS3.3, C.7.6 for images, C.7.6.16 for functional groups; PS3.5, annex A for transfer syntaxes.
 #include "ingest/dicom/dicom_header.h"
 
 #include <fmt/format.h>
@@ -26,12 +26,12 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
                    kColumns = 0x00280011, kSpacing = 0x00280030, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
                    kHighBit = 0x00280102, kSigned = 0x00280103, kIntercept = 0x00281052, kSlope = 0x00281053,
                    kModalityLut = 0x00283000, kFrameOffsets = 0x3004000c, kDoseScaling = 0x3004000e;
-// Functional groups: those shared by all frames, those of each, and what they are made of.
+// Functional groups: shared by all frames, one for each frame, and their members.
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
 
-// Where a frame's attribute may be said, the nearest first: in its own group, in the shared one, at the top. Null where
-// there is no such group.
+// Places of a frame's attribute, in order of precedence: its own group, the shared group, the top of the file. Null
+// if a group is missing.
 std::array<const DicomSet*, 3> placesOf(const DicomSet& top, std::size_t frame, DicomTag group) {
   const auto in = [&](const DicomSet* set) { return set == nullptr ? nullptr : set->item(group); };
   return {in(top.item(kPerFrame, frame)), in(top.item(kShared)), &top};
@@ -45,7 +45,7 @@ std::vector<double> frameNumbers(const DicomSet& top, std::size_t frame, DicomTa
   return {};
 }
 
-// A number that values are rescaled by; nothing where the file says none, as an empty value does.
+// Returns a number that rescales values; nothing if the file has no value or an empty value.
 std::optional<double> rescaling(const DicomSet& top, std::size_t frame, DicomTag tag, const fs::path& path) {
   for (const DicomSet* const place : placesOf(top, frame, kTransformation)) {
     const std::string text = place == nullptr ? "" : trimmed(place->text(tag));
@@ -68,7 +68,7 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
     out.along_row = vectorAt(o, 0);
     out.along_column = vectorAt(o, 3);
   }
-  // The distance of rows comes first in the file.
+  // DICOM gives the distance of rows first.
   if (const auto s = frameNumbers(top, index, kMeasures, kSpacing); s.size() == 2) {
     out.spacing = glm::dvec2(s[1], s[0]);
     if (!(s[0] > 0 && s[1] > 0))
@@ -80,7 +80,7 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
     if (const auto d = frameNumbers(top, index, kMeasures, tag); d.size() == 1 && d[0] != 0)
       out.distance = std::abs(d[0]);
   }
-  // A dose has a factor of its own.
+  // A dose has its own additional factor.
   const std::optional<double> slope = rescaling(top, index, kSlope, path),
                               dose = rescaling(top, index, kDoseScaling, path);
   if (slope || dose) out.slope = slope.value_or(1) * dose.value_or(1);
@@ -90,8 +90,8 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
   return out;
 }
 
-// Frames without a place of their own have the file's, which is the first one's: a dose grid says how far the others
-// are from it, or, where the first number is not 0, where each is along the same axis; of others nothing is known.
+// Places frames that have no position of their own. The file's position belongs to the first frame. A dose grid gives
+// the offsets of its frames along one axis, relative to the first frame. Other frames have no known position.
 void placeFrames(const DicomSet& top, std::vector<DicomFrame>& frames) {
   const DicomSet* const own = top.item(kPerFrame);
   if (frames.size() == 1 || (own != nullptr && own->item(kPlanePosition) != nullptr)) return;
@@ -109,7 +109,7 @@ void placeFrames(const DicomSet& top, std::vector<DicomFrame>& frames) {
 std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
   constexpr std::array kPlain = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.1.99",
                                  "1.2.840.10008.1.2.2", ""};
-  // Run lengths, then JPEG, JPEG-LS and JPEG 2000 in the kinds that hold one image.
+  // Run lengths, then the kinds of JPEG, JPEG-LS and JPEG 2000 that hold one image.
   constexpr std::array kPacked = {"1.2.840.10008.1.2.5",    "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51",
                                   "1.2.840.10008.1.2.4.57", "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.80",
                                   "1.2.840.10008.1.2.4.81", "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.91"};
@@ -173,14 +173,14 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
 }
 
 void requirePixels(const DicomPixels& pixels, const DicomFile& parsed, const File& file) {
-  // No deflate stream expands more (zlib's technical notes, "Maximum Compression Factor").
+  // Upper bound for the expansion by deflate (zlib's technical notes, "Maximum Compression Factor").
   constexpr std::uint64_t kMaxExpansion = 1032;
   const std::uint64_t room = pixels.deflated_offset_bytes > 0
                                  ? kMaxExpansion * (file.size() - pixels.deflated_offset_bytes)
                                  : file.size() - pixels.offset_bytes;
   const std::uint64_t said = parsed.pixels_bytes.value_or(room);
   const auto count = static_cast<std::uint64_t>(pixels.frames);
-  // A compressed frame has the tag and the length of an item at least.
+  // Each compressed frame takes at least the tag and the length of one item (8 bytes).
   if (pixels.packed ? count <= room / 8 : count <= std::min(room, said) / pixels.frameBytes()) return;
   throw Error(ErrorCode::kFormat, file.path(), fmt::format("byte {}", pixels.offset_bytes),
               fmt::format("{} x {} x {} pixels of {} bits should follow, but there are {} bytes; the file is cut short "
@@ -188,7 +188,7 @@ void requirePixels(const DicomPixels& pixels, const DicomFile& parsed, const Fil
                           pixels.columns, pixels.rows, count, pixels.bits_allocated, std::min(room, said)));
 }
 
-// throws: Error kFormat where the frame's numbers cannot be used.
+// throws: Error kFormat if the frame's slope and intercept leave the range of a float.
 DicomFrame checkedFrame(const DicomSet& set, std::size_t index, const DicomHeader& header, const fs::path& path) {
   DicomFrame out = frameOf(set, index, path);
   const ValueMap map = out.map(header.pixels.storedType(), VoxelType::f32);
@@ -234,7 +234,7 @@ DicomHeader readDicomHeader(const fs::path& path) {
   try {
     for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
   } catch (const Error& error) {
-    // Only a slice that is taken has to be right.
+    // Only slices taken into the volume must be valid.
     out.fault = error;
     return out;
   }

@@ -1,5 +1,5 @@
-// What one DICOM file says of itself, as plain data: which series it belongs to, how its pixels are stored and where,
-// and where each of its frames lies in the patient.
+// The header of one DICOM file as plain data: its series, the storage of its pixels, and the place of each frame in the
+// patient.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@
 
 namespace kiln {
 
-/// How pixels are stored; slices of one volume may differ in compression, bits and place.
+/// Storage of pixels. Slices of one volume may differ in compression, bits and place.
 struct DicomPixels {
   std::int64_t columns = 0, rows = 0, frames = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
-  /// The smallest value is shown white (MONOCHROME1).
+  /// True if the smallest value is shown white (MONOCHROME1).
   bool smallest_is_white = false;
   bool big_endian = false;
-  /// Compressed: a frame is decoded as one. Else frames lie at the offset, x fastest, in the file or, where
-  /// `deflated_offset_bytes` is not 0, in the elements that the stream from there on inflates to.
+  /// True for compressed pixels, decoded frame by frame. Uncompressed frames lie at `offset_bytes`, x fastest: in the
+  /// file, or, if `deflated_offset_bytes` is not 0, in the elements inflated from there.
   bool packed = false;
   std::uint64_t offset_bytes = 0, deflated_offset_bytes = 0;
-  /// The unique identifier of the encoding.
+  /// The unique identifier of the encoding (a UID).
   std::string transfer_syntax;
 
   /// The type of the stored values. requires: 8, 16 or 32 bits allocated.
@@ -36,47 +36,46 @@ struct DicomPixels {
   std::uint64_t frameBytes() const { return static_cast<std::uint64_t>(columns * rows) * sizeOf(storedType()); }
 };
 
-/// Where a frame lies, as far as the file says. unit: mm, in DICOM's patient space (LPS).
+/// Place of a frame, as far as the file gives it. unit: mm, in DICOM's patient space (LPS).
 struct DicomFrame {
   /// The centre of the first pixel.
   std::optional<glm::dvec3> position;
-  /// The directions in which the column's and the row's number grow: unit vectors.
+  /// Unit vectors along which the column number and the row number grow.
   std::optional<glm::dvec3> along_row, along_column;
-  /// The distance of columns, and of rows.
+  /// Distance between columns, and between rows.
   std::optional<glm::dvec2> spacing;
-  /// From slice to slice, or the thickness of one; 0 where neither is said.
+  /// Distance between slices, or the thickness of a slice; 0 if the file has neither.
   double distance = 0;
-  /// value = stored * slope + intercept. Empty where the file says none; a slope of 0, which no value survives, is
-  /// none.
+  /// value = stored * slope + intercept. Empty if the file has no value; a slope of 0, which would erase all values,
+  /// counts as none.
   std::optional<double> slope, intercept;
   bool slope_is_zero = false;
   ValueMap map(VoxelType stored, VoxelType to) const {
     return {stored, to, false, slope.value_or(1), intercept.value_or(0)};
   }
-  /// Where a compressed frame's bytes are.
+  /// The bytes of a compressed frame.
   std::vector<ByteRange> fragments;
 };
 
 struct DicomHeader {
   std::filesystem::path path;
-  /// For people and --series.
+  /// Shown to the user and matched by --series.
   std::string series, description, modality;
   std::optional<std::int64_t> instance;
   /// False for reports, structures and a DICOMDIR.
   bool has_pixels = false;
-  /// Whether the header describes an image, though its pixels may be missing.
+  /// True if the header describes an image, even if its pixels are missing.
   bool is_image = false;
-  /// Why the pixels are not read ("holds RGB colours"); empty where they are.
+  /// Reason why the pixels are not supported ("holds RGB colours"); empty if they are supported.
   std::string refusal;
-  /// A number of the header that no slice can have; thrown once the file is taken as a slice. Empty where all are
-  /// right.
+  /// An invalid number in the header, thrown only if the file is taken as a slice; empty if all numbers are valid.
   std::optional<Error> fault;
   DicomPixels pixels;
   std::vector<DicomFrame> frames;
 };
 
-/// throws: Error kNotFound, kIo, kFormat where the file is not DICOM, is cut short, or its header contradicts itself;
-/// kUnsupported where it cannot be told whose fragments are whose.
+/// throws: Error kNotFound, kIo, kFormat if the file is not DICOM, is cut short, or its header contradicts itself;
+/// kUnsupported if fragments cannot be assigned to frames.
 /// cost: the header, not the pixels.
 DicomHeader readDicomHeader(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
-// People export whole examinations into one directory: scouts, reconstructions, reports. A series is one volume or
-// none, so its unique identifier decides, and where there are several the user does.
+// Users export whole examinations into one directory: scouts, reconstructions, reports. A series is one volume,
+// selected by its unique identifier; if there are several series, the user must choose.
 #include "ingest/dicom/dicom_series.h"
 
 #include <fmt/format.h>
@@ -45,14 +45,14 @@ std::string theSeries(const fs::path& input, const std::map<std::string, Series>
 
 std::string extentOf(const DicomPixels& p) { return fmt::format("{} x {}", p.columns, p.rows); }
 
-// The pixels of most slices of a series.
+// The most frequent extent among the slices of a series.
 struct Majority {
   std::string extent;  // "512 x 512"
   std::int64_t slices = 0;
   bool readable = false;
 };
 
-// Why the object is none of these slices; empty where it is one.
+// Returns the reason why the object is not a slice of the majority; empty if it is one.
 std::string reasonAgainst(const DicomHeader& header, const Majority& most) {
   if (!header.has_pixels) return "has no pixel data";
   if (extentOf(header.pixels) != most.extent)
@@ -61,14 +61,14 @@ std::string reasonAgainst(const DicomHeader& header, const Majority& most) {
   return most.readable ? header.refusal : "";
 }
 
-// Finds one file of the rarest kind and one of the most frequent, where `kind` differs among the files.
+// Returns one file of the rarest kind and one file of the most frequent kind, if `kind` differs among the files.
 template <class Kind>
 std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(const std::vector<DicomHeader>& files,
                                                                              const Kind& kind) {
   std::map<decltype(kind(files.front())), std::vector<const DicomHeader*>> kinds;
   for (const DicomHeader& file : files) kinds[kind(file)].push_back(&file);
   if (kinds.size() < 2) return std::nullopt;
-  // The later one is odd where both are as many.
+  // On a tie the later file is the odd one.
   const auto rarer = [](const auto& a, const auto& b) {
     const auto &x = a.second, &y = b.second;
     return x.size() != y.size() ? x.size() < y.size() : x.front() > y.front();
@@ -77,7 +77,7 @@ std::optional<std::pair<const DicomHeader*, const DicomHeader*>> oddAndUsual(con
   return std::pair(odd->second.front(), usual->second.front());
 }
 
-// Slices of one size are of one type, and can be read.
+// Refuses slices of unsupported pixels, of invalid headers, or of different types.
 void requireAlike(const std::vector<DicomHeader>& files) {
   for (const DicomHeader& file : files)
     if (!file.refusal.empty()) throw Error(ErrorCode::kUnsupported, file.path, "", file.refusal);
@@ -104,8 +104,8 @@ void requireAlike(const std::vector<DicomHeader>& files) {
     fail(*found->first, white(*found->first), *found->second, white(*found->second));
 }
 
-// Refuses a number that some frames are rescaled by and others leave out, as values would be off by it. A number that
-// changes nothing is as good as none.
+// Refuses a rescaling number that some frames have and other frames lack, because the values would be wrong. A number
+// equal to `otherwise` changes no values, so it may be missing elsewhere.
 void requireSaid(const std::vector<DicomHeader>& files, const char* name, std::optional<double> DicomFrame::*number,
                  double otherwise, const SourceOptions& options, std::vector<std::string>& notes) {
   const auto says = [&](const DicomHeader& file, bool said) {
@@ -141,8 +141,8 @@ void requireScaledAlike(const std::vector<DicomHeader>& files, const SourceOptio
                                 inQuotes(zero->path.filename().string())));
 }
 
-// The extent that most slices have that can be read, or, where none can be read, most of all. throws: Error kFormat
-// where two extents are equally frequent.
+// Returns the most frequent extent among readable slices, or among all slices if none is readable.
+// throws: Error kFormat if two extents are equally frequent.
 Majority majorityOf(const std::vector<DicomHeader>& all, const std::string& series, const fs::path& input) {
   std::map<std::string, std::int64_t> readable, refused;
   std::map<std::string, std::string> first;
@@ -164,7 +164,7 @@ Majority majorityOf(const std::vector<DicomHeader>& all, const std::string& seri
   return {most->first, most->second, !readable.empty()};
 }
 
-// Objects that are no slices, by their reasons.
+// Objects that are not slices, grouped by reason.
 class PassedOver {
  public:
   void add(const DicomHeader& header, const std::string& reason) { files_[reason].push_back(&header); }
@@ -207,7 +207,7 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
     const DicomHeader& header = all[i];
     const bool of_series = header.series == chosen;
     if (!of_series && header.has_pixels) continue;
-    // A slice that is cut short in front of its pixels.
+    // An image of the series without pixels is a slice that is cut short.
     if (of_series && header.is_image && !header.has_pixels)
       throw Error(ErrorCode::kFormat, header.path, "", "has no pixel data, but is of the series");
     if (const std::string reason = reasonAgainst(header, most); !reason.empty())

@@ -1,4 +1,4 @@
-// Which files of a directory are one volume, and in which order.
+// Selects the files of a directory that form one volume, and orders their slices.
 #pragma once
 
 #include "ingest/dicom/dicom_header.h"
@@ -13,18 +13,19 @@ struct DicomSlice {
   std::int64_t frame = 0;
 };
 
-/// The headers of the one series that `options` or the directory leaves; what was passed over goes to `notes`.
-/// throws: Error kUsage where there are several and `options.series` names none of them (the message lists them);
-/// kUnsupported where there is no image, or an image is of a kind that is not read; kFormat where a file cannot be
+/// Returns the headers of the series chosen by `options`, or of the only series; `notes` lists the objects passed over.
+/// throws: Error kUsage if there are several series and `options.series` names none of them (the message lists
+/// them); kUnsupported if there is no image, or an image of an unsupported kind; kFormat if a file cannot be
 /// read, or slices differ in size or type.
 std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions& options,
                                     std::vector<std::string>& notes);
 
-/// Puts the slices of a series in the order of their positions along the normal and says where they are: the exact
-/// affine from the first to the last, sheared where they are tilted. Without positions: by instance number. Choices go
-/// to `notes`. throws: Error kFormat naming the slices where they are tilted, missing or unequally far apart and
-/// `options` does not allow it, where they are not parallel or have different pixels, or lie at the same place; kUsage
-/// where --spacing is given and the files know better.
+/// Sorts the slices of a series by their positions along the normal and returns the exact affine from the first slice
+/// to the last, sheared if the slices are tilted. Slices without positions are sorted by instance number. `notes`
+/// lists the choices made.
+/// throws: Error kFormat naming the slices if they are tilted, missing or unequally spaced and `options` does not
+/// allow it; if they are not parallel, have different pixels, or lie at equal places; kUsage if --spacing is
+/// given for files that have a spacing.
 VolumeGeometry arrangeSlices(const std::filesystem::path& input, const std::vector<DicomHeader>& files,
                              const SourceOptions& options, std::vector<DicomSlice>& slices,
                              std::vector<std::string>& notes);

@@ -1,7 +1,7 @@
-// A DICOM series: slices in files of their own, or frames of one. Rows of pixels that are not compressed are read from
-// where they lie, any box from any thread; a compressed frame is decoded whole and kept while neighbouring boxes ask
-// for it. Values are rescaled to what they mean, in the narrowest type that holds all of them exactly; where zero is
-// white (MONOCHROME1) they are not turned around, and a note says so.
+// A DICOM series: slices in files of their own, or frames of one file. Uncompressed rows are read in place, any box
+// from any thread. A compressed frame is decoded whole and cached for neighbouring boxes.
+// Values are rescaled, in the narrowest type that holds all of them exactly. Values of MONOCHROME1 images (zero is
+// white) are not inverted; a note reports the fact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// The bits of a value that are its own: others may hold what old scanners drew over the image (overlays).
+// Keeps the stored bits of each value: the other bits may hold graphics drawn by old scanners (overlays).
 template <class T>
 void keepStoredBits(std::byte* data, std::size_t count, const DicomPixels& pixels) noexcept {
   using Unsigned = std::make_unsigned_t<T>;
@@ -41,7 +41,7 @@ void keepStoredBits(std::byte* data, std::size_t count, const DicomPixels& pixel
   }
 }
 
-// Not every codec has a sign: what GDCM did not extend is from 0 up to a power of two.
+// Extends the sign if GDCM's codec did not: such values lie between 0 and a power of two.
 template <class T>
 void extendSign(std::byte* data, std::size_t count, int bits) noexcept {
   const std::int64_t values = std::int64_t{1} << bits;
@@ -63,8 +63,8 @@ class DicomSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // The compressed bytes, GDCM's copy of them, and the pixels; compressed bytes may be as long as the pixels. Of a
-  // deflated file, the pixels and the stream.
+  // Packed: the compressed bytes, GDCM's copy of them, and the pixels; compressed bytes may be as long as the pixels.
+  // Deflated: the pixels and the stream.
   std::uint64_t decodeBytes() const override {
     const auto any = [&](auto test) { return std::any_of(files_.begin(), files_.end(), test); };
     const std::uint64_t frame_bytes = files_.front().pixels.frameBytes();
@@ -95,7 +95,7 @@ class DicomSource : public VolumeSource {
   BlockCache cache_;
 };
 
-// Frames of one file are read in their order where that is possible: the stream goes on where the last frame ended.
+// Frames of a deflated file are read in file order if possible: the stream then continues behind the last frame.
 std::vector<std::byte> DicomSource::inflatedFrame(const DicomSlice& slice) {
   const DicomHeader& header = files_[slice.file];
   const DicomPixels& pixels = header.pixels;
@@ -109,7 +109,7 @@ std::vector<std::byte> DicomSource::inflatedFrame(const DicomSlice& slice) {
   return out;
 }
 
-// The stored values of a part of one slice.
+// Reads the stored values of a part of one slice.
 void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   const DicomSlice& slice = slices_[static_cast<std::size_t>(in_slice.lo.z)];
   const DicomHeader& header = files_[slice.file];
@@ -164,7 +164,7 @@ void DicomSource::read(const VoxelBox& box, std::span<std::byte> out) {
   }
 }
 
-// The narrowest type for all values that can be, else for all that are.
+// Returns the narrowest type for all possible values, else for all values that occur.
 VoxelType DicomSource::type() {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   bool whole = true, same = true, merges = false;
@@ -179,12 +179,12 @@ VoxelType DicomSource::type() {
   if (same) return stored();
   if (sizeOf(stored()) > 2 || merges) return VoxelType::f64;
   if (!whole) return VoxelType::f32;
-  // Scanners use few of 16 bits, but say that they use all of them: their values decide.
+  // Scanners use few of 16 bits, but declare all of them: the values that occur decide.
   if (storedFit(-32768 - least, 32767 - most)) return VoxelType::i16;
   return storedFit(-least, 65535 - most) ? VoxelType::u16 : VoxelType::f32;
 }
 
-// Whether every stored value is from `lo` to `hi`. cost: reads the pixels where their bits do not settle it.
+// True if every stored value is from `lo` to `hi`. cost: reads the pixels if the number of bits does not decide.
 bool DicomSource::storedFit(double lo, double hi) {
   int bits = 0;
   for (const DicomHeader& header : files_) bits = std::max(bits, header.pixels.bits_stored);

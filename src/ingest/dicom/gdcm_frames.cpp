@@ -1,8 +1,7 @@
-// GDCM decodes what it knows: run lengths, JPEG in all its kinds, JPEG-LS, JPEG 2000. It is shown an image in memory
-// that is made of the frame's fragments alone; files it does not see. What cannot be checked here is inside the
-// fragments: a frame that was altered there on purpose can end the process, one altered by accident can be read with
-// wrong values. A module of its own: loading GDCM and its dictionaries takes a quarter of the time that the program
-// needs to start.
+// GDCM decodes run lengths, JPEG of all kinds, JPEG-LS and JPEG 2000. It gets an image in memory made of one frame's
+// fragments, never a file. Damage inside the fragments cannot be checked here: a frame altered on purpose can end the
+// process; a frame damaged by accident can decode to wrong values.
+// A module of its own, because loading GDCM and its dictionaries takes a quarter of the program's start time.
 #include "ingest/dicom/gdcm_frames.h"
 
 #include <gdcmFragment.h>
@@ -16,7 +15,7 @@ namespace kiln {
 namespace {
 
 bool decode(const DicomPixels& pixels, const std::vector<std::vector<char>>& fragments, std::vector<std::byte>& out) {
-  // GDCM's messages go to the process's standard error unless they are turned off.
+  // GDCM writes its messages to standard error unless they are turned off.
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();
   const auto sequence = gdcm::SequenceOfFragments::New();

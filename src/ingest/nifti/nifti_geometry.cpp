@@ -1,6 +1,6 @@
-// An affine by rows comes before one by quaternion, and both mean RAS; a header with neither has spacings alone. Every
-// number is somebody else's: it is checked before it is a size. Source: nifti1.h,
-// https://nifti.nimh.nih.gov/nifti-1.
+// Affine of a NIfTI-1 file: the sform (rows) takes precedence over the qform (quaternion); both map to RAS. A header
+// with neither has spacings alone. Every number of the header is checked before use.
+// Source: nifti1.h, https://nifti.nimh.nih.gov/nifti-1.
 #include "ingest/nifti/nifti_geometry.h"
 
 #include <fmt/format.h>
@@ -34,11 +34,11 @@ Extent3 dimsOf(const NiftiHeader& header) {
   return {dim[1], dim[2], dim[3]};
 }
 
-// nifti1.h, METHOD 2: the quaternion's rotation, with the third axis mirrored where qfac (pixdim[0]) is negative.
+// nifti1.h, METHOD 2: the quaternion's rotation; the third axis is mirrored if qfac (pixdim[0]) is negative.
 glm::dmat4 quaternionAffine(const NiftiHeader& header, const glm::dvec3& spacing) {
   double b = header.f32(kQuaternB), c = header.f32(kQuaternB + 4), d = header.f32(kQuaternB + 8);
   double a = 1 - (b * b + c * c + d * d);
-  if (a < 1e-7) {  // a half turn, but for rounding
+  if (a < 1e-7) {  // a half turn, up to rounding
     const double length = std::sqrt(b * b + c * c + d * d);
     b /= length, c /= length, d /= length;
     a = 0;
@@ -77,8 +77,8 @@ std::string unitOf(const NiftiHeader& header) {
   }
 }
 
-// The lengths of a voxel. The format wants positive numbers: a sign is a known mistake of writers and means nothing,
-// and 0 stands for a length that the writer did not know.
+// Returns the edge lengths of a voxel. The format requires positive numbers: a sign is a known mistake of writers and
+// is ignored. Writers use 0 for an unknown length.
 glm::dvec3 spacingOf(const NiftiHeader& header, std::vector<std::string>& notes) {
   glm::dvec3 out;
   for (int axis = 0; axis < 3; ++axis) {
@@ -110,7 +110,7 @@ VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& opt
   bool rows = header.i16(kSformCode) > 0;
   const bool quaternion = header.i16(kQformCode) > 0;
   const glm::dmat4 sform = rowsAffine(header);
-  // An sform whose code is set but whose rows are empty says nothing; a damaged one beside no qform is an error.
+  // A set sform code with empty rows gives no affine; a damaged sform without a qform is an error.
   const bool empty = sform == glm::dmat4(glm::dvec4(0), glm::dvec4(0), glm::dvec4(0), glm::dvec4(0, 0, 0, 1));
   if (rows && !isInvertible(sform) && (quaternion || empty)) {
     rows = false;

@@ -1,4 +1,4 @@
-// Where the voxels of a NIfTI-1 file are in the world.
+// The geometry of a NIfTI-1 file in world space.
 #pragma once
 
 #include "ingest/nifti/nifti_header.h"
@@ -6,9 +6,9 @@
 
 namespace kiln {
 
-/// The geometry that the header gives, with the spacing of `options` where it gives no affine. `notes` gets a sentence
-/// for each value that is taken instead of an impossible one: a spacing that is not above 0, an sform without volume.
-/// throws: Error kFormat, kUnsupported (other than one volume of three dimensions), kUsage where --spacing does not
+/// Returns the header's geometry, with the spacing of `options` if the header has no affine. `notes` gets a sentence
+/// for each impossible value that is replaced: a spacing that is not above 0, an sform without volume.
+/// throws: Error kFormat, kUnsupported (anything but one volume of three dimensions), kUsage if --spacing does not
 /// apply.
 VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options, std::vector<std::string>& notes);
 

@@ -1,5 +1,5 @@
-// The header begins with its own length, which says whose byte order it is in. Source: nifti1.h, the format's defining
-// header, https://nifti.nimh.nih.gov/nifti-1.
+// The header begins with its own length, which reveals the byte order. Source: nifti1.h, the format's defining header,
+// https://nifti.nimh.nih.gov/nifti-1.
 #include "ingest/nifti/nifti_header.h"
 
 #include <algorithm>

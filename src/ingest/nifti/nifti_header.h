@@ -1,4 +1,4 @@
-// The 348 bytes of a NIfTI-1 header: numbers at documented offsets, in the byte order of whoever wrote them.
+// The 348 bytes of a NIfTI-1 header: numbers at documented offsets, in the writer's byte order.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ class NiftiHeader {
  public:
   static constexpr std::size_t kBytes = 348;
 
-  /// Where the fields are. unit: bytes. source: nifti1.h, the comments beside struct nifti_1_header.
+  /// Offsets of the fields. unit: bytes. source: nifti1.h, the comments beside struct nifti_1_header.
   enum Field : std::size_t {
     kSizeofHdr = 0,
     kDim = 40,
@@ -34,12 +34,12 @@ class NiftiHeader {
     kMagic = 344,
   };
 
-  /// requires: `bytes` are the first of the header at `path`, which every error names. throws: Error kUnsupported for
-  /// NIfTI-2 and ANALYZE, kFormat where they are no header.
+  /// requires: `bytes` are the first bytes of the header at `path`; every error names `path`.
+  /// throws: Error kUnsupported for NIfTI-2 and ANALYZE, kFormat if the bytes are no header.
   NiftiHeader(std::span<const std::byte, kBytes> bytes, std::filesystem::path path);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Whether the voxels are in a file of their own.
+  /// True if the voxels are in a file of their own.
   bool pair() const { return magicIs("ni1"); }
   bool bigEndian() const;
   std::int16_t i16(std::size_t at) const;

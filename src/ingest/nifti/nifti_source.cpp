@@ -1,5 +1,6 @@
-// NIfTI-1: a header of 348 bytes, then voxels x fastest, in one file (.nii, .nii.gz) or beside it (.hdr and .img).
-// Every field is a number that somebody else wrote: each is checked before it is used as a size, an offset or a factor.
+// NIfTI-1: a header of 348 bytes, then voxels x fastest, in the header's file (.nii, .nii.gz) or in a second file (.hdr
+// and .img).
+// Invariant: every field is checked before it is used as a size, an offset or a factor.
 // Source: nifti1.h, the format's defining header, https://nifti.nimh.nih.gov/nifti-1.
 #include <fmt/format.h>
 
@@ -24,7 +25,7 @@ namespace {
 
 using enum NiftiHeader::Field;
 
-// The four bytes of the extension flag stand between header and voxels.
+// The four bytes of the extension flag lie between header and voxels.
 constexpr double kFirstVoxelByte = 352;
 
 struct NiftiFiles {
@@ -32,7 +33,7 @@ struct NiftiFiles {
   bool gzip_header = false, gzip_voxels = false;
 };
 
-// A header begins with its own length, which no byte order turns into gzip's magic number.
+// A header begins with its own length, which differs from gzip's magic number in either byte order.
 bool isGzip(const fs::path& path) {
   std::array<std::byte, 2> first{};
   return File(path).readSomeAt(0, first) == 2 && first[0] == std::byte{0x1f} && first[1] == std::byte{0x8b};
@@ -48,7 +49,7 @@ NiftiHeader readHeader(const NiftiFiles& files) {
   return NiftiHeader(bytes, files.header);
 }
 
-// The image beside a .hdr, the header beside an .img.
+// Returns the image beside a .hdr, or the header beside an .img.
 fs::path partner(const fs::path& path, const char* extension) {
   const bool packed = path.extension() == ".gz";
   fs::path stem = packed ? fs::path(path).replace_extension() : path;
@@ -75,7 +76,7 @@ void findVoxels(NiftiFiles& files, const NiftiHeader& header, const fs::path& in
   if (header.pair() && fs::equivalent(files.header, files.voxels, unknown))
     header.fail("byte 344", inQuotes(files.voxels.filename().string()) +
                                 ", the file of its voxels, is this header itself; put the voxels there");
-  // The voxels of a plain .img may begin with gzip's magic number; its name decides.
+  // The voxels of a plain .img may begin with gzip's magic number, so the file name decides.
   files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : files.gzip_header;
 }
 
@@ -157,7 +158,7 @@ void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std
     header.fail("byte 116", fmt::format("scl_inter is {}, not a finite number, but scl_slope is", intercept));
   data.slope = slope;
   data.intercept = intercept;
-  // 24 bits of a float hold the 16 of the stored value and most of the factor's; 32-bit integers need a double.
+  // The 24 bits of a float hold a 16-bit stored value and most of the factor; 32-bit integers need a double.
   const bool narrow = sizeOf(data.stored_type) <= 2 || data.stored_type == VoxelType::f32;
   const ValueMap map = {data.stored_type, VoxelType::f32, false, slope, intercept};
   type = narrow && !map.mergesInFloat() ? VoxelType::f32 : VoxelType::f64;
@@ -171,7 +172,7 @@ void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std
 void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& data) {
   const double offset = header.f32(kVoxOffset);
   const double least = header.pair() ? 0 : kFirstVoxelByte;
-  // 2^62 leaves room for what is added to an offset.
+  // 2^62 leaves room for later additions to the offset.
   if (!(offset >= least && offset < 0x1p62) || offset != std::floor(offset)) {
     header.fail("byte 108", fmt::format("vox_offset is {}; a whole number from {} is legal", offset, least));
   }
@@ -182,7 +183,7 @@ void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& 
 
 void requireBits(const NiftiHeader& header, VoxelType type) {
   const int bits = header.i16(kBitpix), expected = static_cast<int>(sizeOf(type) * 8);
-  // Some writers leave it 0.
+  // Some writers leave bitpix at 0.
   if (bits != 0 && bits != expected) {
     header.fail("byte 72", fmt::format("bitpix is {}, but the data type has {} bits", bits, expected));
   }

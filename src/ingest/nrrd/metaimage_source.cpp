@@ -1,7 +1,8 @@
-// MetaImage (.mhd with its data beside it, .mha with them inside), read as ITK reads it: row i of TransformMatrix is
-// the direction of axis i, and ElementDataFile is the last field. Source: MetaIO's documentation (itk.org/Wiki/MetaIO)
-// and itkMetaImageIO. Departs from ITK in one thing: the frame counts as known only where AnatomicalOrientation says
-// so; then it is LPS, which is what ITK takes for granted.
+// MetaImage (.mhd with a data file, .mha with the data inside), read as ITK reads it: row i of TransformMatrix is the
+// direction of axis i, and ElementDataFile is the last field.
+// Source: MetaIO's documentation (itk.org/Wiki/MetaIO) and itkMetaImageIO.
+// Differs: ITK assumes the LPS frame always; here the frame is LPS only if AnatomicalOrientation gives an orientation,
+// else unknown.
 #include <cmath>
 #include <map>
 
@@ -14,7 +15,7 @@
 namespace kiln {
 namespace {
 
-// Spellings that mean one field.
+// Maps alternative spellings to one field name.
 std::string keyOf(const std::string& name) {
   static const std::map<std::string, std::string> kSame = {{"Origin", "Offset"},
                                                            {"Position", "Offset"},
@@ -77,8 +78,8 @@ VoxelType elementType(const HeaderFields& fields) {
               known ? ErrorCode::kUnsupported : ErrorCode::kFormat);
 }
 
-// Takes axes of length 1 out of a header of more than three dimensions, the last ones first. Axis and dimension of the
-// world go together, so that the matrix must not mix them with others.
+// Removes axes of length 1 from a header of more than three dimensions, the last axes first. File axis and world
+// dimension are removed together, so the matrix must not mix them with others.
 void dropUnitMetaImageAxes(HeaderFields& fields) {
   constexpr std::int64_t kMostAxes = 10;  // MetaIO's own limit
   const std::int64_t axes = fields.integers(fields.require("NDims"), 1)[0];
@@ -125,7 +126,7 @@ void requireScalarMetaImage(const HeaderFields& fields) {
   if (const HeaderField* gaps = fields.find("HeaderSizePerSlice")) {
     if (fields.integers(*gaps, 1)[0] != 0) fields.unsupported(*gaps, "slices with headers of their own are not read");
   }
-  // The format defines this map, ITK does not apply it: whichever were taken, somebody would see wrong values.
+  // The format defines this map, but ITK does not apply it: either choice would give some users wrong values.
   for (const auto& [key, neutral] :
        {std::pair{"ElementToIntensityFunctionSlope", 1.0}, std::pair{"ElementToIntensityFunctionOffset", 0.0}}) {
     const HeaderField* map = fields.find(key);
@@ -151,7 +152,7 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
                 "--spacing does not apply: the file gives its axes in " + inQuotes(matrix->written));
   }
   if (options.spacing) spacing = *options.spacing;
-  // ITK reads none either; an axis is mirrored by TransformMatrix.
+  // Negative spacings are refused, as by ITK; TransformMatrix can mirror an axis.
   const auto legal = [](double edge) { return edge >= 0 && std::isfinite(edge); };
   if (!legal(spacing.x) || !legal(spacing.y) || !legal(spacing.z))
     fields.fail(*spacing_field, "expected three numbers above 0 (found " + inQuotes(spacing_field->value) +
@@ -173,7 +174,7 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
   return geometry;
 }
 
-// The data file, and where the data begin in it.
+// Returns the data file and the begin of the data in it.
 LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
   const HeaderFields& fields = header.fields;
   const HeaderField& name = fields.require("ElementDataFile");

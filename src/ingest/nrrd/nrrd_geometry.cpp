@@ -1,6 +1,6 @@
-// World space is RAS or LPS where `space` says one of them; left-anterior-superior is mirrored in x into RAS, so that
-// the frame is one that Kiln names. The world of any other space has no patient. Source:
-// teem.sourceforge.net/nrrd/format.html.
+// World space is RAS or LPS if `space` names either. Left-anterior-superior is mirrored in x into RAS, because Kiln
+// has no name for it. All other spaces have no patient frame.
+// Source: teem.sourceforge.net/nrrd/format.html.
 #include "ingest/nrrd/nrrd_geometry.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace kiln {
 namespace {
 
-// "(1,0,0) (0,1,0) …" as numbers: punctuation must be where the format has it.
+// Parses "(1,0,0) (0,1,0) …"; punctuation must be where the format requires it.
 std::vector<glm::dvec3> vectorsOf(const HeaderFields& fields, const HeaderField& field, std::size_t count) {
   std::vector<glm::dvec3> out;
   std::string_view rest = field.value;
@@ -61,7 +61,7 @@ PatientFrame frameOf(const HeaderFields& fields, bool& mirror_x) {
   fields.fail(*space, inQuotes(space->value) + " is not a space of NRRD");
 }
 
-// The unit where all axes have the same, else nothing.
+// Returns the unit if all axes have equal units, else nothing.
 std::string unitOf(const HeaderFields& fields) {
   const HeaderField* field = fields.find("space units");
   if (!field) field = fields.find("units");
@@ -77,7 +77,7 @@ std::string unitOf(const HeaderFields& fields) {
   return unit;
 }
 
-// Axis by axis, where there are no directions.
+// Builds the affine from spacings and ranges of the axes, for headers without directions.
 glm::dmat4 affineOfAxes(const HeaderFields& fields, const Extent3& dims, const SourceOptions& options) {
   const auto optional = [&](const char* key) {
     const HeaderField* field = fields.find(key);
@@ -91,11 +91,11 @@ glm::dmat4 affineOfAxes(const HeaderFields& fields, const Extent3& dims, const S
   for (int axis = 0; axis < 3; ++axis) {
     const bool cell = kinds[axis] == "cell";
     const double steps = static_cast<double>(cell ? dims[axis] : dims[axis] - 1);
-    // The spacing that the range implies, where the header gives a range only; NaN, "unknown", means 1.
+    // The spacing implied by the axis range, if the header gives a range only. NaN means "unknown" and becomes 1.
     if (std::isnan(spacing[axis]) && steps > 0) spacing[axis] = (maxs[axis] - mins[axis]) / steps;
     if (std::isnan(spacing[axis])) spacing[axis] = 1;
     if (options.spacing) spacing[axis] = (*options.spacing)[axis];
-    // A cell's range starts at its face, a node's at its sample.
+    // The range of a cell-centred axis starts at the first cell's face; of a node-centred axis at the first sample.
     if (!std::isnan(mins[axis])) origin[axis] = mins[axis] + (cell ? spacing[axis] / 2 : 0);
   }
   if (const HeaderField* field = fields.find("space origin")) origin = vectorsOf(fields, *field, 1)[0];

@@ -1,12 +1,12 @@
-// Where the voxels of a NRRD file are in the world.
+// The geometry of a NRRD file in world space.
 #pragma once
 
 #include "ingest/source/header_text.h"
 
 namespace kiln {
 
-/// The geometry that the fields give, with the spacing of `options` where they give no directions.
-/// throws: Error kFormat, kUnsupported (a space that is not of three dimensions, or has time), kUsage where --spacing
+/// Returns the geometry of the fields, with the spacing of `options` if the header has no directions.
+/// throws: Error kFormat, kUnsupported (a space that is not three-dimensional, or has time), kUsage if --spacing
 /// does not apply.
 VolumeGeometry nrrdGeometry(const HeaderFields& fields, const SourceOptions& options);
 

@@ -1,5 +1,5 @@
-// The syntax of NRRD: a line of magic, then "field: value", comments, and pairs of the user's own, which are skipped.
-// What the values mean is for others. Source: teem.sourceforge.net/nrrd/format.html.
+// The syntax of NRRD: a magic line, then "field: value" lines, comments, and the user's own pairs, which are skipped.
+// Values are interpreted elsewhere. Source: teem.sourceforge.net/nrrd/format.html.
 #include "ingest/nrrd/nrrd_header.h"
 
 #include <map>
@@ -12,7 +12,7 @@ namespace {
 
 using Names = std::map<std::string, std::string>;
 
-// Every field of the format, and the name it has here.
+// Maps every spelling of the format's fields to one name.
 const Names& fieldNames() {
   static const Names kNames = [] {
     Names names = {{"datafile", "data file"},      {"lineskip", "line skip"}, {"byteskip", "byte skip"},
@@ -80,7 +80,7 @@ NrrdHeader readNrrdHeader(const File& file) {
     if (line->front() == '#') continue;
     const std::size_t colon = line->find(':');
     if (colon == std::string::npos) failAt(file, lines.number(), inQuotes(*line) + " is not 'field: value'");
-    if (line->substr(colon, 2) == ":=") continue;  // a key with a value of the user's own
+    if (line->substr(colon, 2) == ":=") continue;  // a key-value pair of the user
     const std::string written = trimmed(line->substr(0, colon));
     const auto name = fieldNames().find(lowered(written));
     if (name == fieldNames().end()) failAt(file, lines.number(), inQuotes(written) + " is not a field of NRRD");

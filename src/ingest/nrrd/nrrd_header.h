@@ -1,4 +1,4 @@
-// The text at the front of a NRRD file as fields, each under one name however the file spells it.
+// The text header of a NRRD file as fields, each under one name however the file spells it.
 #pragma once
 
 #include "ingest/source/header_text.h"
@@ -7,13 +7,13 @@ namespace kiln {
 
 struct NrrdHeader {
   HeaderFields fields;
-  /// unit: bytes; just after the header's last line.
+  /// End of the header's last line. unit: bytes.
   std::uint64_t end_offset = 0;
-  /// Whether the empty line is there that data may follow.
+  /// True if the header ends with the empty line that must precede attached data.
   bool closed = false;
 };
 
-/// throws: Error kFormat where the file is not NRRD, or a line is not a field of it; kUnsupported for a later version.
+/// throws: Error kFormat if the file is not NRRD, or a line is not a NRRD field; kUnsupported for a later version.
 NrrdHeader readNrrdHeader(const File& file);
 
 }  // namespace kiln

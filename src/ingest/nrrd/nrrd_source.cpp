@@ -1,5 +1,6 @@
-// NRRD 1 to 5, attached (.nrrd) or with the data beside the header (.nhdr): which scalar the voxels are, and which
-// bytes of which file. Source: teem.sourceforge.net/nrrd/format.html.
+// NRRD 1 to 5, attached (.nrrd) or with a separate data file (.nhdr): finds the scalar type and the bytes of the
+// voxels.
+// Source: teem.sourceforge.net/nrrd/format.html.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,16 +46,16 @@ VoxelType typeOf(const HeaderFields& fields) {
   fields.fail(field, inQuotes(field.value) + " is not a NRRD type");
 }
 
-// Whether a NRRD axis of this kind and direction is not one of space; empty where the header has no such field.
+// True if a NRRD axis of this kind and direction is not spatial. Both are empty if the header lacks the field.
 bool isOutsideSpace(const std::string& kind, const std::string& direction) {
   return direction == "none" ||
          !(kind.empty() || kind == "domain" || kind == "space" || kind == "???" || kind == "none");
 }
 
-// Takes axes of length 1 out of a header of more than three dimensions: one component or one time. Axes that are not of
-// space go first, then the last ones; more dimensions than three stay where other lengths do.
+// Removes axes of length 1 from a header of more than three dimensions: a single component or a single time. Axes
+// outside space are removed first, then the last axes. Axes of other lengths stay, so more than three may be left.
 void dropUnitNrrdAxes(HeaderFields& fields) {
-  constexpr std::int64_t kMostAxes = 16;  // NRRD_DIM_MAX of the format's own library
+  constexpr std::int64_t kMostAxes = 16;  // NRRD_DIM_MAX of teem, the format's own library
   const std::int64_t axes = fields.integers(fields.require("dimension"), 1)[0];
   if (axes <= 3 || axes > kMostAxes) return;
   const auto count = static_cast<std::size_t>(axes);
@@ -82,7 +83,7 @@ void dropUnitNrrdAxes(HeaderFields& fields) {
   fields.replace("dimension", "3");
 }
 
-// Colours without kinds look like a volume a few voxels wide.
+// Warns about a volume 2 to 4 voxels wide: colours without the field kinds look like one.
 std::string noteOfNarrow(const HeaderFields& fields, const Extent3& dims) {
   const bool narrow = dims.x >= 2 && dims.x <= 4 && dims.y >= 16 && dims.z >= 16;
   if (!narrow || fields.find("kinds") || fields.find("space directions")) return "";
@@ -141,7 +142,7 @@ std::filesystem::path dataFileOf(const NrrdHeader& header) {
   return header.fields.dataFile(*field);
 }
 
-// The byte after `lines` ends of line.
+// Returns the position behind `lines` line ends. unit: bytes.
 std::uint64_t afterLines(const File& file, std::uint64_t offset, std::int64_t lines) {
   std::vector<std::byte> chunk(lines > 0 ? 1 << 16 : 0);
   while (lines > 0) {
@@ -172,7 +173,7 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
   const std::uint64_t first = fields.find("data file") ? 0 : header.end_offset;
   data.offset_bytes = afterLines(file, first, skip("line skip", 0));
   if (byte_skip >= 0) {
-    // In a compressed stream the lines are skipped before decompression and the bytes after it.
+    // In a compressed file, lines are skipped before decompression and bytes after it.
     data.skip_decompressed_bytes = static_cast<std::uint64_t>(byte_skip);
     return data;
   }

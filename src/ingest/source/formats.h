@@ -1,4 +1,4 @@
-// The formats behind `openSource`, one opener a file. Each throws Error as `openSource` says.
+// The formats behind `openSource`, one opener per file. Each opener throws the errors of `openSource`.
 #pragma once
 
 #include "ingest/source/slice_files.h"
@@ -14,7 +14,7 @@ std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const 
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options);
 
-/// Whether `input` asks for a computed volume, "phantom:NAME:XxYxZ", and not for a file.
+/// True if `input` names a computed volume, "phantom:NAME:XxYxZ", instead of a file.
 bool namesPhantom(const std::filesystem::path& input);
 std::unique_ptr<VolumeSource> openPhantom(const std::filesystem::path& input, const SourceOptions& options);
 

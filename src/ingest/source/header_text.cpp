@@ -1,5 +1,5 @@
-// Header bytes are hostile: a line is limited before it is stored, a number must use up its word, and std::from_chars
-// keeps the decimal point a point whatever the locale.
+// Header bytes are hostile. A line is limited before it is stored, and a number must fill its word. std::from_chars
+// reads a decimal point in every locale.
 #include "ingest/source/header_text.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std
   return out;
 }
 
-// "LIST", or a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
+// True for "LIST", or a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
 bool namesSeveral(const std::string& name) {
   const std::vector<std::string> parts = words(name);
   if (parts[0] == "LIST") return true;
@@ -207,7 +207,8 @@ std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<s
 
 namespace {
 
-// Of a character at the front of a text that a terminal shows, its bytes; 0 where there is none, or an order to it.
+// Returns the size of the first character if a terminal can show it; 0 for invalid bytes and control characters.
+// unit: bytes.
 std::size_t shownBytes(std::string_view text) {
   const std::size_t bytes = bytesOfCharacter(text);
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };

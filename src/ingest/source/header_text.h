@@ -1,5 +1,5 @@
-// Text headers of NRRD and MetaImage: lines with their numbers, fields that may be given once, and numbers read without
-// a locale. Every failure names the line.
+// Text headers of NRRD and MetaImage: numbered lines, unique fields, and numbers read without a locale. Every error
+// names the line.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@
 
 namespace kiln {
 
-/// The lines at the front of a file whose rest may be binary. Ends of line are LF or CRLF.
+/// Reads the text lines at the front of a file whose rest may be binary. Line ends are LF or CRLF.
 class HeaderLines {
  public:
   explicit HeaderLines(const File& file) : file_(file) {}
-  /// The next line without its end, or empty where the file ends. throws: Error kFormat where a line or the header is
-  /// too long to be text.
+  /// Returns the next line without its end, or empty at the end of the file. throws: Error kFormat if a line or the
+  /// header is too long to be text.
   std::optional<std::string> next();
-  /// Of the line that `next` returned last; the first is 1.
+  /// Number of the line last returned by `next`; the first line is 1.
   int number() const { return number_; }
-  /// unit: bytes; just after that line.
+  /// End of the line last returned by `next`. unit: bytes.
   std::uint64_t endOffset() const { return offset_; }
 
  private:
@@ -33,7 +33,7 @@ class HeaderLines {
   int number_ = 0;
 };
 
-/// One field of a header. `key` is the name that the format reader gives it, `written` the file's own spelling.
+/// One field of a header. `key` is the format reader's name of the field, `written` the file's spelling.
 struct HeaderField {
   std::string key, written, value;
   int line = 0;
@@ -43,12 +43,12 @@ struct HeaderField {
 class HeaderFields {
  public:
   explicit HeaderFields(std::filesystem::path path) : path_(std::move(path)) {}
-  /// throws: Error kFormat where a field of this key is there already; with `same_again`, only where another spelling
-  /// of the field gave another value.
+  /// throws: Error kFormat if the key exists already; with `same_again`, only if another spelling of the field
+  /// has another value.
   void add(HeaderField field, bool same_again = false);
-  /// Null where there is none.
+  /// Null if the field is missing.
   const HeaderField* find(std::string_view key) const;
-  /// throws: Error kFormat where there is none.
+  /// throws: Error kFormat if the field is missing.
   const HeaderField& require(std::string_view key) const;
   const std::filesystem::path& path() const { return path_; }
 
@@ -57,19 +57,20 @@ class HeaderFields {
   [[noreturn]] void unsupported(const HeaderField& field, const std::string& what) const {
     fail(field, what, ErrorCode::kUnsupported);
   }
-  /// The numbers of a field. throws: Error kFormat where it does not hold exactly `count` of them.
+  /// Parses the numbers of a field. throws: Error kFormat if the field does not hold exactly `count` numbers.
   std::vector<double> doubles(const HeaderField& field, std::size_t count) const;
   std::vector<std::int64_t> integers(const HeaderField& field, std::size_t count) const;
   Extent3 extent(const HeaderField& field) const;
   glm::dvec3 vector(const HeaderField& field) const;
-  /// Takes the values of some axes out of a field that has `dropped.size()` values, one for each axis; where the header
-  /// has no such field, nothing changes. shape: a value is a word, a text in quotation marks or a vector in
-  /// parentheses. throws: Error kFormat where the field has another number of values.
+  /// Removes the values of the dropped axes from a field with `dropped.size()` values, one per axis. A missing field is
+  /// no error. shape: a value is a word, a text in quotation marks or a vector in parentheses.
+  /// throws: Error kFormat if the field has another number of values.
   void dropAxes(std::string_view key, const std::vector<bool>& dropped);
-  /// Gives a field another value. requires: a field of this key.
+  /// Replaces the value of a field. requires: the field exists.
   void replace(std::string_view key, std::string value);
-  /// The one file, beside this header, that the field names. throws: Error kNotFound naming both, kFormat for an empty
-  /// name, for the header itself and for what is no regular file, kUnsupported for a list or a series.
+  /// Returns the data file named by the field, relative to this header's folder. throws: Error kNotFound naming both
+  /// files; kFormat for an empty name, for the header itself and for anything but a regular file; kUnsupported for a
+  /// list or a series.
   std::filesystem::path dataFile(const HeaderField& field) const;
 
  private:
@@ -79,18 +80,18 @@ class HeaderFields {
 
 std::string trimmed(std::string_view text);
 std::vector<std::string> words(std::string_view text);
-/// Words, texts in quotation marks and vectors in parentheses, each with its marks.
+/// Splits into words, texts in quotation marks and vectors in parentheses; the marks are kept.
 std::vector<std::string> axisValues(std::string_view text);
-/// The whole of `text` as a number, or empty; "nan" and "inf" are numbers here.
+/// Parses all of `text` as a number; empty if it is not a number. "nan" and "inf" are numbers.
 std::optional<double> doubleOf(std::string_view text);
 std::optional<std::int64_t> integerOf(std::string_view text);
 
-/// `text` for an error message: printable and short.
+/// Quotes `text` for an error message: printable and short.
 std::string inQuotes(std::string_view text);
 
-/// The affine with these edge lengths along the world's axes and voxel (0,0,0) at `origin`.
+/// Returns the affine with the given edge lengths along the world axes and voxel (0,0,0) at `origin`.
 glm::dmat4 axesAffine(const glm::dvec3& spacing, const glm::dvec3& origin);
-/// The affine whose axis a steps by `directions[a]`.
+/// Returns the affine whose axis a steps by `directions[a]`.
 glm::dmat4 directionsAffine(const std::array<glm::dvec3, 3>& directions, const glm::dvec3& origin);
 
 }  // namespace kiln

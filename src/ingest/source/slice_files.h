@@ -11,12 +11,12 @@ enum class SliceFormat { kNone, kTiff, kDicom };
 
 /// The files of one volume.
 struct SliceFiles {
-  /// What the user named: the directory, or the only file.
+  /// The user's input: the directory, or the only file.
   std::filesystem::path input;
   SliceFormat format = SliceFormat::kNone;
   /// In natural order of their names.
   std::vector<std::filesystem::path> files;
-  /// Says which other files were passed over; empty where there were none.
+  /// Sentences about the files passed over.
   std::vector<std::string> notes;
 };
 

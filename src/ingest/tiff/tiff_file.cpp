@@ -1,6 +1,7 @@
-// libtiff behind a wall: it reads through Kiln's own file, what it complains about becomes the text of an Error, and
-// nothing of it reaches a terminal or the process's global handlers. Tags for viewers (orientation, white zeros) move
-// no value: the first row of the file is row 0. Source: TIFF 6.0, Adobe 1992; libtiff 4.5's tiffio.h.
+// Confines libtiff: libtiff reads through Kiln's own file, its messages become the text of an Error, and its global
+// handlers are never called. Tags for viewers (orientation, white zeros) change no values: the first row of the file is
+// row 0.
+// Source: TIFF 6.0, Adobe 1992; libtiff 4.5's tiffio.h.
 #include "ingest/tiff/tiff_file.h"
 
 #include <fmt/format.h>
@@ -22,19 +23,19 @@
 namespace kiln {
 namespace {
 
-// No codec that is read makes more of a byte (Zstandard's runs: 128 KiB of 4 bytes).
+// Upper bound for the expansion by any supported codec (Zstandard's runs: 128 KiB from 4 bytes).
 constexpr std::uint64_t kMostUnpacking = 40000;
 
 }  // namespace
 
-// libtiff's callbacks. No exception may pass through libtiff's frames, so the first one is kept. libtiff also takes a
-// failed or short read for the last page, or drops a tag: check() after every call turns both into errors.
+// libtiff's callbacks. No exception may pass through libtiff's frames, so the first exception is kept. libtiff takes a
+// failed or short read for the last page, or drops a tag; checkDirectory() after each directory turns both into errors.
 struct TiffFile::Handle {
   File file;
   std::uint64_t at = 0;
   std::string complaint;
   std::exception_ptr thrown;
-  /// The first byte that libtiff needed and the file does not have.
+  /// Position of the first byte that libtiff needed beyond the end of the file.
   std::optional<std::uint64_t> missing;
   TIFF* tiff = nullptr;
 
@@ -55,7 +56,7 @@ struct TiffFile::Handle {
       return static_cast<tmsize_t>(got);
     } catch (...) {
       if (!handle.thrown) handle.thrown = std::current_exception();
-      // Not -1: libtiff adds the result to a length, and would clear a byte in front of its buffer.
+      // Not -1: libtiff would add the result to a length and clear a byte in front of its buffer.
       return 0;
     }
   }
@@ -70,7 +71,7 @@ struct TiffFile::Handle {
   static int map(thandle_t, void**, toff_t*) { return 0; }
   static void unmap(thandle_t, void*, toff_t) {}
 
-  // Non-zero: libtiff's global handlers, which print, are not called.
+  // Returns non-zero, so that libtiff does not call its global handlers, which print.
   static int error(TIFF*, void* data, const char*, const char* format, va_list arguments) {
     Handle& handle = of(data);
     if (!handle.complaint.empty()) return 1;
@@ -90,7 +91,7 @@ struct TiffFile::Handle {
     if (thrown) std::rethrow_exception(std::exchange(thrown, nullptr));
   }
 
-  // requires: a libtiff call failed. throws: Error, the kept one first.
+  // requires: a libtiff call failed. throws: the kept exception, else Error kFormat.
   [[noreturn]] void fail(const std::string& place, const std::string& what) {
     rethrow();
     throw Error(ErrorCode::kFormat, file.path(), place,
@@ -109,7 +110,7 @@ TiffFile::TiffFile(const std::filesystem::path& path) : handle_(std::make_unique
   const Options options(TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), &Handle::error, handle_.get());
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), &Handle::warning, handle_.get());
-  // c: strips as the file has them; D, O: of the table of strips only what is asked for; h: no page yet.
+  // c: strips as in the file; D, O: load only the needed entries of the strip table; h: no page yet.
   handle_->tiff = TIFFClientOpenExt(path.c_str(), "rmcDOh", handle_.get(), &Handle::read, &Handle::write, &Handle::seek,
                                     &Handle::close, &Handle::size, &Handle::map, &Handle::unmap, options.get());
   if (handle_->tiff == nullptr) handle_->fail("", "is not a TIFF file, or is damaged at its beginning");
@@ -204,7 +205,7 @@ void TiffFile::readPage() {
     fail(fmt::format("is {} x {} of {}, more than the file's {} bytes can hold", page.width, page.height,
                      nameOf(page.type), size));
   }
-  // A file that was cut short misses its last block: better to know now than after hours.
+  // Tests the last block now: a file that is cut short should fail before hours of conversion.
   if (!page_.packed) blockOffset(page_.blocksAcross() * page_.blocksDown() - 1);
 }
 
@@ -245,7 +246,7 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   const auto length = static_cast<tmsize_t>(out.size());
   const tmsize_t got = page_.tiled ? TIFFReadEncodedTile(handle_->tiff, index, out.data(), length)
                                    : TIFFReadEncodedStrip(handle_->tiff, index, out.data(), length);
-  // libtiff keeps the packed bytes for the next block, and there are many files: a strip may be a whole slice.
+  // Frees libtiff's buffer of packed bytes: there are many open files, and a strip may be a whole slice.
   TIFFReadBufferSetup(handle_->tiff, nullptr, 1024);
   handle_->rethrow();
   if (got != length || !handle_->complaint.empty())

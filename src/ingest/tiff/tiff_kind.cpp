@@ -1,5 +1,5 @@
-// One value a pixel of 8 to 64 bits, by a codec that libtiff has and that people use. The values are taken as they are
-// stored: where zero is white they are not turned around, as they are measurements here and not greys; a note says so.
+// Supported pages have one value per pixel of 8 to 64 bits, in a common codec of libtiff. Values are taken as stored,
+// even if zero is white: here they are measurements, not greys, and a note reports the fact.
 #include "ingest/tiff/tiff_kind.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ struct Compression {
   const char* name;
   bool read;
 };
-// What is not read is not known well enough, or only with formats of pixel that are not read.
+// Codecs marked false are untested, or occur only with unsupported pixel formats.
 constexpr Compression kCompressions[] = {
     {COMPRESSION_NONE, "none", true},
     {COMPRESSION_LZW, "LZW", true},

@@ -1,4 +1,4 @@
-// What a page's tags say that it is, and which of those kinds Kiln reads.
+// Classifies a page by its tags and decides if Kiln can read it.
 #pragma once
 
 #include <optional>
@@ -8,15 +8,15 @@
 
 namespace kiln {
 
-/// The tags that decide; the numbers are TIFF's own.
+/// The tags that decide, with the numbers of the TIFF standard.
 struct TiffKind {
   int photometric = 1, samples = 1, depth = 1, compression = 1, bits = 8, sample_format = 1;
 };
 
-/// The type of voxel that holds the page's values exactly; empty where there is none.
+/// Returns the voxel type that holds the page's values exactly; empty if there is no such type.
 std::optional<VoxelType> voxelTypeOf(const TiffKind& kind);
 
-/// Why a page of this kind is not read ("holds RGB colours, not one value a pixel"); empty where it is.
+/// Returns the reason why such a page is not supported ("holds RGB colours, not one value a pixel"); empty if it is.
 std::string refusalOf(const TiffKind& kind);
 
 }  // namespace kiln

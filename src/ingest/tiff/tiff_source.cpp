@@ -1,6 +1,6 @@
-// A stack of TIFF pages: one file a slice, one file with many pages, or several of those, in natural order of their
-// names. Boxes in any order: rows of pages that are not compressed are read from where they lie, whatever the size of a
-// strip; strips and tiles that are compressed are decoded one by one and kept while neighbouring boxes ask for them.
+// A stack of TIFF pages in natural order of the file names: one file per slice, one file with many pages, or several of
+// either. Boxes in any order. Uncompressed rows are read in place, whatever the size of a strip. Compressed strips and
+// tiles are decoded one by one and cached for neighbouring boxes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct Slice {
   std::size_t file = 0;
   int page = 0;
   std::uint64_t directory = 0;
-  /// Of an image that follows the page without a directory of its own. unit: bytes behind the page's first.
+  /// Offset of an image that follows the page without a directory of its own. unit: bytes behind the page's first byte.
   std::uint64_t behind = 0;
 };
 
@@ -40,18 +40,19 @@ struct Stack {
   /// Sentences for the user.
   std::vector<std::string> remarks;
 
-  /// As ImageJ writes signed numbers, which TIFF has had for longer than ImageJ.
+  /// True for signed numbers as ImageJ writes them: unsigned and 32768 larger, although TIFF has a signed type.
   bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
 };
 
-// All that pages of one volume have in common.
+// Describes the properties that pages of one volume must share.
 std::string describe(const TiffPage& page) {
   return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type),
                      page.smallest_is_white ? ", its smallest value white" : "",
                      page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
 }
 
-// `index` is the file's among `files`. A third file decides which of two that differ is named.
+// `index` is the file's index in `files`. If the first two files differ, a third file decides which of them is
+// wrong.
 void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std::size_t index, const TiffFile& file,
                   std::size_t slice) {
   const TiffPage& page = file.page();
@@ -68,7 +69,7 @@ void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std
                    describe(first)));
 }
 
-// A file of several pages among files of one is another thing than a slice, and would move those above it.
+// A file of several pages among single-page files is probably not a slice, and would move the slices above it.
 void requirePagesAlike(Stack& stack, const std::vector<fs::path>& files, const SourceOptions& options) {
   const auto several = std::find_if(stack.pages.begin(), stack.pages.end(), [](std::size_t n) { return n > 1; });
   const auto single = std::find(stack.pages.begin(), stack.pages.end(), 1u);
@@ -101,7 +102,7 @@ void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
                           notes.channels * notes.frames, notes.writer));
 }
 
-// Beyond 4 GB ImageJ writes one directory, and the other images behind the first.
+// Returns the number of images behind the first directory: beyond 4 GB ImageJ writes a single directory.
 std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   const TiffPage& page = file.page();
   if (notes.counts_all_files || notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
@@ -113,7 +114,7 @@ std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   return notes.images - 1;
 }
 
-// A link to the next page that was overwritten with zero ends the file; only the description still has the number.
+// A zeroed link to the next page ends the file early; only the description still has the true number of images.
 void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, const fs::path& path,
                    const SourceOptions& options) {
   if (static_cast<std::uint64_t>(notes.images) <= found) return;
@@ -160,7 +161,7 @@ class TiffSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // Packed and decoded; what is packed is hardly longer.
+  // Packed and decoded block; packed blocks are hardly longer than decoded blocks.
   std::uint64_t decodeBytes() const override { return 2 * stack_.largest_packed_block_bytes; }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
@@ -193,7 +194,7 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
   }
 }
 
-// By the blocks of the page that the box touches.
+// Reads a box of one slice block by block.
 void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
   const Slice& slice = stack_.slices[static_cast<std::size_t>(box.lo.z)];
   const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
@@ -219,7 +220,7 @@ void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
   }
 }
 
-// The rows of `part`, densely.
+// Reads the rows of `part`, densely packed.
 void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part,
                           std::byte* out) {
   const TiffPage& page = file.page();

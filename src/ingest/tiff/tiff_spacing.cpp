@@ -1,6 +1,7 @@
-// TIFF has a resolution for printing, and most programs write the printer's or the screen's into it whatever the image
-// is. So the tags count only with a unit and a number that no screen or printer has. They do not reach across pages:
-// what they say of the pixel is taken for the distance of slices, too, and the user is told.
+// Problem. Most programs write the resolution of a printer or screen into TIFF's tags, whatever the image is.
+// Method. The tags count only with a unit and a number that no screen or printer has. They give no distance of slices:
+// the pixel size is used for it, and a note tells the user.
+// Descriptions by ImageJ, OME and tifffile take precedence over the tags.
 #include "ingest/tiff/tiff_spacing.h"
 
 #include <fmt/format.h>
@@ -22,11 +23,11 @@ bool usable(double spacing) { return std::isfinite(spacing) && spacing > 1e-12 &
 struct LengthUnit {
   const char* name;
   std::int64_t picometres;
-  /// Spellings besides the name, with a space between two.
+  /// Alternative spellings, separated by spaces.
   std::string_view others;
 };
 
-// ImageJ writes the micro sign as \u00B5, and older versions as the byte of Latin-1; XML may write it as an entity.
+// ImageJ writes the micro sign as \u00B5, older versions as the Latin-1 byte; XML may write an entity.
 constexpr std::array<LengthUnit, 12> kUnits = {{
     {"pm", 1, "picometer picometre"},
     {"angstrom", 100, "angstroms Angstrom A \xc3\x85 \xe2\x84\xab &#197; &#xC5; &#8491; &#x212B; \\u00C5"},
@@ -57,8 +58,8 @@ std::string nameOf(std::string_view unit) {
   return known ? known->name : "";
 }
 
-// The number of `to` in one `from`; nothing where they differ and one is unknown. Powers of ten stay exact in x * n /
-// d.
+// Returns the number of `to` in one `from`; nothing if they differ and either is unknown. Multiplying before
+// dividing keeps powers of ten exact.
 struct Ratio {
   double numerator = 1, denominator = 1;
   double of(double length) const { return length * numerator / denominator; }
@@ -83,14 +84,14 @@ std::string unlikeUnit(const char* writer, char axis, std::string_view unit, std
       writer, axis, inQuotes(unit), inQuotes(of_x), axis);
 }
 
-// Dots per inch of screens, printers and scanners' menus.
+// True for dots per inch of common screens, printers and scanners.
 bool isPrinters(double per_inch) {
   constexpr std::array kUsual = {72.0,  75.0,  90.0,  96.0,  100.0, 120.0,  150.0, 200.0,
                                  240.0, 300.0, 360.0, 400.0, 600.0, 1200.0, 2400.0};
   return std::any_of(kUsual.begin(), kUsual.end(), [&](double dpi) { return std::abs(per_inch / dpi - 1) < 0.005; });
 }
 
-// unit: mm; zero where the tags do not say.
+// unit: mm; zero if the tags give no usable size.
 glm::dvec2 pixelByTags(const TiffPage& page) {
   const double unit_mm = page.resolution_unit == kInch ? 25.4 : page.resolution_unit == kCentimetre ? 10 : 0;
   const glm::dvec2 pixel(unit_mm / page.x_resolution, unit_mm / page.y_resolution);
@@ -98,12 +99,12 @@ glm::dvec2 pixelByTags(const TiffPage& page) {
   return isPrinters(25.4 / pixel.x) ? glm::dvec2(0) : pixel;
 }
 
-// More than any file has are as good as many.
+// Clamps: larger numbers than any file has are treated as a million.
 std::int64_t stacksFrom(std::string_view text) {
   return std::clamp<std::int64_t>(integerOf(text).value_or(1), 1, 1'000'000);
 }
 
-// ImageJ leaves the distance of a stack's slices out where it is exactly 1. y and z may have units of their own.
+// ImageJ omits the distance of slices if it is exactly 1. y and z may have units of their own.
 void useUnits(StackNotes& out, const std::string& x, const std::string& y, const std::string& z) {
   out.unit = nameOf(x);
   if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, x));
@@ -129,12 +130,12 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (key == "images") out.images = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
     if (key == "channels") out.channels = stacksFrom(value);
     if (key == "frames") out.frames = stacksFrom(value);
-    // Stacks whose order was turned around have a negative one.
+    // Stacks in reversed order have a negative distance.
     if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
     if (key == "unit") unit = value;
     if (key == "yunit") unit_y = value;
     if (key == "zunit") unit_z = value;
-    // A calibration, of which 0 is a straight line.
+    // A calibration function; 0 is a straight line.
     if (key == "cf") fit = value;
     if (key == "c0") c0 = value;
     if (key == "c1") c1 = value;
@@ -149,7 +150,7 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
   return out;
 }
 
-// Of an element of XML, <Name a="1" b="2"; empty where it has none of that name.
+// Returns an attribute of an XML element, <Name a="1" b="2"; empty if the element lacks it.
 std::string attributeOf(std::string_view element, const std::string& name) {
   const std::size_t at = element.find(" " + name + "=");
   if (at == std::string_view::npos || at + name.size() + 2 >= element.size()) return "";
@@ -192,7 +193,7 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   return out;
 }
 
-// {"shape": [2, 5, 64, 64]}: beyond three dimensions that are no 1, they are channels, times or positions.
+// {"shape": [2, 5, 64, 64]}: dimensions beyond the last three, other than 1, are channels, times or positions.
 std::optional<StackNotes> tifffileNotes(std::string_view description) {
   constexpr std::string_view kBegin = "{\"shape\": [";
   if (!description.starts_with(kBegin)) return std::nullopt;

@@ -1,7 +1,8 @@
-// The bytes of an OpenVDB file before OpenVDB reads them. The format has no checksum and OpenVDB trusts what it reads:
-// VdbBytes throws at the end of the file instead of returning nothing for ever, and VdbLengths compares the lengths in
-// names, metadata and places with the file. The compressed blocks inside a tree are not checked: a file altered there
-// on purpose can still crash OpenVDB, and a file altered there by accident can be read with wrong values.
+// Validates the bytes of an OpenVDB file before OpenVDB reads them: the format has no checksum, and OpenVDB trusts its
+// input. VdbBytes throws at the end of the file instead of returning nothing for ever. VdbLengths compares the lengths
+// in names, metadata and offsets with the file.
+// Limit: compressed blocks inside a tree are not checked. A file altered there on purpose can crash OpenVDB; accidental
+// damage there can give wrong values.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace kiln {
 
-/// A file for std::istream. Reading beyond its end throws Error kFormat.
+/// A file as a stream buffer for std::istream. Reading beyond the end throws Error kFormat.
 class VdbBytes : public std::streambuf {
  public:
   /// requires: `file` outlives this.
@@ -29,10 +30,10 @@ class VdbBytes : public std::streambuf {
   std::uint64_t position() const { return next_ + static_cast<std::uint64_t>(gptr() - eback()); }
   const File& file_;
   std::vector<char> buffer_;
-  std::uint64_t next_ = 0;  // the place in the file of eback()
+  std::uint64_t next_ = 0;  // file position of eback()
 };
 
-/// The walk over the lengths of `file`, whose errors are kFormat. requires: `file` outlives the walk.
+/// Returns the walk over the lengths of `file`; its errors are kFormat. requires: `file` outlives the walk.
 VdbLengths vdbLengths(const File& file);
 
 }  // namespace kiln

@@ -1,6 +1,6 @@
-// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, inactive values included as they
-// are. Only the grid that is read is held in memory, in its sparse form. OpenVDB trusts the bytes of a file;
-// vdb_bytes.h says what is checked before. OpenVDB loses the node that it was reading when it throws.
+// An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, with inactive values unchanged. Only
+// the chosen grid is held in memory, in its sparse form. OpenVDB trusts the bytes of a file; vdb_bytes.h lists the
+// checks made before. OpenVDB leaks the node under construction when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -29,15 +29,15 @@ namespace {
 
 struct GridEntry {
   openvdb::io::GridDescriptor descriptor;
-  openvdb::GridBase::Ptr grid;  // empty of voxels until it is loaded
+  openvdb::GridBase::Ptr grid;  // has no voxels until it is loaded
   std::string name() const { return openvdb::io::GridDescriptor::nameAsString(descriptor.uniqueName()); }
   const std::string& type() const { return descriptor.gridType(); }
 };
 
-// What io::File does, on our stream: a directory of grids, of which one is read. Nothing is loaded later.
+// Replaces io::File on a checked stream: reads the directory of grids and loads the chosen grid at once.
 class GridFile : public openvdb::io::Archive {
  public:
-  /// throws: Error kBudget where the grids that must be read take more than `memory_bytes`.
+  /// throws: Error kBudget if the grids that must be read take more than `memory_bytes`.
   GridFile(const fs::path& path, std::uint64_t memory_bytes)
       : file_(path), memory_bytes_(memory_bytes), lengths_(vdbLengths(file_)), buffer_(file_), in_(&buffer_) {
     lengths_.fileHead(openvdb::OPENVDB_FILE_VERSION);
@@ -55,14 +55,14 @@ class GridFile : public openvdb::io::Archive {
       if (inputHasGridOffsets()) {
         entry.descriptor.seekToEnd(in_);
       } else {
-        fill(entry);  // a file written to a pipe knows no places: all of it must be read
+        fill(entry);  // a file written to a pipe has no offsets: every grid must be read
       }
       entries_.push_back(std::move(entry));
     }
   }
 
   const std::vector<GridEntry>& entries() const { return entries_; }
-  /// What the grids take that were read. unit: bytes.
+  /// Memory of the grids read so far. unit: bytes.
   std::uint64_t heldBytes() const { return held_bytes_; }
 
   openvdb::GridBase::Ptr load(const GridEntry& entry) {
@@ -93,7 +93,7 @@ class GridFile : public openvdb::io::Archive {
     readGrid(entry.grid, entry.descriptor, in_);
   }
 
-  // A file without places of its grids is read whole, points and texts included.
+  // Grids of a file without offsets must all be read, even points and texts.
   void requireKnownMemory(const GridEntry& entry) const {
     if (VdbLengths::knowsMemoryOf(entry.grid->valueType())) return;
     throw Error(ErrorCode::kUnsupported, file_.path(), fmt::format("grid '{}' ({})", entry.name(), entry.type()),
@@ -116,7 +116,7 @@ class GridFile : public openvdb::io::Archive {
   std::uint64_t held_bytes_ = 0;
   VdbLengths lengths_;
   VdbBytes buffer_;
-  // The stream keeps the address of this pointer, so it must live as long.
+  // The stream stores the address of this pointer, so the pointer must outlive the stream.
   std::shared_ptr<openvdb::io::StreamMetadata> stream_metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
   std::istream in_;
   std::vector<GridEntry> entries_;
@@ -124,7 +124,7 @@ class GridFile : public openvdb::io::Archive {
 
 bool isWide(const openvdb::GridBase& grid) { return grid.isType<openvdb::Int64Grid>(); }
 
-// Whether the grid has one number a voxel.
+// True if the grid has one number per voxel.
 bool scalarOf(const openvdb::GridBase& grid) {
   return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Int32Grid>() ||
          isWide(grid);
@@ -161,7 +161,7 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
     return *found;
   }
   std::vector<const GridEntry*> scalar;
-  // Grids of 64-bit integers are often identifiers beside the volume.
+  // Grids of 64-bit integers are often identifiers beside the volume, so they are tried last.
   for (const bool wide : {false, true}) {
     for (const GridEntry& entry : entries) {
       if (scalarOf(*entry.grid) && isWide(*entry.grid) == wide) scalar.push_back(&entry);
@@ -172,7 +172,7 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
   for (const GridEntry* entry : scalar) {
     if (entry->name() == "density") return *entry;
   }
-  if (entries.size() == 1) return entries.front();  // its own reason against it follows
+  if (entries.size() == 1) return entries.front();  // refused later, with the specific reason
   if (scalar.empty()) {
     throw Error(ErrorCode::kUnsupported, path, "",
                 fmt::format("has no grid that Kiln reads; it has {}", listOf(entries)));
@@ -181,8 +181,8 @@ const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& 
               fmt::format("has several grids; choose one with --grid NAME; it has {}", listOf(entries)));
 }
 
-// OpenVDB's loops over a tree count to the end of a root's child and one farther, in 32 bits: the outermost children of
-// 4096 voxels would overflow.
+// OpenVDB's tree loops count in 32 bits up to one beyond the end of a root's child: the outermost children of 4096
+// voxels would overflow.
 constexpr int kFirstIndex = std::numeric_limits<int>::min() + openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
 constexpr int kLastIndex = std::numeric_limits<int>::max() - openvdb::FloatTree::RootNodeType::ChildNodeType::DIM;
 
@@ -241,8 +241,8 @@ class VdbSource : public VolumeSource {
     const openvdb::CoordBBox voxels(coordOf({box.lo.x + at.x, box.lo.y + at.y, box.lo.z + at.z}),
                                     coordOf({box.hi.x + at.x - 1, box.hi.y + at.y - 1, box.hi.z + at.z - 1}));
     openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ> dense(voxels, reinterpret_cast<T*>(out.data()));
-    // OpenVDB divides a box among threads at half the sum of its ends, which overflows beyond 2^30; and a conversion
-    // reads from all threads already.
+    // Serial: OpenVDB splits a box among threads at half the sum of its ends, which overflows beyond 2^30; and a
+    // conversion reads from all threads already.
     openvdb::tools::copyToDense(*grid_, dense, /*serial=*/true);
   }
 
@@ -252,7 +252,7 @@ class VdbSource : public VolumeSource {
   std::uint64_t held_bytes_;
 };
 
-// The type of 32 bits that holds every value of a grid of 64 bits, inactive values and the background included.
+// Returns the 32-bit type that holds every value of a 64-bit grid, inactive values and the background included.
 VoxelType narrowTypeOf(const openvdb::Int64Grid& grid, const fs::path& path, const GridEntry& entry) {
   std::int64_t lo = grid.background(), hi = lo;
   for (auto value = grid.cbeginValueAll(); value; ++value) {
