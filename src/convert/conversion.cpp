@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A folder a process, as each clears its own.
+// Returns a folder per process, because each process clears the folder.
 fs::path partsFolder(const fs::path& directory, const Ranks& ranks) {
   return ranks.alone() ? directory / "parts" : directory / "parts" / std::to_string(ranks.rank());
 }
@@ -56,7 +56,7 @@ Conversion::Conversion(const Parts& parts, const ConversionIdentity& identity, b
         parts.source, ringFor(parts), writer_.manifest().brick_size, [this] { return shares_->next(); }, progress_);
 }
 
-// A whole brick of an earlier conversion; a journal may note bricks twice, or such as the volume has not.
+// Keeps a whole brick of an earlier conversion. A journal may contain a brick twice, or bricks outside the volume.
 void Conversion::keep(const FinishedBrick& brick) {
   if (!writer_.contains(brick.key)) return;
   if (std::exchange(finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 1) != 0) return;
@@ -66,7 +66,7 @@ void Conversion::keep(const FinishedBrick& brick) {
   ++finished_bricks_;
 }
 
-// The journal, from now on of the bricks that are kept, and the counts of their values.
+// Opens the journal: copies the records of the kept bricks, and counts their values.
 void Conversion::goOnWith(const ConversionIdentity& identity) {
   std::vector<std::vector<char>> due = finished_;
   journal_.emplace(
@@ -81,7 +81,7 @@ void Conversion::goOnWith(const ConversionIdentity& identity) {
       parts_.disk);
 }
 
-// A stream's end is read, and its checksum compared, also where its last bricks are finished.
+// Lists all bricks of a stream, finished or not: the stream must be read to the end to compare the checksum.
 std::vector<std::int64_t> Conversion::bricksToMake(bool in_order) const {
   std::vector<std::int64_t> out;
   out.reserve(finished_[0].size());
@@ -114,7 +114,7 @@ void Conversion::run() {
   putTogether();
 }
 
-// The coarser levels go on from where the earlier conversion left them.
+// Resumes the coarser levels where the earlier conversion stopped.
 void Conversion::takeUp() {
   if (finished_bricks_ == 0) return;
   addReady(pyramid_.takeUp([&](const BrickKey& key) { return isFinished(key); },
@@ -129,7 +129,7 @@ void Conversion::takeUp() {
                            }));
 }
 
-// From here on pieces come, which takeUp must not meet.
+// Starts the exchange of pieces, after takeUp: earlier arrivals would disturb takeUp.
 void Conversion::listen() {
   if (ranks_.alone()) return;
   exchange_.emplace(ranks_, parts_.plan.given_bytes,
@@ -170,7 +170,7 @@ void Conversion::makeBrick(std::int64_t i, std::size_t lane, WriteBehind& disk) 
   buildReady(disk);
 }
 
-// Makes a brick of level 0; returns the coarser ones that can be built now.
+// Makes a brick of level 0; returns the coarser bricks that can now be built.
 std::vector<BrickKey> Conversion::brick(const BrickKey& key, std::size_t lane, WriteBehind& disk) {
   const BrickDesc frame = writer_.frame(key);
   const VoxelBox box = frame.stored();
@@ -212,7 +212,7 @@ std::optional<BrickKey> Conversion::takeReady() {
 
 void Conversion::build(const BrickKey& key, WriteBehind& disk) {
   throwIfStopped();
-  // Where only a brick below it was damaged, a coarser one is finished already.
+  // Finished already, if a previous run lost only a brick below.
   if (isFinished(key)) return;
   PyramidBuilder::Built built = pyramid_.build(key);
   disk.add({std::move(built.brick), {}});
@@ -228,7 +228,7 @@ void Conversion::buildReady(WriteBehind& disk) {
   while (const std::optional<BrickKey> key = takeReady()) build(*key, disk);
 }
 
-// What is left waits for bricks that other lanes and ranks are making.
+// Builds the remaining bricks, waiting for the bricks of lanes and ranks still at work.
 void Conversion::buildRest(WriteBehind& disk) {
   constexpr auto kLook = std::chrono::milliseconds(100);
   while (true) {
@@ -242,7 +242,7 @@ void Conversion::buildRest(WriteBehind& disk) {
   }
 }
 
-// A brick is finished when its file is there and the journal says so.
+// A brick is finished when its file is written and the journal has its record.
 void Conversion::write(const UnwrittenBrick& unwritten) {
   const auto& [brick, counts] = unwritten;
   writer_.write(brick);
@@ -269,13 +269,13 @@ void Conversion::noteFinished(const FinishedBrick& brick) {
 }
 
 void Conversion::heard(const FinishedBrick& brick) {
-  // An entry that came with a piece is being read by who builds the parent.
+  // An entry that came with a piece is being read by the builder of the parent.
   if (std::exchange(known_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 1) == 0)
     writer_.keep(brick.key, brick.entry);
   noteFinished(brick);
 }
 
-// What a rank has written must be on its disk before the first vouches for it.
+// Collects the results of all ranks. The bricks of a rank must be on its disk before the first rank finishes the store.
 void Conversion::putTogether() {
   half_error_ = pyramid_.largestError();
   if (exchange_ && !ranks_.first()) {
@@ -284,7 +284,7 @@ void Conversion::putTogether() {
     std::vector<std::byte> found;
     appendValue(found, half_error_);
     appendValue(found, report_);
-    // As a record of no brick.
+    // encoded as a record without a brick
     const std::vector<std::byte> counts = bytesOf(FinishedBrick{{}, {}, counters_[0].take()});
     found.insert(found.end(), counts.begin(), counts.end());
     exchange_->tellFound(found);
@@ -300,7 +300,7 @@ void Conversion::putTogether() {
     reports_.push_back(taker.take<RankConversion>());
     if (const std::optional<FinishedBrick> counts = finishedBrickFrom(taker.left)) counters_[0].add(counts->counts);
   }
-  // A rank that is through early waits for the last one.
+  // Ranks that finish early wait for the last rank.
   for (RankConversion& rank : reports_)
     rank.idle_s = std::max(static_cast<double>(rank.lanes) * secondsSince(began_) - rank.busy_s, 0.0);
 }

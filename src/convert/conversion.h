@@ -1,6 +1,6 @@
-// The work of a conversion: lanes take bricks as they come free, encode them, and build the coarser ones that a
-// finished one makes possible. Several processes share it: each takes bricks of level 0 while there are any, and builds
-// its own of the coarser ones; the first keeps the journal.
+// The work of a conversion. Lanes take bricks of level 0 as they become free, encode them, and build the coarser bricks
+// that have become possible. Several processes can share the work: each takes bricks of level 0 while there are any,
+// and builds its own share of the coarser bricks. The first rank keeps the journal.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ namespace kiln {
 
 class Conversion {
  public:
-  /// What a conversion works with. requires: all outlive it.
+  /// Inputs of a conversion, which must outlive the Conversion.
   struct Parts {
     VolumeSource& source;
     StoreWriter& writer;
@@ -37,19 +37,20 @@ class Conversion {
     Progress& progress;
   };
 
-  /// Collective. With `resumes`, bricks of the journal of an earlier conversion are kept where their files are whole.
+  /// Collective. With `resumes`, keeps the bricks in the journal of an earlier conversion whose files are whole.
   Conversion(const Parts& parts, const ConversionIdentity& identity, bool resumes);
 
-  /// Collective. All bricks are made and on the disk, or on their way to it, when it returns on the first rank; there
-  /// the writer then knows all of them. throws: what source and disk throw, Error kCancelled. Other ranks are then not
-  /// waited for, and what they share is left as it is: they are to be ended.
+  /// Collective. Returns on the first rank when all bricks are made and on the disk, or on their way to the disk; the
+  /// writer then has an entry for each brick.
+  /// throws: the exceptions of source and disk, Error kCancelled. After an exception the other ranks are not waited
+  /// for, and shared files stay as they are: the caller must end the other ranks.
   void run();
 
-  /// Of all ranks, on the first, after `run`.
+  /// Totals of all ranks, on the first rank, after `run`.
   const ValueCounter& counter() const { return counters_.front(); }
   double halfError() const { return half_error_; }
   const std::vector<RankConversion>& rankReports() const { return reports_; }
-  /// Bricks that are finished, with those of an earlier conversion; on the first rank of all ranks.
+  /// Finished bricks, including bricks of an earlier conversion; on the first rank, of all ranks.
   std::uint64_t finishedBricks() const { return finished_bricks_; }
 
  private:
@@ -79,25 +80,25 @@ class Conversion {
   Ranks& ranks_;
   Progress& progress_;
   PyramidBuilder pyramid_;
-  std::vector<std::vector<std::byte>> boxes_;      // by lane, for its brick of level 0: one memory for all
-  std::vector<ValueCounter> counters_, of_brick_;  // by lane: of all it made, and of one brick
-  std::vector<std::vector<char>> finished_;        // by level and brick: what an earlier conversion left
-  std::vector<std::vector<char>> known_;           // the same: of other ranks, what the writer has an entry of
+  std::vector<std::vector<std::byte>> boxes_;      // by lane: buffer for the voxels of a brick of level 0
+  std::vector<ValueCounter> counters_, of_brick_;  // by lane: totals, and values of the current brick
+  std::vector<std::vector<char>> finished_;        // by level and brick: finished by an earlier conversion
+  std::vector<std::vector<char>> known_;           // by level and brick: the writer has an entry
   std::optional<Journal> journal_;                 // on the first rank
   std::optional<BrickShares> shares_;
   std::optional<ForwardWindow> window_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::vector<BrickKey> ready_;  // to be built
   std::uint64_t left_to_build_ = 0;
   bool failed_ = false;
   std::uint64_t done_ = 0, finished_bricks_ = 0;
   RankConversion report_;
-  double waited_s_ = 0;  // by all lanes
+  double waited_s_ = 0;  // summed over all lanes
   std::chrono::steady_clock::time_point began_;
   std::vector<RankConversion> reports_;
   double half_error_ = 0;
-  std::optional<RankExchange> exchange_;  // where there are other ranks; the last to be made, and the first to go
+  std::optional<RankExchange> exchange_;  // with several ranks only; constructed last and destroyed first
 };
 
 }  // namespace kiln

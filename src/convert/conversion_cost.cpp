@@ -14,12 +14,12 @@ namespace kiln {
 namespace {
 
 constexpr std::int64_t kSamples = 8;
-// A stream is read for about so long. unit: seconds.
+// Time limit for the sample of a stream. unit: seconds.
 constexpr double kStreamSeconds = 2;
 
 using Clock = std::chrono::steady_clock;
 
-// The voxels of all bricks of a level with their aprons: along an axis, an apron on both sides of each inner border.
+// Returns the voxels of all bricks of a level with their aprons: each inner border has an apron on both sides.
 std::uint64_t storedVoxels(const Extent3& dims, const Extent3& bricks) {
   std::uint64_t out = 1;
   for (int axis = 0; axis < 3; ++axis) out *= static_cast<std::uint64_t>(dims[axis] + 2 * kApron * (bricks[axis] - 1));
@@ -28,9 +28,9 @@ std::uint64_t storedVoxels(const Extent3& dims, const Extent3& bricks) {
 
 struct Samples {
   std::uint64_t bricks = 0, stored_bricks = 0, stored_voxels = 0, file_bytes = 0;
-  double seconds = 0;       // of reading and encoding them; of a stream, of encoding alone
-  std::int64_t slices = 0;  // of a stream that were read,
-  double slices_s = 0;      // in this time
+  double seconds = 0;       // reading and encoding; for a stream, encoding alone
+  std::int64_t slices = 0;  // slices read from a stream,
+  double slices_s = 0;      // and the reading time
 
   void encode(const BrickDesc& frame, std::span<const std::byte> voxels) {
     const BrickRanges ranges = rangesOf(frame, voxels);
@@ -43,7 +43,7 @@ struct Samples {
   }
 };
 
-// One after the other on one thread, as a lane of a conversion goes.
+// Samples bricks in sequence on a single thread, like a lane of a conversion.
 Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
   const SourceInfo& info = source.info();
   const Extent3 lattice = brickLattice(info.geometry.dims, options.brick_size);
@@ -63,7 +63,8 @@ Samples sampleBricks(VolumeSource& source, const ConvertOptions& options, Progre
   return out;
 }
 
-// Bricks of the first layer, as deep as the stream is read: row by row, since a slice may be larger than the memory.
+// Samples bricks of the first layer, as deep as the stream is read. Reads row by row, because a slice may exceed the
+// memory.
 Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progress& progress) {
   const SourceInfo& info = source.info();
   const auto size = static_cast<std::ptrdiff_t>(sizeOf(info.type));
@@ -94,7 +95,7 @@ Samples sampleStream(VolumeSource& source, const ConvertOptions& options, Progre
     }
     out.slices_s = secondsSince(begin);
   }
-  // As though the volume ended here.
+  // Encodes the bricks as if the volume ended here.
   geometry.dims.z = out.slices;
   const auto encoding = Clock::now();
   for (std::int64_t i = 0; i < count; ++i) {
@@ -132,11 +133,11 @@ ConversionCost conversionCost(VolumeSource& source, const ConvertOptions& option
   const auto stored = static_cast<std::uint64_t>(stored_share * static_cast<double>(out.bricks));
   out.store_bytes = static_cast<std::uint64_t>(static_cast<double>(samples.file_bytes) * all_to_samples) +
                     BrickIndex::fileBytes(stored, out.bricks - stored, options.brick_size);
-  // What the coarser levels take is encoding, mostly, and in proportion.
+  // Coarser levels cost mostly encoding, proportional to the number of voxels.
   const double lanes_s = samples.seconds * all_to_samples;
   const double stream_s =
       stream ? samples.slices_s * static_cast<double>(info.geometry.dims.z) / static_cast<double>(samples.slices) : 0;
-  // One thread at a time reads a stream, on each rank all of it.
+  // A stream is read by a single thread at a time, and by every rank from begin to end.
   const double ranks = options.ranks != nullptr ? options.ranks->count() : 1;
   out.seconds = std::max(stream_s, (stream_s + lanes_s / ranks) / static_cast<double>(out.plan.lanes));
   return out;

@@ -45,7 +45,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   return manifest;
 }
 
-// Of labels a bin each, where they are few enough.
+// Gives each label a bin, if the labels are few enough.
 ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range) {
   if (!countsEachLabel(manifest.volume_class, manifest.type, range))
     return counter.histogram(counter.commonRange(range));
@@ -58,8 +58,8 @@ std::uint64_t brickCount(const Manifest& manifest) {
   return out;
 }
 
-// Whether the finished bricks are worth keeping: the same conversion may succeed later, as it may where memory or
-// threads ran out.
+// True if the finished bricks are worth keeping, because a repeated conversion may succeed. Includes failures for lack
+// of memory or threads.
 bool mayBeResumed(const std::exception& error) {
   const auto* ours = dynamic_cast<const Error*>(&error);
   if (ours == nullptr) return true;
@@ -68,7 +68,8 @@ bool mayBeResumed(const std::exception& error) {
          code == ErrorCode::kExists;
 }
 
-// The last byte was written before; the store may still have to take its name, and the journal may lie there.
+// Finishes a store whose last byte was written earlier: the store may still need its name, and the journal may still be
+// there.
 void finishEarlier(OutputDirectory& destination, const fs::path& out, const SourceInfo& info,
                    const ConvertOptions& options, Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
@@ -94,8 +95,8 @@ void finishEarlier(OutputDirectory& destination, const fs::path& out, const Sour
   report.nan_count = manifest.nan_count;
 }
 
-// The bricks that a failed conversion of one process leaves are kept where they are worth it. Where others still write
-// nothing can be removed.
+// Keeps the finished bricks of a failed single-process conversion if resuming can succeed; else removes the bricks.
+// With several processes, keeps all files, because processes may still be writing.
 void tidyUp(OutputDirectory& destination, const std::exception& error, std::uint64_t finished, std::uint64_t bricks,
             const ConvertOptions& options, Progress& progress) {
   if (finished == 0 || !mayBeResumed(error)) return destination.abandon();
@@ -105,7 +106,7 @@ void tidyUp(OutputDirectory& destination, const std::exception& error, std::uint
                             options.overwrite && options.resume ? "run again" : "run again with --resume"));
 }
 
-// Makes the bricks; on the first rank, then, a store of them.
+// Makes the bricks; on the first rank, also finishes the store.
 class Build {
  public:
   Build(ResumeState& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
@@ -147,9 +148,9 @@ class Build {
     conversion_.reset();
   }
 
-  /// What the disk has after a failure. cost: the lanes' memory is freed.
+  /// Returns the number of finished bricks on the disk after a failure. cost: frees the lanes' memory.
   std::uint64_t bricksLeft() {
-    // Before it has looked at them, those that the journal notes.
+    // Before the conversion has examined the bricks, the journal's number counts.
     const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : beginning_.noted;
     conversion_.reset();
     return out;
@@ -157,7 +158,7 @@ class Build {
   std::uint64_t bricks() const { return writer_ ? brickCount(writer_->manifest()) : 0; }
 
  private:
-  // Bricks of an earlier and a later state of the source must not become a store.
+  // A store must not mix bricks of two states of the source.
   void requireUnchanged() const {
     const std::vector<fs::path>& files = source_.info().files;
     if (isStateOf(draft_.source.state, files)) return;
@@ -199,7 +200,7 @@ void runTogether(Build& making, OutputDirectory* destination, Ranks& ranks, cons
     throw Error(error.code(), std::string(error.what()) + "; the finished bricks of " + out.string() +
                                   " are kept, and the same command with --resume goes on");
   }
-  // Nobody says that it is done before there is a store.
+  // No rank reports success before the store exists.
   ranks.barrier();
 }
 
@@ -255,7 +256,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   } else {
     runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
   }
-  // A compressed stream adds notes at its end.
+  // A compressed stream adds notes when it ends.
   for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(namedNote(info, info.notes[notes]));
   if (destination && !destination->leftOld().empty()) progress.note(destination->leftOld());
   report.buffer_bytes = plan.total();

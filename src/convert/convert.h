@@ -1,4 +1,4 @@
-// A foreign volume becomes a brick store: read box by box, cut into bricks, encoded on all cores, written once.
+// Converts a foreign volume to a brick store: reads boxes, cuts bricks, encodes on all cores, writes each file once.
 #pragma once
 
 #include <filesystem>
@@ -17,61 +17,60 @@ class FileLock;
 class Ranks;
 
 struct ConvertOptions {
-  /// A power of two from 8.
+  /// A power of two from 8 to 4096.
   std::int64_t brick_size = kDefaultBrickSize;
-  /// The most memory the conversion may hold in its buffers. unit: bytes.
+  /// Upper bound for the buffers of the conversion. unit: bytes.
   std::uint64_t memory_bytes = 2ull << 30;
-  /// Replace a store that is there; it stays whole until the new one is.
+  /// Replaces an existing store, which stays whole until the new store is complete.
   bool overwrite = false;
-  /// Go on with what an interrupted conversion of the same source with the same options left; the result has the bytes
-  /// of an uninterrupted one. Where there is nothing to go on with, begin; a finished store is left as it is. With
-  /// `overwrite`, what cannot be gone on with is replaced.
+  /// Resumes an interrupted conversion of the same source with equal options; the result is byte-equal to an
+  /// uninterrupted conversion. Begins anew if there is nothing to resume; leaves a finished store as it is. With
+  /// `overwrite`, replaces anything that cannot be resumed.
   bool resume = false;
-  /// The means of the coarser levels are rounded to half. It is for a source that is (HalfSource): their bricks are
-  /// smaller then, too.
+  /// Rounds the means of the coarser levels to half floats, for smaller bricks. Meant for rounded sources (HalfSource).
   bool half = false;
-  /// Values are names and not amounts: a coarser voxel is the most frequent below it. requires: whole numbers.
+  /// Values are labels, not amounts: a coarser voxel is the most frequent label below it. requires: whole numbers.
   bool labels = false;
-  /// The most levels of the pyramid, the finest included.
+  /// Upper bound for the levels of the pyramid, the finest included.
   int most_levels = std::numeric_limits<int>::max();
-  /// The lock on the output (lockOf), where the caller holds it. Null: `convert` takes it, and refuses an output that
-  /// another process is making.
+  /// The lock on the output (lockOf), if the caller holds it. Null: `convert` takes the lock, and refuses an output
+  /// that another process is making.
   const FileLock* lock = nullptr;
-  /// What the manifest says of its making.
+  /// Command and time of the conversion, recorded in the manifest.
   std::string command, time;
-  /// The processes that share the work, each of which calls `convert` alike, with a source of its own of the same
-  /// volume and the same directory to write to; this one alone where null. The store has the same bytes for any number.
+  /// The processes of a parallel conversion; null for a single process. Each process calls `convert` with equal
+  /// arguments, and with a source object for the shared volume. The store has equal bytes for any number of processes.
   Ranks* ranks = nullptr;
 };
 
-/// What one process has done.
+/// The work done by a process.
 struct RankConversion {
   std::uint64_t lanes = 0;
-  std::uint64_t bricks = 0;         // of all levels
-  std::uint64_t read_bytes = 0;     // of voxels, as the source gave them
-  std::uint64_t written_bytes = 0;  // of brick files
-  std::uint64_t sent_bytes = 0;     // to other ranks
-  double busy_s = 0, idle_s = 0;    // of all its lanes together
+  std::uint64_t bricks = 0;         // bricks of all levels
+  std::uint64_t read_bytes = 0;     // voxels delivered by the source
+  std::uint64_t written_bytes = 0;  // bytes of brick files
+  std::uint64_t sent_bytes = 0;     // bytes sent to other ranks
+  double busy_s = 0, idle_s = 0;    // summed over all lanes
 };
 
 struct ConvertReport {
-  std::uint64_t voxels = 0;  // of the volume, but for the share of bricks that an earlier run finished
+  std::uint64_t voxels = 0;  // voxels of the volume, less the share of bricks finished by an earlier run
   std::uint64_t bricks = 0, stored_bricks = 0;
   std::uint64_t stored_bytes = 0;
   std::uint64_t nan_count = 0;
-  std::uint64_t buffer_bytes = 0;  // the most the conversion planned to hold
-  double half_error = 0;           // the largest change of a mean by `half`. unit: the volume's values
+  std::uint64_t buffer_bytes = 0;  // planned memory of the buffers
+  double half_error = 0;           // largest rounding of a mean by `half`. unit: the volume's values
   double seconds = 0;
   std::vector<RankConversion> ranks;  // by rank
 };
 
-/// Converts `source` to a store at `out`. On any error nothing that could be taken for a store is left at `out`, and a
-/// store that was there before is untouched. After an interrupt, a full disk or a failing one the finished bricks are
-/// kept for `resume`, and a note says where; after any other error nothing is left. Of several processes one that fails
-/// is to end all (cluster/ranks.h), and what they left is kept for `resume` whatever the error was. The report is the
-/// first rank's; on the others it is empty.
-/// throws: Error kExists (also where another process writes to `out`), kBudget (naming the smallest memory that works),
-/// kUsage (brick size, labels that are no whole numbers), and what the source and the disk throw.
+/// Converts `source` to a store at `out`. On any error nothing at `out` can be mistaken for a store, and an existing
+/// store is untouched. After an interrupt or a disk failure (also a full disk) the finished bricks are kept for
+/// `resume`, and a note names their place. After any other error nothing is left.
+/// With several processes, a failed process must end all (cluster/ranks.h); finished bricks are kept after any error.
+/// The report is complete on the first rank and empty on the others.
+/// throws: Error kExists (also if another process writes to `out`), kBudget (naming the smallest memory that works),
+/// kUsage (brick size, labels that are no whole numbers), and the exceptions of source and disk.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
                       Progress& progress, FileSystem& disk = FileSystem::real());
 

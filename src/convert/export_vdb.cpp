@@ -1,6 +1,6 @@
-// Bricks become the leaves of one grid. A leaf lies in up to eight bricks where the source's coordinates are not
-// multiples of 8 away from the store's, so voxels are set one by one through an accessor; a constant brick is a fill.
-// Invariant: the grid's background is the value of every voxel that is not set, so a brick of it costs nothing.
+// Exports the bricks of a level as a single grid. A leaf overlaps up to eight bricks unless the grid's coordinates are
+// offset by multiples of 8. So voxels are set individually through an accessor; a constant brick is a fill.
+// Invariant: unset voxels have the grid's background value, so bricks of background are free.
 #include "convert/export_vdb.h"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ bool sameBits(Value a, Value b) {
   return std::memcmp(&a, &b, sizeof(Value)) == 0;
 }
 
-// Where the voxels of a level go.
+// Maps the voxels of a level to grid coordinates.
 struct Placement {
   std::string name = "density";
   VoxelCoord origin;
@@ -109,8 +109,8 @@ class GridFiller {
     }
   }
 
-  // To be called for each brick that is not constant, before it is taken. The tree is measured only where its bound,
-  // all voxels of all bricks, goes beyond the memory.
+  // Charges the memory of a brick; called before each non-constant brick. The tree is measured only if its upper
+  // bound, all voxels of all bricks, exceeds the memory.
   void charge(const VoxelBox& brick, const fs::path& out) {
     held_bytes_ += static_cast<std::uint64_t>(brick.count()) * (sizeof(Value) + 1);
     if (held_bytes_ <= memory_bytes_) return;
@@ -124,7 +124,7 @@ class GridFiller {
   }
 
   typename Grid::Ptr finish() {
-    // Only nodes of one value and state, compared exactly; but == takes -0 for 0 and would lose it.
+    // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
     if (!signed_zero_) grid_->pruneGrid(0);
     if constexpr (std::is_same_v<Value, float>) grid_->setSaveFloatAsHalf(half_ && survivesHalf(background_));
     return grid_;
@@ -134,7 +134,7 @@ class GridFiller {
   bool isBackground(Value value) const { return sameBits(value, background_); }
   bool active(Value value) const {
     if constexpr (std::is_floating_point_v<Value>) {
-      // Not < is also true of NaN, which a level set cannot mean; it stays visible.
+      // The negated >= is also true for NaN: a NaN in a level set stays active, so that users see it.
       if (level_set_) return !(std::abs(value) >= background_);
     }
     return !isBackground(value);
@@ -174,7 +174,7 @@ openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placeme
   return filler.finish();
 }
 
-// The bytes of openvdb::io::File, which does not ask whether they could be written: on a full disk it says nothing.
+// Writes the bytes of openvdb::io::File, which ignores failed writes: a full disk would go unnoticed.
 class CheckedArchive : public openvdb::io::Archive {
  public:
   void write(const openvdb::GridBase::Ptr& grid, const fs::path& path) {
@@ -193,7 +193,7 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
       errno = 0;
       CheckedArchive().write(grid, temporary);
     } catch (const std::exception& error) {
-      // OpenVDB says only that writing failed; the system's own number says why.
+      // OpenVDB reports only that writing failed; errno has the cause.
       if (const int error_number = errno; error_number != 0) throw systemError(error_number, out, "writing the grid");
       throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
     }
@@ -216,7 +216,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
   memory_bytes -= std::min(memory_bytes, store.index().bytes());
   const openvdb::GridBase::Ptr grid =
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
-        // Labels are names: whole numbers, of the one kind that is read again.
+        // Labels are whole numbers, exported in the integer type that Kiln can read back.
         if (store.manifest().volume_class == VolumeClass::kLabels)
           return gridOf<T, openvdb::Int32Grid>(store, level, place, out, memory_bytes, progress);
         return gridOf<T, GridFor<T>>(store, level, place, out, memory_bytes, progress);

@@ -1,5 +1,4 @@
-// A store, given back as one OpenVDB grid that other programs open: the values and the place of every voxel, bit for
-// bit.
+// Exports a store as one OpenVDB grid: value and place of every voxel, bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +11,26 @@
 namespace kiln {
 
 struct ExportReport {
-  /// Active voxels of the grid, those of tiles included.
+  /// Active voxels of the grid, including voxels of active tiles.
   std::uint64_t voxels = 0;
   /// The length of the file. unit: bytes.
   std::uint64_t bytes = 0;
 };
 
-/// Writes `level` of `store` to `out` as one grid: that of the source with its name, class, background, transform and
-/// coordinates where the source was OpenVDB; else "density" at the store's own coordinates. (A level above 0 has
-/// coordinates of its own in either case.) A voxel is active where its bits differ from the background's, in a level
-/// set where |value| < background; an inactive one keeps its value. Grid type: float for u8, i8, u16, i16 and f32
-/// (saved as half where every value survives), int32 for i32, int64 for u32, double for f64. requires: a level that the
-/// store has. throws: Error kExists where `out` is there and `overwrite` is false, kUnsupported (a volume beyond
-/// OpenVDB's coordinates, voxels too small for its transforms), kNoSpace, kIo, kCancelled, and what StoreReader::read
-/// throws; nothing is then left at `out`, and what was there before is untouched. The file is on the disk before it
-/// gets its name. cost: the whole grid is held in memory in its sparse form, bricks equal to the background free;
-/// kBudget where it takes more than `memory_bytes`.
+/// Writes `level` of `store` to `out` as a single grid. At level 0 of a store made from OpenVDB, the grid has the
+/// source's name, class, background, transform and coordinates. All other grids are in the level's coordinates; without
+/// an OpenVDB source the name is "density", or "labels".
+/// A voxel is active if its bits differ from the background's; in a level set, if |value| < background. Inactive voxels
+/// keep their values.
+/// Grid type: float for u8, i8, u16, i16 and f32 (saved as half if every value survives), int32 for i32 and labels,
+/// int64 for u32, double for f64.
+/// The file is on the disk before it gets its name.
+/// requires: the store has the level.
+/// throws: Error kExists if `out` exists and `overwrite` is false, kUnsupported (a volume beyond OpenVDB's
+/// coordinates, voxels too small for its transforms), kNoSpace, kIo, kCancelled, and the exceptions of
+/// StoreReader::read. After an error `out` is as before.
+/// cost: the whole grid in memory in sparse form; bricks equal to the background are free. kBudget if the grid exceeds
+/// `memory_bytes`.
 ExportReport exportVdb(const StoreReader& store, int level, const std::filesystem::path& out, Progress& progress,
                        FileSystem& disk = FileSystem::real(), bool overwrite = false,
                        std::uint64_t memory_bytes = UINT64_MAX);

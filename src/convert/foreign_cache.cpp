@@ -36,7 +36,7 @@ bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
   });
 }
 
-// The command that made a store, or that began to; nothing where that cannot be told.
+// Returns the command that made or began the store; nothing if the command is unknown.
 std::optional<std::string> makerOf(const fs::path& store) {
   try {
     if (isStore(store)) return parseManifest(readTextFile(store / "manifest.json"), store).source.command;
@@ -46,7 +46,7 @@ std::optional<std::string> makerOf(const fs::path& store) {
   return std::nullopt;
 }
 
-// What a rendering made for itself may be made anew; a store that somebody converted may not.
+// Only a store made by a rendering may be replaced, never a store that a user converted.
 void requireOwn(const fs::path& store, const fs::path& input) {
   if (isNothing(store)) return;
   const std::optional<std::string> maker = makerOf(store);
@@ -59,7 +59,8 @@ void requireOwn(const fs::path& store, const fs::path& input) {
                   input.string() + " to another name");
 }
 
-// `input` without what would put a store inside of a directory: "scan/", or a name that only says where one is.
+// Returns `input` without a trailing slash, and with "." and ".." resolved, so that the store lies beside a directory
+// and not inside.
 fs::path baseOf(const fs::path& input) {
   std::error_code error;
   if (!fs::is_directory(input, error)) return input;
@@ -68,7 +69,7 @@ fs::path baseOf(const fs::path& input) {
   return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
 }
 
-// Whether it is for StoreReader to open, or to say why not.
+// True if StoreReader must open the input, or must report why the input is no store.
 bool isForReader(const fs::path& input) {
   std::error_code ignored;
   return isStore(input) || !fs::exists(input, ignored) ||
@@ -86,7 +87,7 @@ void requireNoPhantom(const fs::path& input) {
 
 fs::path besideOf(const fs::path& input) { return baseOf(input).string() + ".kiln"; }
 
-// Whether a store is named, or what StoreReader says why it is none: then no option may say anything of it.
+// True if `input` is for StoreReader; options about voxels are then refused.
 bool namesStore(const fs::path& input, const SourceOptions& source_options) {
   requireNoPhantom(input);
   if (!isForReader(input)) return false;
@@ -99,7 +100,7 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const fs:
   return openSource(input, options);
 }
 
-// Where labels are asked for, a store of amounts is made anew.
+// True if the store can be used. A store of amounts cannot serve a rendering of labels.
 bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions& options) {
   return isStoreOf(store, info, options.memory_bytes) &&
          (!options.labels || readManifest(store).volume_class == VolumeClass::kLabels);
@@ -115,7 +116,7 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memo
            sameVolume(manifest, info);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kBudget) throw;
-    return false;  // damaged, or of another format: made anew
+    return false;  // damaged, or of another format: will be made anew
   }
 }
 
@@ -149,14 +150,14 @@ fs::path storeFor(const fs::path& input, const SourceOptions& source_options, co
   });
   if (serves(store, source->info(), options)) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
-  // A budget that is too small gives its error alone, without a note before.
+  // Tests the budget before any note, so that an error about the budget stands alone.
   planConversion(*source, options);
   progress.note("converting to the store " + store.string() + " first");
   ConvertOptions replacing = options;
   replacing.overwrite = replacing.resume = true;
   replacing.lock = &lock;
   convert(*source, store, replacing, progress);
-  // The picture has the whole budget for itself.
+  // Frees the source, so that the picture has the whole budget.
   source.reset();
   returnFreedMemory();
   return store;

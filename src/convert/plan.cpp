@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 namespace {
 
 std::uint64_t usefulLanes(const VolumeSource& source) {
-  // What one thread inflates keeps a few busy; more would take memory from the window, and wait.
+  // One inflating thread keeps a few lanes busy; more lanes would take memory from the window, and wait.
   constexpr std::uint64_t kLanesOfStream = 8;
   const std::uint64_t threads = ThreadLimit::active();
   return source.order() == ReadOrder::kForward ? std::min(threads, kLanesOfStream) : threads;
 }
 
-// Of a brick with its apron.
+// Returns the number of voxels of a brick and the apron.
 std::uint64_t brickVoxels(const SourceInfo& info, const ConvertOptions& options) {
   const std::int64_t padded = options.brick_size + 2 * kApron;
   std::uint64_t out = 1;
@@ -32,13 +32,15 @@ std::uint64_t brickVoxels(const SourceInfo& info, const ConvertOptions& options)
   return out;
 }
 
-// Of a brick's file, at most, where nothing compresses. The masks of OpenVDB's upper nodes take 54 KiB of any file.
+// Upper bound for a brick's file, if nothing compresses. OpenVDB's upper nodes have masks of 54 KiB in any file.
+// unit: bytes.
 std::uint64_t fileBytes(const SourceInfo& info, const ConvertOptions& options) {
   constexpr std::uint64_t kNodes = 56 << 10;
   return kNodes + brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
 }
 
-// What a brick gives to other processes lies in pieces of its part that overlap by an apron, and one is being received.
+// A brick is sent to other ranks in pieces of the half brick, overlapping by an apron; meanwhile a piece is being
+// received.
 std::uint64_t givenBytes(const SourceInfo& info, const ConvertOptions& options) {
   if (options.ranks == nullptr || options.ranks->alone()) return 0;
   const Extent3 by = halvingOf(info.geometry);
@@ -46,22 +48,22 @@ std::uint64_t givenBytes(const SourceInfo& info, const ConvertOptions& options) 
   return 2 * HalfBrick::bytesOf({edge / by.x, edge / by.y, edge / by.z}, sizeOf(info.type));
 }
 
-// The counts by value, and four times the ranges of a brick's cells, which are a cube however thin the volume is: of
-// the brick, of those below, and packed for its file.
+// The counts by value, and four times the ranges of a brick's cells: of the brick, of the bricks below, and packed for
+// the file. The cells form a cube even in a thin volume.
 std::uint64_t otherBytes(const ConvertOptions& options) {
   constexpr std::uint64_t kCounts = 1 << 19, kLeast = 1 << 20;
   const auto along = static_cast<std::uint64_t>(options.brick_size / kCellSize);
   return std::max(kLeast, kCounts + 4 * along * along * along * sizeof(ValueRange));
 }
 
-// A lane holds the box as read or put together from parts, a part, its grids (as large as the file), the file, and the
-// counts and ranges.
+// A lane holds: the box as read or assembled from parts, a part, the brick's grids (as large as its file), the file,
+// and the counts and ranges.
 std::uint64_t laneBytes(const SourceInfo& info, const ConvertOptions& options) {
   return brickVoxels(info, options) * 3 * sizeOf(info.type) + 2 * fileBytes(info, options) +
          2 * givenBytes(info, options) + otherBytes(options);
 }
 
-// As many slices as lanes can read ahead into: the layer of bricks in the making, and the one after it.
+// Plans as many slices as lanes can use: the layer of bricks in the making, and the layer behind it.
 void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertOptions& options) {
   const SourceInfo& info = source.info();
   const std::int64_t least = ForwardWindow::slicesOfLayer(info.geometry.dims, options.brick_size);
@@ -77,7 +79,8 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
   plan.window_bytes = source.decodeBytes() + (plan.window_on_disk ? stripBytes(info) : slices_bytes);
 }
 
-// Parents that a brick's part or its apron reaches, at most: a half of a parent has one neighbour, a whole one two.
+// Upper bound for the parents touched by a brick's part and apron: one neighbour along a halved axis, two along a whole
+// axis.
 std::uint64_t parentsReached(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
   std::uint64_t out = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,12 +90,13 @@ std::uint64_t parentsReached(const Extent3& dims, const Extent3& by, std::int64_
   return out;
 }
 
-// Bytes that a brick leaves to its parents, which overlap by their aprons. A thin volume has no more than its voxels.
+// Size of the pieces that a brick leaves to the parents; pieces overlap by an apron, and are clipped to a thin volume.
+// unit: bytes.
 std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t brick_size, std::uint64_t voxel_bytes) {
   const auto coarse = [&](int axis) { return (dims[axis] + by[axis] - 1) / by[axis]; };
   const auto along = [&](int axis) { return std::min(brick_size / by[axis], coarse(axis)); };
   std::int64_t voxels = 1;
-  // A half of a parent has one neighbour, a whole one two.
+  // Along a halved axis a part touches one neighbouring parent, along a whole axis two.
   for (int axis = 0; axis < 3; ++axis)
     voxels *= std::min(brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron, coarse(axis));
   const Extent3 part = {along(0), along(1), along(2)};
@@ -102,9 +106,10 @@ std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t bri
          neighbours * HalfBrick::bytesOf({1, 1, 1}, voxel_bytes);
 }
 
-// Bricks of a level that wait at once, at most. They come layer by layer, and a parent needs those that its core is
-// made of, one or two, and for its apron one on either side, of which nothing but that is left when it comes, or that
-// is just coming. Of one layer rows come so, and of one row bricks; each thread may be ahead by two.
+// Upper bound for the bricks of a level that wait at once.
+// Bricks arrive layer by layer. A parent needs one or two layers for its core, and a layer on either side for its
+// apron. The layer below is nearly consumed when the layer above arrives. A volume of a single layer arrives row by
+// row, a single row brick by brick; each thread may be ahead by two.
 std::uint64_t waitingBricks(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
   const Extent3 lattice = brickLattice(dims, brick_size);
   const auto ahead = static_cast<std::int64_t>(lattice.z > 1 ? 0 : 2 * ThreadLimit::active());
@@ -119,8 +124,8 @@ std::uint64_t waitingBricks(const Extent3& dims, const Extent3& by, std::int64_t
 }
 
 struct Waiting {
-  std::uint64_t part_bytes = 0;   // of the parts
-  std::uint64_t place_bytes = 0;  // of where each part is
+  std::uint64_t part_bytes = 0;   // of all waiting parts
+  std::uint64_t place_bytes = 0;  // of the table of parts
 };
 
 Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options) {
@@ -135,7 +140,7 @@ Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options) {
   return out;
 }
 
-// throws: Error kBudget. Where most of it is tables, larger bricks are a remedy, too.
+// throws: Error kBudget. If tables dominate, the error also proposes larger bricks.
 void requireMemoryFor(const ConversionPlan& plan, const SourceInfo& info, const ConvertOptions& options) {
   const std::uint64_t others = plan.source_bytes + plan.window_bytes + plan.lane_bytes;
   const std::uint64_t smallest = others + plan.index_bytes;
@@ -184,7 +189,7 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
   else
     plan.sub_ranges_bytes = sub_ranges_bytes;
   if (!forward && source.decodeBytes() > 0) {
-    // Bricks come layer by layer, so what two layers are made of is enough to decode everything once.
+    // Bricks come layer by layer, so the slices of two layers suffice to decode everything once.
     const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);
     plan.kept_bytes =
         std::min(options.memory_bytes - plan.total(), static_cast<std::uint64_t>(slices) * sliceBytes(info));

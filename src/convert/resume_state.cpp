@@ -13,7 +13,8 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// What bricks are made of, as text: the same text, with the names and the state of files in it, gives the same bricks.
+// Identifies the bricks of a conversion as text, with the names and the state of the source files: equal texts give
+// equal bricks.
 std::string identityOf(Manifest draft) {
   draft.source.command.clear();
   draft.source.time.clear();
@@ -21,7 +22,7 @@ std::string identityOf(Manifest draft) {
   return containerVersion() + "\n" + manifestText(draft);
 }
 
-// What an interrupted conversion of the same volume left, where there is any; anything else that it left is cleared.
+// Returns the identity of an interrupted conversion of this volume, if present; clears anything else.
 std::optional<ConversionIdentity> resumable(OutputDirectory& destination, const Manifest& draft,
                                             const ConvertOptions& options) {
   std::optional<ConversionIdentity> found = Journal::identityIn(destination.building());
@@ -74,7 +75,7 @@ ResumeState beginAt(OutputDirectory& destination, const Manifest& draft, const C
     }
   }
   destination.make();
-  // Each rank clears a folder of its own in it; there may have been more of them.
+  // Each rank clears its own folder below `parts`; an earlier run may have had more ranks.
   if (!ranks.alone()) disk.removeAll(out.directory / "parts");
   return out;
 }

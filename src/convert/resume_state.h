@@ -1,5 +1,5 @@
-// Where a conversion begins: with nothing, or with what an earlier one of the same volume left. One rank looks, all
-// know.
+// Decides where a conversion begins: with no bricks, or with the bricks of an earlier conversion of the volume. The
+// first rank looks and shares the result.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@ namespace kiln {
 struct ResumeState {
   bool finished = false;  // by an earlier conversion
   std::filesystem::path directory;
-  ConversionIdentity identity;  // of an earlier conversion that goes on, else of this one
+  ConversionIdentity identity;  // of the resumed conversion, else of this conversion
   std::uint64_t noted = 0;      // bricks in the journal of an earlier conversion
 };
 
-/// Collective. Whether all ranks are about to read the same volume: a file that each finds on a disk of its own may
-/// differ. throws: Error kFormat.
+/// Collective. Verifies that all ranks read equal volumes: local disks of ranks may have different files. throws: Error
+/// kFormat.
 void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ranks);
 
-/// What is at the destination. On the first rank; the others get it by `share`. throws: Error kExists where an earlier
-/// conversion was of another volume.
+/// Examines the destination, on the first rank; the other ranks get the result by `share`. throws: Error kExists if
+/// an earlier conversion was of another volume.
 ResumeState beginAt(OutputDirectory& destination, const Manifest& draft, const ConvertOptions& options,
                     const Ranks& ranks, FileSystem& disk);
 
-/// Collective. Gives all ranks what the first has.
+/// Collective. Copies the first rank's state to all ranks.
 void share(ResumeState& beginning, Ranks& ranks);
 
 }  // namespace kiln

@@ -39,7 +39,7 @@ void WriteBehind::writeAll() {
   while (true) {
     changed_.wait(lock, [&] { return closing_ || !waiting_.empty(); });
     if (waiting_.empty()) return;
-    const UnwrittenBrick& brick = waiting_.front();  // stays where it is while others are added
+    const UnwrittenBrick& brick = waiting_.front();  // stays in place while bricks are added
     lock.unlock();
     std::exception_ptr failure;
     try {

@@ -1,4 +1,4 @@
-// Writes bricks while the next ones are made: a lane that waits for a disk leaves its core idle.
+// Writes bricks on a separate thread while lanes make the next bricks: waiting for a disk would leave a core idle.
 #pragma once
 
 #include <condition_variable>
@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-/// A brick to be written, and what its journal says of it.
+/// A brick to be written, and the counts for its journal record.
 struct UnwrittenBrick {
   EncodedBrick brick;
   ValueCounts counts;
@@ -23,18 +23,18 @@ class WriteBehind {
  public:
   using Write = std::function<void(const UnwrittenBrick&)>;
 
-  /// At most `most` bricks wait or are being written, one after the other, on a thread of this object's own; with 0,
-  /// `add` writes.
+  /// Writes bricks in sequence on a separate thread; at most `most` bricks wait or are being written. With 0, `add`
+  /// writes.
   WriteBehind(std::size_t most, Write write);
-  /// Writes what still waits, unless writing has failed.
+  /// Writes the waiting bricks, unless writing has failed.
   ~WriteBehind();
   WriteBehind(const WriteBehind&) = delete;
   WriteBehind& operator=(const WriteBehind&) = delete;
 
-  /// Waits while there is no room. Bricks are written in the order in which they are added. thread: safe. throws: what
-  /// `write` threw, for this brick or one before it.
+  /// Waits while there is no room. Bricks are written in the order of their addition. thread: safe. throws: the
+  /// exception of `write`, for this brick or an earlier brick.
   void add(UnwrittenBrick brick);
-  /// Waits until all is written. throws: as `add`.
+  /// Waits until all bricks are written. throws: as `add`.
   void finish();
 
  private:
@@ -42,9 +42,9 @@ class WriteBehind {
 
   const std::size_t most_;
   const Write write_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
-  std::deque<UnwrittenBrick> waiting_;  // the first is being written
+  std::deque<UnwrittenBrick> waiting_;  // the first brick is being written
   std::exception_ptr failure_;
   bool closing_ = false;
   std::thread writer_;

@@ -8,8 +8,8 @@
 namespace kiln {
 namespace {
 
-// Small bricks are made faster than one is asked for: as many at once as have the voxels of a usual one, but few enough
-// that a share is still divided where others come to help.
+// Small bricks are made faster than the counter can be asked. So a rank takes the voxels of one usual brick at once,
+// but few enough bricks that a share can still be divided among helpers.
 std::uint32_t bricksAtOnce(std::uint32_t share, std::int64_t brick_size) {
   const std::int64_t along = std::max<std::int64_t>(kDefaultBrickSize / brick_size, 1);
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(share / 32, 1, along * along * along));

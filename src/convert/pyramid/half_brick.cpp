@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// What a mean is summed in: exactly for integers, with bits to spare for floats.
+// Type for the sum of a mean: exact for integers, with spare bits for floats.
 template <class T>
 struct SumOf {
   using type = std::conditional_t<sizeof(T) <= 2, std::int32_t, std::int64_t>;
@@ -33,12 +33,12 @@ T meanOf(Sum sum, int count) {
   if constexpr (std::is_floating_point_v<T>) {
     return count == 0 ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(sum / static_cast<Sum>(count));
   } else {
-    // floor(mean + 1/2), also below zero. `count` is a power of two: each axis gives one voxel or two.
+    // floor(mean + 1/2), also below zero. `count` is a power of two, because each axis contributes one or two voxels.
     return static_cast<T>((2 * sum + count) >> (std::countr_zero(static_cast<unsigned>(count)) + 1));
   }
 }
 
-// One axis of one coarse voxel: the fine voxels below it that the volume has.
+// The fine voxels of the volume below one coarse voxel, along one axis.
 struct Below {
   std::int64_t lo, hi;
 };
@@ -67,7 +67,7 @@ class Halver {
   }
 
  private:
-  // Makes a coarse row of the sums of the rows below it; returns where the next one begins.
+  // Makes a coarse row from the sums of the rows below it; returns the begin of the next row.
   template <std::size_t kBy>
   T* meansAlong(int rows, T* out) const {
     const Sum* const sums = sums_.data();
@@ -87,7 +87,7 @@ class Halver {
     return out + (sums_.size() + kBy - 1) / kBy;
   }
 
-  // Sums the rows below one coarse row, voxel by voxel along x; returns how many rows there are.
+  // Sums the rows below one coarse row, voxel by voxel along x; returns the number of rows.
   int sumRows(const Below& ys, const Below& zs) {
     std::fill(sums_.begin(), sums_.end(), Sum(0));
     std::fill(counts_.begin(), counts_.end(), 0);
@@ -117,7 +117,7 @@ class Halver {
   std::vector<int> counts_;
 };
 
-// The most frequent of some labels, of equally frequent ones the smallest that is not 0.
+// Returns the most frequent label; on a tie the smallest label that is not 0.
 template <class T>
 T mostFrequent(std::span<T> labels) {
   if (std::count(labels.begin(), labels.end(), labels.front()) == std::ssize(labels)) return labels.front();
@@ -155,10 +155,10 @@ void chooseLabels(const T* voxels, const VoxelBox& box, const VoxelBox& core, co
   }
 }
 
-// The cells that hold the voxels of a box.
+// Returns the cells that contain the voxels of a box.
 VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
 
-// The fixed part of its bytes; voxels and cells follow.
+// The fixed part of a half brick's bytes; voxels and cells follow.
 struct PartHead {
   VoxelBox box, cell_box;
   ValueRange support;
@@ -180,7 +180,8 @@ std::uint64_t HalfBrick::bytesOf(const Extent3& voxels, std::uint64_t voxel_byte
   const std::int64_t cells = cellsOf(boxOf(voxels)).count();
   const std::uint64_t bytes = sizeof(HalfBrick) + static_cast<std::uint64_t>(voxels.count()) * voxel_bytes +
                               static_cast<std::uint64_t>(cells) * sizeof(ValueRange);
-  return bytes + bytes / 4;  // measured: they lie between the buffers of bricks, which come and go
+  // measured: parts lie between the buffers of bricks, which are allocated and freed all the time
+  return bytes + bytes / 4;
 }
 
 VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {

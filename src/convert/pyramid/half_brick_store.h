@@ -1,7 +1,7 @@
-// Where the parts of bricks wait whose parents are not yet built: cut into a piece for each parent, which is all that
-// it needs, so that most of a part goes with the parent that it is the core of, and its neighbours' few voxels later.
-// In memory as far as they may, then in a folder of the store being written, one file a part. Nothing here outlives the
-// process: a resumed conversion makes the parts it needs anew.
+// Holds the parts of bricks until their parents are built. A part is cut into pieces, one for each parent, so that most
+// of a part is freed with its main parent and only a few voxels wait for the neighbours. Pieces lie in memory up to a
+// limit, then in a folder of the unfinished store, one file per part. The files do not outlive the process: a resumed
+// conversion makes the needed parts anew.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace kiln {
 
-/// What a brick gives to one parent.
+/// The voxels of a brick for one parent.
 struct HalfBrickPiece {
   BrickKey parent;
   HalfBrick part;
@@ -23,34 +23,34 @@ struct HalfBrickPiece {
 
 class HalfBrickStore {
  public:
-  /// `directory` is emptied, or made. Pieces of `memory_bytes` together have no file. throws: Error kNoSpace, kIo.
+  /// Empties or makes `directory`. Pieces up to `memory_bytes` in total stay in memory. throws: Error kNoSpace, kIo.
   HalfBrickStore(const std::filesystem::path& directory, std::uint64_t memory_bytes, FileSystem& disk);
-  /// Removes it.
+  /// Removes the directory.
   ~HalfBrickStore();
   HalfBrickStore(const HalfBrickStore&) = delete;
   HalfBrickStore& operator=(const HalfBrickStore&) = delete;
 
-  /// Keeps all of a brick's pieces. thread: safe for different keys. throws: Error kNoSpace, kIo.
+  /// Stores all pieces of a brick. thread: safe for different keys. throws: Error kNoSpace, kIo.
   void put(const BrickKey& key, std::vector<HalfBrickPiece> pieces);
-  /// Gives back a brick's piece for a parent, which is then forgotten. requires: it was put, and not taken. thread:
-  /// safe. throws: Error kIo, kFormat, kNotFound.
+  /// Returns and removes a brick's piece for a parent. requires: the piece was put and not taken.
+  /// thread: safe. throws: Error kIo, kFormat, kNotFound.
   HalfBrick take(const BrickKey& key, const BrickKey& parent);
 
-  /// What a brick's places of so many pieces take, in memory or on disk, beside the parts themselves. unit: bytes.
+  /// Memory of the table for the pieces of a brick, beside the parts themselves. unit: bytes.
   static std::uint64_t placesBytes(std::uint64_t pieces) { return kNodeBytes + pieces * sizeof(Piece); }
 
  private:
-  // In a part's file. unit: bytes.
+  // A range of a part's file. unit: bytes.
   struct Stretch {
     std::uint64_t offset = 0, bytes = 0;
   };
   struct Piece {
     BrickKey parent;
-    std::unique_ptr<HalfBrick> part;  // null where it is on disk, at `stretch`
+    std::unique_ptr<HalfBrick> part;  // null if the piece is on disk, at `stretch`
     Stretch stretch;
   };
   using Pieces = std::vector<Piece>;
-  // A node of the map and the head of its list, as they are allocated.
+  // Allocated size of a map node and the head of its vector. unit: bytes.
   static constexpr std::uint64_t kNodeBytes = 96;
 
   bool reserve(std::uint64_t bytes);
@@ -59,7 +59,7 @@ class HalfBrickStore {
 
   std::filesystem::path directory_;
   FileSystem& disk_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::map<BrickKey, Pieces> left_;
   std::uint64_t free_bytes_;
 };

@@ -22,7 +22,7 @@ void forEachBrick(const VoxelBox& bricks, F&& f) {
   }
 }
 
-// The smallest box that holds both.
+// Returns the smallest box that contains both.
 VoxelBox bounding(const VoxelBox& a, const VoxelBox& b) {
   VoxelBox out;
   for (int axis = 0; axis < 3; ++axis) {
@@ -73,7 +73,7 @@ VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
   return coarseBox(fine, {b, b, b});
 }
 
-// A brick of one value is known by its index entry.
+// A constant brick needs no part: its index entry has its value.
 bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.level) && !writer_.entry(key).constant; }
 
 HalfBrick PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
@@ -175,7 +175,7 @@ void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vec
   const HalfBrick part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.take(child, key);
   copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
   const VoxelBox core = frame.core();
-  if (intersection(part.box, core).empty()) return;  // the apron has ranges of its own
+  if (intersection(part.box, core).empty()) return;  // a child in the apron only adds no ranges
   below.support.include(part.support);
   const std::int64_t edge = frame.brick_size / kCellSize;
   const Extent3 n = part.cell_box.extent();

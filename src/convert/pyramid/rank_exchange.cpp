@@ -11,9 +11,9 @@
 namespace kiln {
 namespace {
 
-// One tag for all, so that what one rank says arrives in its order.
+// One tag for all messages, so that messages of a rank arrive in order.
 constexpr int kTag = 900;
-// How often the mail is looked for where there was none.
+// Interval between polls of an empty mailbox.
 constexpr auto kPause = std::chrono::microseconds(300);
 
 enum class Kind : std::uint8_t { kPiece, kTaken, kFinished, kFound };
@@ -47,7 +47,7 @@ RankExchange::RankExchange(Ranks& ranks, std::uint64_t most_bytes, Handlers hand
       found_(static_cast<std::size_t>(ranks.count())),
       service_([this](const std::stop_token& stop) { serve(stop); }) {}
 
-// A handler's failure is looked for in between, whoever waits for what.
+// Waits for `ready`, or rethrows a handler's failure.
 template <class Ready>
 void RankExchange::await(std::unique_lock<std::mutex>& lock, const Ready& ready) {
   changed_.wait(lock, [&] { return failure_ || ready(); });

@@ -1,6 +1,6 @@
-// What the ranks of one conversion tell each other while they work: pieces of bricks to the one that builds a parent of
-// theirs; to the first, which keeps the journal for all, bricks that are on the disk, and at last what was counted. A
-// rank that fails ends the job (cluster/ranks.h), so nothing here waits for one that never answers.
+// Messages between the ranks of a conversion: pieces of bricks for the builders of parents; finished bricks for the
+// first rank, which keeps the journal; and final counts. A rank that fails ends the job (cluster/ranks.h), so no
+// timeout is needed.
 #pragma once
 
 #include <condition_variable>
@@ -22,29 +22,32 @@ namespace kiln {
 class RankExchange {
  public:
   struct Handlers {
-    /// A piece of a brick of another rank, for this one's parents of it; none where the brick has one value. Of the
-    /// brick only key and entry.
+    /// Receives a piece of another rank's brick for this rank's parents; no piece for a constant brick. Only key and
+    /// entry of the brick are set.
     std::function<void(const FinishedBrick&, std::optional<HalfBrick>)> given;
-    /// On the first: another rank has written a brick.
+    /// First rank: another rank has written a brick.
     std::function<void(const FinishedBrick&)> finished;
   };
 
-  /// At most `most_bytes` of pieces, but one at least, are on their way from this rank. requires: all outlive this.
-  /// thread: the handlers are called by one of this object's own.
+  /// At most `most_bytes` of pieces, but at least one piece, are on their way from this rank. requires: all outlive
+  /// this.
+  /// thread: the handlers are called by a thread of this object.
   RankExchange(Ranks& ranks, std::uint64_t most_bytes, Handlers handlers);
   RankExchange(const RankExchange&) = delete;
   RankExchange& operator=(const RankExchange&) = delete;
 
-  /// Waits while too much is on its way. thread: safe, as all that follows. throws: what a handler threw.
+  /// Sends a piece; waits while too many bytes are on their way. thread: safe, as all functions below. throws: the
+  /// exception of a handler.
   void give(int to, const BrickKey& key, const BrickEntry& entry, const HalfBrick* piece);
-  /// requires: not the first rank.
+  /// Reports a brick on the disk to the first rank. requires: not the first rank.
   void tellFinished(const FinishedBrick& brick);
-  /// throws: what a handler threw.
+  /// throws: the exception of a handler.
   void throwIfFailed();
 
-  /// Not the first: hands over what this rank found, all of whose bricks are written and told.
+  /// Sends the final counts of this rank, after all its bricks are written and reported. requires: not the first rank.
   void tellFound(std::span<const std::byte> found);
-  /// The first: waits for what all others found; by rank, its own is empty. throws: what a handler threw.
+  /// Waits for the final counts of all other ranks; by rank, empty for the first. requires: the first rank. throws: the
+  /// exception of a handler.
   std::vector<std::vector<std::byte>> awaitFound();
 
  private:
@@ -56,12 +59,12 @@ class RankExchange {
   Ranks& ranks_;
   const std::uint64_t most_bytes_;
   const Handlers handlers_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::uint64_t given_bytes_ = 0;
   std::exception_ptr failure_;
   std::vector<std::vector<std::byte>> found_;  // by rank
-  int finders_ = 1;                            // ranks that have told it, the first included
+  int finders_ = 1;                            // ranks whose counts have arrived, the first included
   std::jthread service_;
 };
 

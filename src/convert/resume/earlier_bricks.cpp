@@ -21,10 +21,10 @@ bool isWhole(const FinishedBrick& brick, const fs::path& directory) {
   return fs::file_size(path, ignored) == brick.entry.file_bytes && hashOf(readFile(path)) == brick.entry.checksum;
 }
 
-// Bricks that are looked at together: 128 bytes each and, for a brick with a file, up to 1 KiB of sub-ranges.
+// Bricks examined together: 128 bytes each and, for a brick with a file, up to 1 KiB of sub-ranges.
 constexpr std::size_t kAtOnce = 4096;
 
-// Collective. What the first rank has, on all.
+// Collective. Copies the first rank's bricks to all ranks.
 void shareBricks(std::vector<FinishedBrick>& noted, Ranks& ranks) {
   if (ranks.alone()) return;
   std::vector<std::byte> bytes;
@@ -45,7 +45,7 @@ void shareBricks(std::vector<FinishedBrick>& noted, Ranks& ranks) {
   }
 }
 
-// Collective, with the same bricks on all ranks. Which of them have whole files, a byte each.
+// Collective, with equal bricks on all ranks. Returns a byte per brick: 1 if its file is whole.
 std::vector<std::byte> wholeOf(const std::vector<FinishedBrick>& noted, const fs::path& directory, Ranks& ranks,
                                Progress& progress) {
   std::vector<std::byte> whole(noted.size());
@@ -66,7 +66,7 @@ std::vector<std::byte> wholeOf(const std::vector<FinishedBrick>& noted, const fs
 void forEachWholeBrick(const fs::path& directory, Ranks& ranks, Progress& progress,
                        const std::function<void(const FinishedBrick&)>& keep) {
   std::vector<FinishedBrick> noted;
-  // Collective. False where the first rank has no more of them.
+  // Collective. Returns false if the first rank has no more bricks.
   const auto lookAtThem = [&] {
     shareBricks(noted, ranks);
     if (noted.empty()) return false;
@@ -82,7 +82,7 @@ void forEachWholeBrick(const fs::path& directory, Ranks& ranks, Progress& progre
       noted.push_back({brick.key, brick.entry, {}});
       if (noted.size() == kAtOnce) lookAtThem();
     });
-    // The last of them, and then none, which ends it on the other ranks.
+    // Sends the last bricks, then an empty list, which ends the loop of the other ranks.
     if (lookAtThem()) lookAtThem();
   } else {
     while (lookAtThem()) {

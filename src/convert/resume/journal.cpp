@@ -1,5 +1,5 @@
-// The file: "KILNJNL4", then records of a u32 length, the hash of the payload, and the payload. The first is the
-// identity as three strings that end in 0, each other one is a brick.
+// File format: "KILNJNL4", then records of a u32 length, the hash of the payload, and the payload. The first record is
+// the identity as three zero-terminated strings; each other record is a brick.
 #include "convert/resume/journal.h"
 
 #include <utility>
@@ -28,7 +28,7 @@ std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payloa
   return taker.ok ? std::optional(out) : std::nullopt;
 }
 
-// Calls take(brick, payload) for each brick of a journal up to the first record that is not whole.
+// Calls take(brick, payload) for each brick of a journal, up to the first record that is not whole.
 template <class Take>
 void readBricks(const fs::path& path, Take&& take) {
   bool is_first = true;

@@ -1,5 +1,5 @@
-// What of a conversion is done, written beside the bricks as they are: what a resumed conversion goes on from. It is no
-// part of a store, and is removed when the manifest is there.
+// The finished bricks of a conversion, recorded as they are written; a resumed conversion continues from the journal.
+// It is not a part of a store, and is removed once the manifest is written.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@
 
 namespace kiln {
 
-/// What a conversion makes its store of, as text: two conversions with the same identity write the same bricks.
+/// Text that identifies the result of a conversion: conversions of equal `volume` write equal bricks.
 struct ConversionIdentity {
   std::string volume;         // source files with sizes and times, geometry, type, options, library versions
-  std::string command, time;  // of the first run: what the manifest will say
+  std::string command, time;  // of the first run, for the manifest
 };
 
 struct FinishedBrick {
@@ -28,24 +28,24 @@ struct FinishedBrick {
   ValueCounts counts;  // of the core's voxels; empty above level 0
 };
 
-/// A brick as bytes, and back; nothing where they are none.
+/// Converts a brick to bytes and back; nothing if the bytes are no brick.
 std::vector<std::byte> bytesOf(const FinishedBrick& brick);
 std::optional<FinishedBrick> finishedBrickFrom(std::span<const std::byte> bytes);
 
 class Journal {
  public:
-  /// Begins a journal in `directory` with the bricks of the one that is there, if there is one, of which keep(brick)
-  /// says so; it is given the counts, too. memory: a record. throws: Error kNoSpace, kIo.
+  /// Begins a journal in `directory` with the bricks of an existing journal for which keep(brick) returns true; `keep`
+  /// also gets the counts. memory: one record. throws: Error kNoSpace, kIo.
   Journal(const std::filesystem::path& directory, const ConversionIdentity& identity,
           const std::function<bool(const FinishedBrick&)>& keep, FileSystem& disk);
   /// thread: safe. throws: Error kNoSpace, kIo.
   void append(const FinishedBrick& brick);
 
-  /// The conversion that the journal in `directory` is of; nothing where there is none or its beginning is damaged.
+  /// Returns the identity in the journal of `directory`; nothing if there is no journal or its begin is damaged.
   /// throws: Error kIo.
   static std::optional<ConversionIdentity> identityIn(const std::filesystem::path& directory);
-  /// Calls take(brick) for the bricks of the journal, up to the first record that is not whole. Their files may be
-  /// damaged, and a brick may come twice. memory: a record. throws: Error kIo.
+  /// Calls take(brick) for the bricks of the journal, up to the first record that is not whole. Files of these bricks
+  /// may be damaged, and a brick may come twice. memory: one record. throws: Error kIo.
   static void forEachBrick(const std::filesystem::path& directory,
                            const std::function<void(const FinishedBrick&)>& take);
   static std::filesystem::path pathIn(const std::filesystem::path& directory);

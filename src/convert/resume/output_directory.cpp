@@ -44,7 +44,7 @@ bool isNameInStore(const fs::path& name) {
   return name.string().starts_with("scratch_") && name.extension() == ".tmp";
 }
 
-// True where folders below the directory, which anybody may have named, hold anything but files of bricks.
+// True if folders below the directory, which any program may have named, contain anything but brick files.
 bool holdsOthers(const fs::path& directory) {
   bool out = false;
   forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
@@ -57,13 +57,13 @@ bool holdsOthers(const fs::path& directory) {
   return out;
 }
 
-// Files that a desktop leaves in every folder that it shows; nobody keeps anything in them.
+// Files that desktops leave in every folder shown, without value to a user.
 bool isDroppedByDesktop(const fs::path& name) {
   static const std::set<std::string> kNames = {".DS_Store", ".directory", ".localized", "Thumbs.db", "desktop.ini"};
   return kNames.contains(name.string()) || name.string().starts_with("._");
 }
 
-// The names in a directory that are no store's, in alphabetical order.
+// Returns the names in a directory that do not belong to a store, in alphabetical order.
 std::vector<std::string> strangersIn(const fs::path& directory) {
   std::vector<std::string> out;
   forEachEntry(directory, [&](const fs::directory_entry& entry) {
@@ -75,7 +75,7 @@ std::vector<std::string> strangersIn(const fs::path& directory) {
   return out;
 }
 
-// True for a directory that holds nothing but what a store, finished or not, holds: what may be replaced or resumed.
+// True for a directory with only the contents of a store, finished or not: safe to replace or resume.
 bool holdsOnlyAStore(const fs::path& directory) {
   std::error_code error;
   if (!fs::is_directory(directory, error)) return false;
@@ -83,15 +83,15 @@ bool holdsOnlyAStore(const fs::path& directory) {
   return !error && (isStore(directory) || isUnfinished(directory) || !holdsOthers(directory));
 }
 
-// What an --overwrite that was interrupted left of the store that it replaced, whose manifest goes first. With a
-// manifest it is somebody's.
+// True for the rest of a replaced store left by an interrupted --overwrite, whose manifest is removed first. With a
+// manifest it may be a user's store.
 bool mayBeRemoved(const fs::path& old) {
   return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old) && !isUnfinished(old));
 }
 
 fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
-// Where the store will be: names are put beside it, so that "." and ".." get the names that they stand for.
+// Resolves links, "." and "..", because the ".partial" and ".old" names are formed from the result.
 fs::path placeOf(const fs::path& out) {
   const fs::path named = withoutTrailingSlash(out);
   std::error_code unknown;
@@ -177,19 +177,19 @@ void OutputDirectory::make() {
   requireOwner(building_);
 }
 
-// Gives both stores the names that they had before an exchange that failed, as far as the file system lets it.
+// Restores the names of both stores after a failed exchange, as far as the file system allows.
 void OutputDirectory::restoreNames(bool exchanged) const noexcept {
   try {
     if (exchanged && !FileSystem::real().exchange(old(), out_)) return;
   } catch (const Error&) {
-    return;  // the first error is the one to report
+    return;  // the caller reports the first error
   }
   std::error_code ignored;
   fs::rename(old(), building_, ignored);
 }
 
-// Takes the name of the old store without a moment in which a reader finds none. Returns false, with nothing changed,
-// where the file system cannot exchange names. A crash between both calls leaves the old store where it was.
+// Exchanges the new store with the old store, so that a reader always finds a store. Returns false, with nothing
+// changed, if the file system cannot exchange names. A crash between both calls leaves the old store in place.
 bool OutputDirectory::exchange() {
   bool exchanged = false;
   try {
@@ -217,7 +217,7 @@ void OutputDirectory::replaceInSteps(bool replaces) {
   if (replaces) disk_.rename(out_, old());
   try {
     disk_.rename(building_, out_);
-    // Both names must be on the disk before the old store goes.
+    // Both names must be on the disk before the old store is removed.
     disk_.syncAll(out_);
   } catch (...) {
     if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
@@ -239,7 +239,7 @@ void OutputDirectory::commit() {
     if (replaces) disk_.removeAll(old() / "manifest.json");
     if (replaces) disk_.removeAll(old());
   } catch (const Error& error) {
-    // The new store is in place, as was asked; the next --overwrite removes what is left of the old one.
+    // The new store is in place; the next --overwrite removes the rest of the old store.
     left_old_ = fmt::format("{} is left of the store that was replaced ({}); remove it", old().string(), error.what());
   }
   tidy();

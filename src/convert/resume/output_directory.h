@@ -1,5 +1,5 @@
-// Where a conversion builds its store, what of an earlier one it may replace or go on with, and how the new store comes
-// to stand at its name in one step.
+// The output directory of a conversion: decides if an existing directory may be replaced or resumed, builds the store,
+// and publishes the store under the final name in a single step.
 #pragma once
 
 #include <filesystem>
@@ -11,39 +11,42 @@
 
 namespace kiln {
 
-/// Whether a store may be built there without anything being lost: nothing has the name, or an empty directory.
+/// True if a store can be built without loss: the name is free, or is an empty directory.
 bool isNothing(const std::filesystem::path& path);
 
 class OutputDirectory {
  public:
-  /// A new store at `out`; with `overwrite` in place of one that is there, which stays until the new one is whole; with
-  /// `resume` what an interrupted conversion left is gone on with; with both, resumed where there is something to
-  /// resume and replaced where not. throws: Error kExists where what is there is neither to be replaced nor resumed,
-  /// or OUT.old, a name that replacing needs, is somebody's; kUsage where `out` is in another store; kIo where others
-  /// could change what is made there. From here on no other process makes a store at `out`: a lock is held (lockOf),
-  /// unless `locked` is the caller's, and where another process holds it Error kExists is thrown.
+  /// Opens the output for a new store at `out`.
+  /// - `overwrite`: replaces an existing store, which stays until the new store is whole.
+  /// - `resume`: continues an interrupted conversion.
+  /// - both: resumes if possible, else replaces.
+  /// Holds a lock (lockOf) from here on, unless the caller passes its own as `locked`: no other process can make a
+  /// store at `out`.
+  /// throws: Error kExists if existing files may neither be replaced nor resumed, if OUT.old, a name needed for
+  /// replacing, belongs to the user, or if another process holds the lock; kUsage if `out` is inside another
+  /// store; kIo if other users could change the new files.
   OutputDirectory(const std::filesystem::path& out, bool overwrite, bool resume, FileSystem& disk,
                   const FileLock* locked = nullptr);
 
   /// The lock on `out`.
   const FileLock& lock() const { return *lock_; }
 
-  /// The directory in which the store is built: `out`, or a name beside it.
+  /// The directory of the unfinished store: `out`, or a name beside `out`.
   const std::filesystem::path& building() const { return building_; }
-  /// True where an earlier conversion wrote the last byte, and at most the name is left to change.
+  /// True if an earlier conversion wrote the last byte, and at most the renaming is left.
   bool finished() const { return finished_; }
-  /// Removes what an earlier conversion left. requires: not finished().
+  /// Removes the files of an earlier conversion. requires: not finished().
   void clear();
-  /// Makes the directory, if it is not there. throws: Error kIo, also where it is another user's.
+  /// Makes the directory if needed. throws: Error kIo, also if the directory belongs to another user.
   void make();
-  /// The built store loses what only a resumed conversion needs, and takes its name. throws: Error kIo; what was at
-  /// `out` is then still there.
+  /// Removes the files needed for resuming only, and gives the store its name. throws: Error kIo; the old contents of
+  /// `out` are then still there.
   void commit();
-  /// After it, a sentence on the store that was replaced, where that is left; else empty.
+  /// After `commit`, a sentence about a replaced store that could not be removed; else empty.
   const std::string& leftOld() const { return left_old_; }
-  /// What was built stays, and is no store.
+  /// Keeps the built files, without a manifest.
   void keepForResuming() noexcept;
-  /// Removes what was built.
+  /// Removes the built files.
   void abandon() noexcept;
 
  private:
@@ -51,7 +54,7 @@ class OutputDirectory {
   bool exchange();
   void restoreNames(bool exchanged) const noexcept;
   void replaceInSteps(bool replaces);
-  // Where the store that is replaced waits until the new one has its name.
+  // Name of the replaced store while the new store takes the name `out`.
   std::filesystem::path old() const;
   void requirePlaceForOld() const;
   void choosePlace(bool overwrite, bool resume);

@@ -35,9 +35,9 @@ std::string stampOf(const std::vector<fs::path>& regular, bool named) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     const fs::file_time_type written = error ? fs::file_time_type() : fs::last_write_time(file, error);
-    // A state without a file's time would match no later one, or the wrong one.
+    // A state without a file's time would match no later state, or a wrong one.
     if (error) throw systemError(error.value(), file, "looking at the source");
-    // The names of slices are their order; one file may be moved with its store.
+    // The names of slices give their order; a single file may be moved with its store.
     all += fmt::format("{} {} {}\n", size, written.time_since_epoch().count(), named ? file.filename().string() : "");
   }
   return toHex(hashOf(all));
@@ -49,10 +49,11 @@ std::string clockOf(const std::vector<fs::path>& regular) {
   return toHex(hashOf(all));
 }
 
-// Adds the hashes of the file's blocks.
+// Appends the hashes of the file's blocks.
 void addContent(const fs::path& path, std::uint64_t share_bytes, std::string& all) {
   const File file(path);
-  const std::uint64_t block = share_bytes < (1u << 20) ? 4096 : 65536;  // a page; what a disk reads in about a seek
+  // a page; about the bytes a disk reads in the time of a seek
+  const std::uint64_t block = share_bytes < (1u << 20) ? 4096 : 65536;
   const std::uint64_t size = file.size();
   const bool whole = size <= share_bytes;
   const std::uint64_t blocks = whole ? (size + block - 1) / block : share_bytes / block;

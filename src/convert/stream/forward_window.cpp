@@ -59,7 +59,7 @@ std::int64_t ForwardWindow::readableEnd() const {
 
 bool ForwardWindow::mayRead() const { return !reading_ && read_to_.z < readableEnd(); }
 
-// Some rows of a slice, or several whole slices, that lie together in the ring.
+// Returns some rows of a slice, or several whole slices that are contiguous in the ring.
 VoxelBox ForwardWindow::nextStrip() const {
   const Extent3& dims = source_.info().geometry.dims;
   const std::int64_t to_wrap = ring_->slices() - read_to_.z % ring_->slices();

@@ -1,9 +1,11 @@
-// Bricks out of a source that can only be read forwards, while it is being read. A monitor: each lane, under one lock,
-// takes the next strip of rows to read where nobody reads and the ring has room, else the next brick whose slices are
-// all there, else waits. Reading goes first, as it is the one thing that cannot be divided.
-// Invariant: the ring holds the slices from the first that an unfinished layer of bricks needs to the last one read,
-// and it is at least one layer thick; so whenever it is full that layer is whole, and nobody waits in vain.
-// Cost: constant work a strip and a brick; a strip is 256 KiB, of one slice or of several thin ones.
+// Problem. A compressed stream can only be read forwards, and bricks must be cut during the single pass.
+// Method. A monitor with a single lock. A lane reads the next strip of rows if no lane is reading and the ring has
+// room; else takes the next brick whose slices are all there; else waits. Reading has priority because reading cannot
+// be divided.
+// Invariant. The ring holds the slices from the first slice needed by an unfinished layer of bricks to the last slice
+// read, and is at least a layer thick. So whenever the ring is full, that layer is complete, and no lane waits for
+// ever.
+// Cost. Constant work per strip and brick; a strip is 256 KiB, of a single slice or of several thin slices.
 #pragma once
 
 #include <condition_variable>
@@ -19,25 +21,25 @@ namespace kiln {
 
 class ForwardWindow {
  public:
-  /// The next brick (brickAt) to be cut, in rising order; nothing after the last.
+  /// Returns the next brick (brickAt) to be cut, in rising order; nothing after the last brick.
   using Next = std::function<std::optional<std::int64_t>()>;
 
   /// shape: bricks of `brick_size` with their aprons. requires: the ring holds at least `slicesOfLayer`; nothing has
-  /// been read from `source`, and nobody else reads from it.
+  /// been read from `source`, and nothing else reads from it.
   ForwardWindow(VolumeSource& source, std::unique_ptr<SliceRing> ring, std::int64_t brick_size, Next next,
                 Progress& progress);
 
-  /// The most slices that one layer of bricks covers, aprons included.
+  /// Upper bound for the slices that one layer of bricks covers, aprons included.
   static std::int64_t slicesOfLayer(const Extent3& dims, std::int64_t brick_size);
 
-  /// Takes part until all bricks are taken: reads, and calls brick(i) for each that `next` gives, whose box may be
-  /// copied meanwhile; each once, over all calls. thread: any number of calls at once, one suffices. throws: what
-  /// source, ring, `next` and `brick` throw, Error kCancelled; all other calls then return.
+  /// Joins the work until all bricks are taken: reads, and calls brick(i) for each brick of `next`; the brick's box can
+  /// be copied during the call. Each brick is handled once over all calls.
+  /// thread: any number of concurrent calls; one suffices. throws: the exceptions of source, ring, `next` and `brick`,
+  /// Error kCancelled; all other calls then return.
   void work(const std::function<void(std::int64_t)>& brick);
-  /// shape: as VolumeSource::read. requires: inside of a brick's stored box, in its turn. thread: safe.
+  /// shape: as VolumeSource::read. requires: called by brick(i), with `box` inside its stored box. thread: safe.
   void copy(const VoxelBox& box, std::span<std::byte> out) const { ring_->copy(box, out); }
-  /// Whether the source was read to its end, as it is by whoever takes a brick of the last layer. requires: no call of
-  /// `work` is under way. So does `waitedSeconds`, how long calls of it waited for slices, together.
+  /// True if the source was read to the end, which is needed for the last layer of bricks.
   bool readAll() const { return read_to_.z == source_.info().geometry.dims.z; }
   double waitedSeconds() const { return waited_s_; }
 
@@ -48,9 +50,9 @@ class ForwardWindow {
   };
   std::int64_t layerOf(std::int64_t brick) const { return brick / bricks_in_layer_; }
   Layer slicesOf(std::int64_t layer) const;
-  /// The first slice that a brick in work, or the next one, needs.
+  /// First slice needed by a brick in work or by the next brick.
   std::int64_t firstNeeded() const;
-  /// The slice that there is no room for, or the end.
+  /// First slice for which the ring has no room, or the end.
   std::int64_t readableEnd() const;
   bool mayRead() const;
   VoxelBox nextStrip() const;
@@ -65,10 +67,10 @@ class ForwardWindow {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::int64_t, std::int64_t> in_work_;  // by layer, bricks that are taken and not finished
+  std::map<std::int64_t, std::int64_t> in_work_;  // by layer: bricks taken and not finished
   const Next next_;
   std::optional<std::int64_t> next_brick_;
-  VoxelCoord read_to_;  // the next row
+  VoxelCoord read_to_;  // the next row to read
   bool begun_ = false, reading_ = false, failed_ = false;
   double waited_s_ = 0;
 };

@@ -28,7 +28,7 @@ double roundAll(std::span<T> values) {
 
 double roundToHalf(VoxelType type, std::span<std::byte> voxels) {
   return withVoxelType(type, [&]<class T>(std::type_identity<T>) -> double {
-    if constexpr (sizeof(T) == 1) return 0;  // a half holds them all
+    if constexpr (sizeof(T) == 1) return 0;  // a half holds all 8-bit values
     return roundAll(std::span(reinterpret_cast<T*>(voxels.data()), voxels.size() / sizeof(T)));
   });
 }

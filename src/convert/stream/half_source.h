@@ -1,4 +1,4 @@
-// A source whose values are rounded to the nearest that 16-bit floats hold: smaller bricks, at an error that is known.
+// Wraps a source and rounds its values to 16-bit floats: smaller bricks, at a known error.
 #pragma once
 
 #include <memory>
@@ -8,18 +8,17 @@
 
 namespace kiln {
 
-/// Rounds voxels of `type` to the nearest values that a half holds; returns the largest change. Infinities and NaN
-/// stay.
+/// Rounds voxels of `type` to the nearest half floats; returns the largest change. Infinities and NaN stay.
 double roundToHalf(VoxelType type, std::span<std::byte> voxels);
 
 class HalfSource : public VolumeSource {
  public:
-  /// throws: Error kUsage where the source has 32-bit integers or doubles.
+  /// throws: Error kUsage if the source has 32-bit integers or doubles.
   explicit HalfSource(std::unique_ptr<VolumeSource> exact);
 
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return exact_->order(); }
-  /// Values beyond what a half holds become the nearest that it does; infinities and NaN stay.
+  /// Values beyond the range of half become its largest value; infinities and NaN stay.
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   void finish() override {
     exact_->finish();

@@ -14,7 +14,7 @@ namespace kiln {
 namespace {
 
 constexpr std::uint64_t kStripBytes = 256 << 10;
-// A read costs about 1 µs beside its bytes, as long as it takes to inflate 1 KiB: smaller slices are read together.
+// A read costs about 1 µs beside its bytes, the time to inflate 1 KiB: smaller slices are read together.
 constexpr std::uint64_t kThinBytes = 1 << 10;
 
 std::uint64_t rowBytes(const SourceInfo& info) {
@@ -59,8 +59,8 @@ class RingInMemory : public SliceRing {
   UnsetBytes bytes_;
 };
 
-// In the file a slice lies column by column, each as wide as a usual brick and row after row, so that a box is read in
-// a few long runs: a call for each of its short rows would take longer than encoding them.
+// A slice in the file is stored in columns as wide as a usual brick, row after row, so a box is read in a few long
+// runs. One read per short row would take longer than encoding.
 class RingOnDisk : public SliceRing {
  public:
   RingOnDisk(const SourceInfo& info, std::int64_t slices, const std::filesystem::path& directory, FileSystem& disk)
@@ -110,14 +110,14 @@ class RingOnDisk : public SliceRing {
  private:
   static constexpr std::int64_t kColumn = 128;  // voxels
 
-  // What `box` touches, over the whole width of each column.
+  // Calls `body` for each column that `box` touches, over the column's whole width.
   template <class Body>
   void forEachColumn(const VoxelBox& box, Body&& body) const {
     for (std::int64_t x = box.lo.x / kColumn * kColumn; x < box.hi.x; x += kColumn) {
       body(VoxelBox{{x, box.lo.y, box.lo.z}, {std::min(x + kColumn, dims_.x), box.hi.y, box.hi.z}});
     }
   }
-  // Of the first voxel of a row of the column.
+  // Returns the file position of a voxel row within the column. unit: bytes.
   std::uint64_t offsetOf(const VoxelCoord& at, const VoxelBox& column) const {
     const std::int64_t before = column.lo.x * dims_.y + at.y * column.extent().x;
     return static_cast<std::uint64_t>(at.z % slices_) * slice_bytes_ + static_cast<std::uint64_t>(before) * voxel_;

@@ -66,9 +66,9 @@ struct CountedKeys {
   double width(std::size_t first, std::size_t last) const { return values[last].hi - values[first].lo; }
 };
 
-// The number of keys to leave out at an end: keys of a few voxels, then a key far from all remaining keys.
+// Returns the number of keys to leave out at an end: keys of a few voxels, then a key far from all remaining keys.
 std::size_t strayKeys(const CountedKeys& keys, std::uint64_t few, bool at_end) {
-  // Fewer keys are names of things rather than measurements.
+  // Fewer keys than this are names of things rather than measurements.
   constexpr std::size_t kFewestKeys = 16;
   constexpr double kFar = 1e4;
   const std::size_t all = keys.counts.size();

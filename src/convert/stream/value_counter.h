@@ -22,8 +22,8 @@
 
 namespace kiln {
 
-/// The counts of some voxels, without the keys that none has. A key of floats is the upper bits of the ordered float,
-/// then a set bit, then zeros: the place of the last set bit is the width of the bin.
+/// Counts of some voxels; keys without voxels are omitted. A key of floats is the upper bits of the ordered float, then
+/// a set bit, then zeros: the position of the last set bit gives the width of the bin.
 struct ValueCounts {
   std::vector<std::pair<std::uint32_t, std::uint64_t>> keys;
   std::uint64_t nan_count = 0;
@@ -43,12 +43,12 @@ class ValueCounter {
   ValueCounts take();
 
   std::uint64_t nanCount() const { return nan_count_; }
-  /// Of `range`, the least and the greatest value counted, what people want to look at: all of it; but where a voxel in
-  /// 100 000 at either end, or a single value far away from all others, makes it many times as wide, the rest. So what
-  /// a file has where it knows nothing (-3.4e38, 65535) is left out, and so are infinities. Of labels all.
+  /// Returns the part of `range`, the range of all counted values, that is worth showing. Outliers are left out if they
+  /// widen the range many times: up to one voxel in 100 000 at either end, and a single value far from the rest.
+  /// Examples are fill values (-3.4e38, 65535) and infinities. For labels, returns `range`.
   ValueRange commonRange(const ValueRange& range) const;
-  /// The counts in equal bins over `range`. Voxels of a wide key are spread evenly over the key's values; voxels beyond
-  /// the range are in the first and the last bin.
+  /// Returns the counts in equal bins over `range`. Voxels of a wide key are spread evenly over the key's values;
+  /// voxels beyond the range are in the first or the last bin.
   ValueHistogram histogram(const ValueRange& range, std::size_t bins = kHistogramBins) const;
 
  private:
