@@ -15,8 +15,9 @@ bool within(const Shape& a, const Shape& b, float mm) {
   return true;
 }
 
-// A shape affects a surface up to its own blend, or the blend of a later shape that joins it, and five quarters of the
-// blend from the possible surface of the union. A carving shape also reaches through its shell.
+// Bounds the distance from its box at which a shape affects a surface of its part. The decisive blend is the shape's
+// own, or that of a later shape that joins it. The influence ends within five quarters of this blend from the surface
+// of the union. A carving shape also reaches through its shell.
 float reachOf(std::span<const Shape> part, std::size_t i) {
   float blend = part[i].blend;
   for (std::size_t j = i + 1; j < part.size(); ++j) {
