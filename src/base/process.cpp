@@ -37,10 +37,10 @@ std::uint64_t mostOpenFiles() {
 FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
     : program_(program) {
   int ends[2] = {-1, -1};
-  complaints_ = ::memfd_create("complaints", MFD_CLOEXEC);
-  if (complaints_ < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+  error_output_ = ::memfd_create("error output", MFD_CLOEXEC);
+  if (error_output_ < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     const int error = errno;
-    if (complaints_ >= 0) ::close(complaints_);
+    if (error_output_ >= 0) ::close(error_output_);
     throw systemError(error, program, "starting the program");
   }
   std::string name = program.string();
@@ -52,14 +52,14 @@ FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<s
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  ::posix_spawn_file_actions_adddup2(&actions, complaints_, STDERR_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, error_output_, STDERR_FILENO);
   pid_t process = -1;
   const int error = ::posix_spawn(&process, name.c_str(), &actions, nullptr, raw.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   ::close(ends[1]);
   if (error != 0) {
     ::close(ends[0]);
-    ::close(complaints_);
+    ::close(error_output_);
     throw systemError(error, program, "starting the program");
   }
   input_ = ends[0];
@@ -73,14 +73,14 @@ FedProcess::~FedProcess() {
     while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
-  ::close(complaints_);
+  ::close(error_output_);
 }
 
 void FedProcess::closeInput() {
   if (input_ >= 0) ::close(std::exchange(input_, -1));
 }
 
-void FedProcess::write(std::span<const std::byte> data, const Waiting& waiting) {
+void FedProcess::write(std::span<const std::byte> data, const WaitHandler& waiting) {
   constexpr int kWait_ms = 100;
   while (!data.empty()) {
     pollfd room{input_, POLLOUT, 0};
@@ -95,7 +95,7 @@ void FedProcess::write(std::span<const std::byte> data, const Waiting& waiting) 
   }
 }
 
-void FedProcess::finish(const Waiting& waiting) {
+void FedProcess::finish(const WaitHandler& waiting) {
   using namespace std::chrono_literals;
   closeInput();
   int status = 0;
@@ -114,13 +114,13 @@ void FedProcess::finish(const Waiting& waiting) {
 void FedProcess::fail(const std::string& what) const {
   // Last line of standard error.
   std::array<char, 2000> buffer;
-  const off_t size = ::lseek(complaints_, 0, SEEK_END);
+  const off_t size = ::lseek(error_output_, 0, SEEK_END);
   const off_t from = size > static_cast<off_t>(buffer.size()) ? size - static_cast<off_t>(buffer.size()) : 0;
-  const ssize_t got = ::pread(complaints_, buffer.data(), buffer.size(), from);
-  std::string said(buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
-  while (!said.empty() && (said.back() == '\n' || said.back() == '\r')) said.pop_back();
-  said.erase(0, said.find_last_of('\n') + 1);
-  throw Error(ErrorCode::kIo, program_, "", what + (said.empty() ? "" : ": " + said));
+  const ssize_t got = ::pread(error_output_, buffer.data(), buffer.size(), from);
+  std::string last_line(buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  while (!last_line.empty() && (last_line.back() == '\n' || last_line.back() == '\r')) last_line.pop_back();
+  last_line.erase(0, last_line.find_last_of('\n') + 1);
+  throw Error(ErrorCode::kIo, program_, "", what + (last_line.empty() ? "" : ": " + last_line));
 }
 
 }  // namespace kiln

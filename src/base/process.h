@@ -29,19 +29,19 @@ class FedProcess {
   FedProcess& operator=(const FedProcess&) = delete;
 
   /// Called several times a second while the program does not read; may throw.
-  using Waiting = std::function<void()>;
+  using WaitHandler = std::function<void()>;
   /// throws: Error kIo, with the program's last error line, if the program stops reading; any exception of `waiting`.
-  void write(std::span<const std::byte> data, const Waiting& waiting);
+  void write(std::span<const std::byte> data, const WaitHandler& waiting);
   /// Closes the input and waits for the program to end. throws: Error kIo, with the program's last error line, if the
   /// program fails; any exception of `waiting`.
-  void finish(const Waiting& waiting);
+  void finish(const WaitHandler& waiting);
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
   void closeInput();
 
   std::filesystem::path program_;
-  int input_ = -1, complaints_ = -1;
+  int input_ = -1, error_output_ = -1;
   int process_ = -1;
 };
 

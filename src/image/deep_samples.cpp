@@ -23,62 +23,62 @@ float partInFront(float alpha, float t) {
 
 }  // namespace
 
-DeepSamples::Rounded DeepSamples::rounded(float v) {
+DeepSamples::PackedError DeepSamples::packError(float v) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(v);
-  return static_cast<Rounded>((bits >> 16) + ((bits & 0xffff) != 0 ? 1 : 0));
+  return static_cast<PackedError>((bits >> 16) + ((bits & 0xffff) != 0 ? 1 : 0));
 }
 
-float DeepSamples::valueOf(Rounded v) { return std::bit_cast<float>(static_cast<std::uint32_t>(v) << 16); }
+float DeepSamples::unpackError(PackedError v) { return std::bit_cast<float>(static_cast<std::uint32_t>(v) << 16); }
 
-DeepSamples::Kept DeepSamples::joined(const Kept& a, const Kept& b) {
-  Kept out = a;
+DeepSamples::MergedSample DeepSamples::merged(const MergedSample& a, const MergedSample& b) {
+  MergedSample out = a;
   const float open = 1 - a.sample.rgba[kAlpha];
   out.sample.z_back = b.sample.z_back;
   for (std::size_t c = 0; c < 4; ++c) out.sample.rgba[c] += open * b.sample.rgba[c];
   // An opaque layer stays opaque in spite of rounding.
   if (b.sample.rgba[kAlpha] == 1) out.sample.rgba[kAlpha] = 1;
-  out.error = a.joint;
-  out.joint = b.joint;
+  out.error = a.merge_error;
+  out.merge_error = b.merge_error;
   return out;
 }
 
 // `in_front`: transmittance of everything in front of `a`.
-DeepSamples::Rounded DeepSamples::jointError(const Kept& a, const Kept& b, float in_front) {
-  const DeepSample both = joined(a, b).sample;
+DeepSamples::PackedError DeepSamples::mergeError(const MergedSample& a, const MergedSample& b, float in_front) {
+  const DeepSample both = merged(a, b).sample;
   const float depth = both.z_back - both.z;
   float most = 0;
   for (const float border : {a.sample.z_back, b.sample.z}) {
     const float part = partInFront(both.rgba[kAlpha], depth > 0 ? (border - both.z) / depth : 1);
     for (std::size_t c = 0; c < 4; ++c) most = std::max(most, std::abs(a.sample.rgba[c] - part * both.rgba[c]));
   }
-  return rounded(valueOf(a.error) + valueOf(b.error) + in_front * most);
+  return packError(unpackError(a.error) + unpackError(b.error) + in_front * most);
 }
 
 DeepSamples::DeepSamples(const PixelRect& rect, const DeepBound& bound, double origin_depth)
     : bound_(bound), origin_depth_(origin_depth), lists_(rect) {}
 
 std::uint64_t DeepSamples::bytesFor(std::uint64_t pixels, const DeepBound& bound) {
-  return PixelLists<Kept>::bytesFor(pixels, bound.samples);
+  return PixelLists<MergedSample>::bytesFor(pixels, bound.samples);
 }
 
 // Adds `sample` behind a full pixel, then merges the two neighbours with the least error. `open`: transmittance of
 // everything in front of `sample`.
-void DeepSamples::joinLeast(int x, int y, const Kept& sample, float open) {
-  std::array<Kept*, DeepBound::kMostSamples + 1> all{};
+void DeepSamples::mergeLeast(int x, int y, const MergedSample& sample, float open) {
+  std::array<MergedSample*, DeepBound::kMostSamples + 1> all{};
   std::size_t count = 0;
-  lists_.forEach(x, y, [&](Kept& kept) { all[count++] = &kept; });
-  Kept last = sample;
+  lists_.forEach(x, y, [&](MergedSample& kept) { all[count++] = &kept; });
+  MergedSample last = sample;
   all[count] = &last;
-  const auto least =
-      static_cast<std::size_t>(std::min_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
-                                                [](const Kept* a, const Kept* b) { return a->joint < b->joint; }) -
-                               all.begin());
+  const auto least = static_cast<std::size_t>(
+      std::min_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
+                       [](const MergedSample* a, const MergedSample* b) { return a->merge_error < b->merge_error; }) -
+      all.begin());
   // Transmittance in front of each sample, computed from the back.
   for (std::size_t i = count; i-- > (least > 0 ? least - 1 : 0);) open /= 1 - all[i]->sample.rgba[kAlpha];
-  *all[least] = joined(*all[least], *all[least + 1]);
+  *all[least] = merged(*all[least], *all[least + 1]);
   for (std::size_t i = least + 1; i < count; ++i) *all[i] = *all[i + 1];
   for (std::size_t i = least > 0 ? least - 1 : 0; i <= least && i + 1 < count; ++i) {
-    all[i]->joint = jointError(*all[i], *all[i + 1], open);
+    all[i]->merge_error = mergeError(*all[i], *all[i + 1], open);
     open *= 1 - all[i]->sample.rgba[kAlpha];
   }
 }
@@ -87,29 +87,29 @@ void DeepSamples::add(int x, int y, float z, float z_back, const float* before, 
   const float open = 1 - before[kAlpha];
   if (!(open > 0) || std::equal(before, before + 4, after)) return;
   const int count = lists_.count(x, y);
-  Kept sample{{z, z_back, {}}, 0, 0};
+  MergedSample sample{{z, z_back, {}}, 0, 0};
   for (std::size_t c = 0; c < 4; ++c) sample.sample.rgba[c] = std::max(after[c] - before[c], 0.0f) / open;
   float& alpha = sample.sample.rgba[kAlpha];
   alpha = after[kAlpha] >= 1 ? 1 : std::min(alpha, 1.0f);
   if (count > 0) {
-    Kept& last = lists_.last(x, y);
+    MergedSample& last = lists_.last(x, y);
     // Rounding must not move a layer into the layer before.
     sample.sample.z = std::max(z, last.sample.z_back);
     sample.sample.z_back = std::max(z_back, sample.sample.z);
-    last.joint = jointError(last, sample, open / (1 - last.sample.rgba[kAlpha]));
-    if (valueOf(last.joint) <= bound_.error && bound_.error > 0) {
-      last = joined(last, sample);
+    last.merge_error = mergeError(last, sample, open / (1 - last.sample.rgba[kAlpha]));
+    if (unpackError(last.merge_error) <= bound_.error && bound_.error > 0) {
+      last = merged(last, sample);
       return;
     }
   }
   if (count < bound_.samples)
     lists_.append(x, y, sample);
   else
-    joinLeast(x, y, sample, open);
+    mergeLeast(x, y, sample, open);
 }
 
 void DeepSamples::copy(int x, int y, DeepSample* out) const {
-  lists_.forEach(x, y, [&](const Kept& kept) {
+  lists_.forEach(x, y, [&](const MergedSample& kept) {
     *out = kept.sample;
     out->z = static_cast<float>(out->z + origin_depth_);
     out->z_back = static_cast<float>(out->z_back + origin_depth_);

@@ -48,23 +48,23 @@ class DeepSamples {
 
  private:
   // A positive number as the upper half of a float, rounded up.
-  using Rounded = std::uint16_t;
-  struct Kept {
+  using PackedError = std::uint16_t;
+  struct MergedSample {
     DeepSample sample;
-    Rounded error;  // error of all mergings so far
-    Rounded joint;  // error of a merging with the next sample
+    PackedError error;        // error of all mergings so far
+    PackedError merge_error;  // error of a merging with the next sample
   };
 
-  static Rounded rounded(float v);
-  static float valueOf(Rounded v);
-  static Kept joined(const Kept& a, const Kept& b);
-  static Rounded jointError(const Kept& a, const Kept& b, float in_front);
+  static PackedError packError(float v);
+  static float unpackError(PackedError v);
+  static MergedSample merged(const MergedSample& a, const MergedSample& b);
+  static PackedError mergeError(const MergedSample& a, const MergedSample& b, float in_front);
 
-  void joinLeast(int x, int y, const Kept& sample, float open);
+  void mergeLeast(int x, int y, const MergedSample& sample, float open);
 
   const DeepBound bound_;
   const double origin_depth_;
-  PixelLists<Kept> lists_;
+  PixelLists<MergedSample> lists_;
 };
 
 }  // namespace kiln

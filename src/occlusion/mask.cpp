@@ -62,13 +62,13 @@ class WordGrid {
   // The unset bits of `units`, which lie in one, two or four words. The computation has no branch on the number of
   // words.
   // requires: fewIn(coarser(units)).
-  struct Missing {
+  struct OpenBits {
     std::uint64_t bits[4];  // in words (x0, y0), (x1, y0), (x0, y1), (x1, y1); 0 if x1 == x0 or y1 == y0
     int x0, y0, x1, y1;
     bool none() const { return (bits[0] | bits[1] | bits[2] | bits[3]) == 0; }
   };
-  Missing missing(const PixelRect& units) const {
-    Missing out;
+  OpenBits openBits(const PixelRect& units) const {
+    OpenBits out;
     out.x0 = units.x0 >> kShift;
     out.y0 = units.y0 >> kShift;
     out.x1 = (units.x1 - 1) >> kShift;
@@ -101,7 +101,7 @@ class MaskVisibility final : public Visibility {
     const PixelRect pixels = intersection(wanted, image_);
     if (pixels.empty()) return true;
     const PixelRect words = coarser(pixels);
-    if (fewIn(words)) return words_.missing(pixels).none();
+    if (fewIn(words)) return words_.openBits(pixels).none();
     const PixelRect tiles = coarser(words);
     return fewIn(tiles) ? hiddenInTiles(words, pixels) : hiddenInBlocks(tiles, words, pixels);
   }
@@ -134,7 +134,7 @@ class MaskVisibility final : public Visibility {
   }
 
   bool hiddenInTiles(const PixelRect& words, const PixelRect& pixels) const {
-    const WordGrid::Missing open = tiles_.missing(words);
+    const WordGrid::OpenBits open = tiles_.openBits(words);
     return open.none() || (hiddenInWords(open.x0, open.y0, open.bits[0], pixels) &&
                            hiddenInWords(open.x1, open.y0, open.bits[1], pixels) &&
                            hiddenInWords(open.x0, open.y1, open.bits[2], pixels) &&

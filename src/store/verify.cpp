@@ -26,8 +26,8 @@ std::string textOf(const ValueRange& range) {
 }
 
 // True if a stored range is right for voxels of the given range: a coarser level also covers finer levels.
-bool covers(int level, const ValueRange& said, const ValueRange& voxels) {
-  return level == 0 ? said == voxels : said.contains(voxels);
+bool covers(int level, const ValueRange& stored, const ValueRange& voxels) {
+  return level == 0 ? stored == voxels : stored.contains(voxels);
 }
 
 class Verification {
@@ -97,12 +97,12 @@ class Verification {
       throw Error(ErrorCode::kDamaged, fmt::format("range: {}, but the bricks of the index have {}{}",
                                                    textOf(manifest.range), textOf(range), kRemedy));
     for (std::size_t l = 0; l < found.size(); ++l) {
-      const LevelInfo& said = manifest.levels[l];
-      if (found[l].stored_bricks == said.stored_bricks && found[l].stored_bytes == said.stored_bytes) continue;
+      const LevelInfo& stored = manifest.levels[l];
+      if (found[l].stored_bricks == stored.stored_bricks && found[l].stored_bytes == stored.stored_bytes) continue;
       throw Error(
           ErrorCode::kDamaged,
-          fmt::format("levels[{}]: {} files of {} bytes, but the index has {} of {} bytes{}", l, said.stored_bricks,
-                      said.stored_bytes, found[l].stored_bricks, found[l].stored_bytes, kRemedy));
+          fmt::format("levels[{}]: {} files of {} bytes, but the index has {} of {} bytes{}", l, stored.stored_bricks,
+                      stored.stored_bytes, found[l].stored_bricks, found[l].stored_bytes, kRemedy));
     }
   }
 
@@ -136,15 +136,15 @@ class Verification {
 
   void checkRanges(const BrickBlock& block, const BrickEntry& entry) const {
     const int level = block.key.level;
-    const auto contradict = [&](const std::string& place, const ValueRange& said, const ValueRange& found) {
+    const auto contradict = [&](const std::string& place, const ValueRange& stored, const ValueRange& found) {
       throw Error(ErrorCode::kDamaged, store_.path() / brickPath(block.key), place,
-                  fmt::format("has {}, expected {}{}", textOf(said), textOf(found), kRemedy));
+                  fmt::format("has {}, expected {}{}", textOf(stored), textOf(found), kRemedy));
     };
     const BrickRanges own = rangesOf(block);
     for (std::size_t c = 0; c < own.cells.size(); ++c) {
-      const ValueRange& said = block.octree.cells()[c];
-      if (!covers(level, said, own.cells[c]))
-        contradict(fmt::format("cell {} of the min-max octree", c), said, own.cells[c]);
+      const ValueRange& stored = block.octree.cells()[c];
+      if (!covers(level, stored, own.cells[c]))
+        contradict(fmt::format("cell {} of the min-max octree", c), stored, own.cells[c]);
     }
     // At a coarser level the root of the octree, and so the index, also covers finer levels.
     const ValueRange& core = block.octree.at(block.octree.depth() - 1, 0, 0, 0);
@@ -160,8 +160,8 @@ class Verification {
                               : subBrickRanges(block.voxels, block.type, block.extent, block.core, brick_size, along),
                           entry.support);
     for (std::size_t i = 0; i < found.count(); ++i) {
-      const ValueRange said = entry.sub_ranges->at(i, entry.support), expected = found.at(i, entry.support);
-      if (said != expected) contradict(fmt::format("range of sub-brick {} in the index", i), said, expected);
+      const ValueRange stored = entry.sub_ranges->at(i, entry.support), expected = found.at(i, entry.support);
+      if (stored != expected) contradict(fmt::format("range of sub-brick {} in the index", i), stored, expected);
     }
   }
 

@@ -25,9 +25,9 @@ inline constexpr std::size_t kZerosAtOnce = std::size_t{64} << 20;
 /// Upper bound of spared memory that stays with the process: voxels and files of some bricks. unit: bytes.
 inline constexpr std::size_t kMostSpare = std::size_t{32} << 20;
 
-/// Take memory in large pages, as far as a buffer fills them and the system has them. `giveBackPages` returns the pages
-/// to the system. Memory of takeZeroPages is zero; beyond kZerosAtOnce the thread that touches a page first pays its
-/// fault. thread: safe. throws: std::bad_alloc.
+/// Allocate memory in large pages, as far as a buffer fills them and the system has them. `giveBackPages` returns the
+/// pages to the system. Memory of takeZeroPages is zero; beyond kZerosAtOnce the thread that touches a page first pays
+/// its fault. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;

@@ -20,8 +20,8 @@ fs::path placeOf(const fs::path& path) {
 // The longest event is far below the 64 KiB left free, so the buffer never grows.
 constexpr std::size_t kFlushedBytes = Trace::kMemoryBytes - (std::size_t{64} << 10);
 
-std::atomic<Trace*> kept = nullptr;
-std::atomic<std::uint64_t> traces = 0;
+std::atomic<Trace*> active_trace = nullptr;
+std::atomic<std::uint64_t> trace_count = 0;
 
 struct ThreadTrack {
   const char* name = "draws";
@@ -36,20 +36,20 @@ Trace::Trace(const fs::path& path)
     : path_(placeOf(path)),
       temporary_(isWrittenInPlace(path_) ? nullptr : std::make_unique<TemporaryFile>(path_)),
       begin_(std::chrono::steady_clock::now()),
-      number_(++traces) {
+      number_(++trace_count) {
   waiting_.reserve(kMemoryBytes);
   waiting_ = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
   flush();
   if (failure_) std::rethrow_exception(failure_);
   own_track.name = "frame";
   waiting_ = R"({"name":"process_name","ph":"M","pid":1,"args":{"name":"kiln"}})";
-  kept = this;
+  active_trace = this;
 }
 
-Trace::~Trace() { kept = nullptr; }
+Trace::~Trace() { active_trace = nullptr; }
 
 void Trace::finish() {
-  kept = nullptr;
+  active_trace = nullptr;
   const std::lock_guard lock(mutex_);
   waiting_ += "\n]}\n";
   if (!failure_) flush();
@@ -57,7 +57,7 @@ void Trace::finish() {
   if (temporary_) FileSystem::real().rename(temporary_->path(), path_);
 }
 
-Trace* Trace::active() noexcept { return kept.load(std::memory_order_acquire); }
+Trace* Trace::active() noexcept { return active_trace.load(std::memory_order_acquire); }
 
 std::int64_t Trace::nowNs() const noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begin_).count();

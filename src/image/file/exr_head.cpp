@@ -89,7 +89,7 @@ class HeadWalk {
     std::uint64_t pixel_bytes = 0;  // all channels together
     bool has_channels = false;
     std::optional<std::array<std::uint32_t, 2>> tile;
-    std::uint64_t said_chunks = 0;
+    std::uint64_t claimed_chunks = 0;
     std::string type;
   };
 
@@ -121,12 +121,13 @@ class HeadWalk {
   void attribute(const std::string& name, ExrPart& part, Layout& layout) {
     const std::string type = text();
     const std::uint64_t length_at = at_;
-    const auto said = take<std::int32_t>();
-    const auto length = static_cast<std::uint64_t>(said);
-    if (said < 0 || length > bytes_.size - at_)
-      fail(length_at, fmt::format("{}: a length of {} is more than the file holds", name, said));
+    const auto claimed_length = take<std::int32_t>();
+    const auto length = static_cast<std::uint64_t>(claimed_length);
+    if (claimed_length < 0 || length > bytes_.size - at_)
+      fail(length_at, fmt::format("{}: a length of {} is more than the file holds", name, claimed_length));
     if (const std::uint32_t bytes = bytesOfType(type); bytes != 0 && bytes != length)
-      fail(length_at, fmt::format("{}: a value of type {} has a length of {}; {} is legal", name, type, said, bytes));
+      fail(length_at,
+           fmt::format("{}: a value of type {} has a length of {}; {} is legal", name, type, claimed_length, bytes));
     const std::uint64_t begin = at_, end = at_ + length;
     if (type == "string") part.text[name] = layoutText(name, length, layout);
     if (type == "stringvector") {
@@ -139,7 +140,7 @@ class HeadWalk {
     if (name == "compression" && type == "compression") layout.compression = number<std::uint8_t>(begin);
     if (name == "tiles" && type == "tiledesc") layout.tile = number<std::array<std::uint32_t, 2>>(begin);
     if (name == "chunkCount" && type == "int")
-      layout.said_chunks = static_cast<std::uint64_t>(std::max(number<std::int32_t>(begin), 0));
+      layout.claimed_chunks = static_cast<std::uint64_t>(std::max(number<std::int32_t>(begin), 0));
     if (at_ > end) fail(begin, fmt::format("{}: the contents exceed the length of the value", name));
     at_ = end;
   }
@@ -191,7 +192,7 @@ class HeadWalk {
       chunks = (height + rows - 1) / rows;
       chunk_pixels = width * rows;
     }
-    chunks_ += std::max(chunks, layout.said_chunks);
+    chunks_ += std::max(chunks, layout.claimed_chunks);
     part.buffer_bytes = (kCopies * chunk_pixels + row_pixels) * layout.pixel_bytes;
   }
 
