@@ -13,7 +13,7 @@
 #include "convert/convert.h"
 #include "ingest/open_source.h"
 #include "store/manifest/manifest.h"
-#include "support/procedural.h"
+#include "support/volumes/procedural.h"
 
 namespace kiln {
 namespace {

@@ -21,8 +21,8 @@
 #include "ingest/open_source.h"
 #include "scene/camera/framing.h"
 #include "scene/transfer/presets.h"
-#include "support/scalar_kernels.h"
-#include "support/scalar_voxels.h"
+#include "support/reference/scalar_kernels.h"
+#include "support/reference/scalar_voxels.h"
 
 namespace kiln {
 namespace {

@@ -18,11 +18,11 @@
 #include "image/file/image_file.h"
 #include "job/auto_samples.h"
 #include "job/job_names.h"
-#include "support/contact_sheet.h"
-#include "support/level_volume.h"
-#include "support/quality_scenes.h"
-#include "support/reference_cache.h"
-#include "support/silhouettes.h"
+#include "support/reference/contact_sheet.h"
+#include "support/reference/quality_scenes.h"
+#include "support/reference/reference_cache.h"
+#include "support/reference/silhouettes.h"
+#include "support/volumes/level_volume.h"
 
 namespace kiln::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "base/file.h"
-#include "support/run_tool.h"
-#include "support/sanitized.h"
-#include "support/test_store.h"
+#include "support/system/run_tool.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {

@@ -19,13 +19,13 @@
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "store/store_reader.h"
-#include "support/foreign_files.h"
-#include "support/procedural.h"
-#include "support/random_scene.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
-#include "support/text_of.h"
-#include "support/vdb_files.h"
+#include "support/system/run_tool.h"
+#include "support/system/text_of.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

@@ -9,12 +9,12 @@
 
 #include "base/file.h"
 #include "image/file/image_file.h"
-#include "support/drawing.h"
-#include "support/foreign_files.h"
-#include "support/procedural.h"
-#include "support/text_of.h"
-#include "support/tiff_files.h"
-#include "support/tool_test.h"
+#include "support/reference/drawing.h"
+#include "support/system/text_of.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/tiff_files.h"
 
 namespace kiln::test {
 namespace {

@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "base/file.h"
-#include "support/python.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/system/python.h"
+#include "support/system/run_tool.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "image/file/image_file.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <set>
 
 #include "base/file.h"
-#include "support/foreign_files.h"
-#include "support/sanitized.h"
-#include "support/tiff_files.h"
-#include "support/tool_test.h"
+#include "support/system/sanitized.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/tiff_files.h"
 
 namespace kiln::test {
 namespace {

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "base/file.h"
-#include "support/dicom_files.h"
-#include "support/foreign_files.h"
-#include "support/nifti_files.h"
-#include "support/run_tool.h"
-#include "support/sanitized.h"
-#include "support/test_store.h"
-#include "support/tiff_files.h"
+#include "support/system/run_tool.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/dicom_files.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/nifti_files.h"
+#include "support/volumes/test_store.h"
+#include "support/volumes/tiff_files.h"
 
 namespace kiln::test {
 namespace {

@@ -9,13 +9,13 @@
 #include <limits>
 
 #include "base/file.h"
-#include "support/foreign_files.h"
-#include "support/nifti_files.h"
-#include "support/procedural.h"
-#include "support/text_of.h"
-#include "support/tiff_files.h"
-#include "support/tool_test.h"
-#include "support/vdb_files.h"
+#include "support/system/text_of.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/nifti_files.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/tiff_files.h"
+#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

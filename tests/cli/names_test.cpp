@@ -9,8 +9,8 @@
 
 #include "base/file.h"
 #include "image/file/image_file.h"
-#include "support/procedural.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/procedural.h"
 
 namespace kiln::test {
 namespace {

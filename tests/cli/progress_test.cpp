@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

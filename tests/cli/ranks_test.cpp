@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/system/run_tool.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {
@@ -217,7 +217,7 @@ TEST_F(RanksRender, ViewsThatHaveNoTilesAreSharedByFrames) {
   }
 }
 
-// Known because parts that fill the volume make the whole (tests/property/partial_image_test.cpp).
+// Known because parts that fill the volume make the whole (tests/composite/partial_image_property_test.cpp).
 TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   const auto expectClose = [&](const std::string& name) {
     const ImageDifference difference =

@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "image/file/image_file.h"
-#include "support/procedural.h"
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/system/run_tool.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {

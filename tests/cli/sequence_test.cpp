@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

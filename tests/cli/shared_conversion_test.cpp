@@ -1,5 +1,5 @@
 // A conversion under mpirun. Known because one process makes the same store; what ranks do without the processes is in
-// tests/property/shared_conversion_test.cpp. Skipped where Kiln is built without MPI or mpirun is not there.
+// tests/convert/shared_conversion_property_test.cpp. Skipped where Kiln is built without MPI or mpirun is not there.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "support/run_tool.h"
-#include "support/test_store.h"
+#include "support/system/run_tool.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {

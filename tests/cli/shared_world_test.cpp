@@ -7,7 +7,7 @@
 
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

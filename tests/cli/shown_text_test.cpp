@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "image/file/image_file.h"
 #include "store/store_reader.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

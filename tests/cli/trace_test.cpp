@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

@@ -10,10 +10,10 @@
 #include "base/file.h"
 #include "base/file_lock.h"
 #include "store/store_reader.h"
-#include "support/foreign_files.h"
-#include "support/procedural.h"
-#include "support/text_of.h"
-#include "support/tool_test.h"
+#include "support/system/text_of.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/procedural.h"
 
 namespace kiln::test {
 namespace {

@@ -14,8 +14,8 @@
 #include "base/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "support/drawing.h"
-#include "support/tool_test.h"
+#include "support/reference/drawing.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

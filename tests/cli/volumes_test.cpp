@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "support/tool_test.h"
+#include "support/system/tool_test.h"
 
 namespace kiln::test {
 namespace {

@@ -13,13 +13,13 @@
 
 #include "base/file.h"
 #include "call_faults.h"
-#include "support/dicom_files.h"
-#include "support/foreign_files.h"
-#include "support/nifti_files.h"
-#include "support/sanitized.h"
-#include "support/test_store.h"
-#include "support/tiff_files.h"
-#include "support/vdb_files.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/dicom_files.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/nifti_files.h"
+#include "support/volumes/test_store.h"
+#include "support/volumes/tiff_files.h"
+#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

@@ -25,7 +25,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "support/sanitized.h"
+#include "support/system/sanitized.h"
 
 /// The program's main.
 int kilnToolMain(int argc, char** argv);

@@ -1,0 +1,128 @@
+// What is written is what is read, whichever way it goes to the disk. Sizes around a block and the buffer of writes
+// that go past the page cache; on a file system that cannot do that, the test shows that nothing depends on it.
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <thread>
+
+#include "base/error.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+TEST(FileSystem, WritesTheSameBytesInEveryMode) {
+  const fs::path directory = freshDirectory("write_modes");
+  for (const std::size_t size : {0u, 1u, 4095u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, (3u << 20) + 4096 + 7}) {
+    std::vector<std::byte> data(size);
+    for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 13);
+    for (const WriteMode mode : {WriteMode::kSynced, WriteMode::kUnsynced, WriteMode::kPastCache}) {
+      const fs::path path = directory / "file";
+      FileSystem::real().writeOwn(path, data, mode);
+      EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
+    }
+  }
+}
+
+// In a directory of Kiln's own what is in the way of the temporary name may be somebody's all the same.
+TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
+  const fs::path path = freshDirectory("in_the_way") / "file";
+  fs::create_directory(path.string() + ".tmp");
+  EXPECT_THROW(FileSystem::real().writeOwn(path, std::string("text")), Error);
+  EXPECT_TRUE(fs::is_directory(path.string() + ".tmp"));
+  EXPECT_FALSE(fs::exists(path));
+}
+
+// Known because two files are made and one name is in the way: what is there afterwards is these, and nothing else.
+TEST(FileSystem, LeavesFilesWithNamesLikeTemporaryOnes) {
+  const fs::path directory = freshDirectory("like_temporary"), path = directory / "file";
+  std::ofstream(path.string() + ".tmp") << "mine";
+  FileSystem::real().writeAtomic(path, std::string("text"));
+  EXPECT_EQ(readTextFile(path), "text");
+  EXPECT_EQ(readTextFile(path.string() + ".tmp"), "mine");
+  fs::create_directories(directory / "full" / "inside");
+  EXPECT_THROW(FileSystem::real().writeAtomic(directory / "full", std::string("text")), Error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 3) << "the failed one left something";
+}
+
+// As two machines do that draw the same frames: whoever was last, the file is one of theirs and whole.
+TEST(FileSystem, TwoMayWriteTheSameFile) {
+  const fs::path directory = freshDirectory("two_writers"), path = directory / "file";
+  const auto write = [&](char letter, std::size_t size) {
+    const std::string text(size, letter);
+    for (int i = 0; i < 20; ++i) EXPECT_NO_THROW(FileSystem::real().writeAtomic(path, text));
+  };
+  std::thread other(write, 'a', std::size_t{1} << 20);
+  write('b', std::size_t{3} << 19);
+  other.join();
+  const std::string text = readTextFile(path);
+  EXPECT_TRUE(text == std::string(std::size_t{1} << 20, 'a') || text == std::string(std::size_t{3} << 19, 'b'))
+      << text.size() << " bytes";
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1);
+}
+
+TEST(FileSystem, KnowsWhereNothingCanBeMade) {
+  const fs::path directory = freshDirectory("places");
+  const auto codeFor = [](const fs::path& path) -> std::optional<ErrorCode> {
+    try {
+      FileSystem::real().requirePlaceFor(path);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return std::nullopt;
+  };
+  EXPECT_EQ(codeFor(directory / "a.png"), std::nullopt);
+  EXPECT_TRUE(fs::is_empty(directory));
+  std::ofstream(directory / "there.png") << "before";
+  EXPECT_EQ(codeFor(directory / "there.png"), std::nullopt);
+  EXPECT_EQ(readTextFile(directory / "there.png"), "before");
+  EXPECT_EQ(codeFor("/dev/null"), std::nullopt);
+  EXPECT_EQ(codeFor(directory / "none" / "a.png"), ErrorCode::kNotFound);
+  EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
+  EXPECT_EQ(codeFor(directory), ErrorCode::kIo);
+  EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
+}
+
+// A pipe without a reader keeps its writer waiting without end, and one whose reader ends loses the rest.
+TEST(FileSystem, APipeAndASocketAreNoOutputs) {
+  const fs::path directory = freshDirectory("special"), pipe = directory / "pipe", socket = directory / "socket";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un name{AF_UNIX, {}};
+  // The name of a socket is short: it is made by its last part.
+  const fs::path before = fs::current_path();
+  fs::current_path(directory);
+  std::strcpy(name.sun_path, "socket");
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  fs::current_path(before);
+  for (const fs::path& path : {pipe, socket}) {
+    try {
+      FileSystem::real().requirePlaceFor(path);
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exitCode(), 2);
+      EXPECT_TRUE(std::string(error.what()).ends_with("name a file")) << error.what();
+    }
+  }
+  ::close(listening);
+  // Where one is made while the command runs, its name becomes the file's.
+  EXPECT_NO_THROW(FileSystem::real().writeAtomic(pipe, std::string("text")));
+  EXPECT_EQ(readTextFile(pipe), "text");
+  ASSERT_EQ(mkfifo((directory / "own.tmp").c_str(), 0600), 0);
+  EXPECT_NO_THROW(FileSystem::real().writeOwn(directory / "own", std::string("text")));
+  EXPECT_EQ(readTextFile(directory / "own"), "text");
+}
+
+}  // namespace
+}  // namespace kiln::test

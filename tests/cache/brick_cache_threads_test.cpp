@@ -1,0 +1,210 @@
+// The cache keeps its contract whatever readers do behind it: the bricks are those of the store, each is read once, the
+// budget holds at every moment, and a brick that cannot be read is an error for whoever asks for it and nobody else.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "base/error.h"
+#include "cache/brick_cache.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+class BrickCacheTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = makeStore(noise({{48, 48, 48}, VoxelType::u16}, 5, {0, 60000}), "store", 16);
+    store_.emplace(path_);
+    const Extent3& lattice = store_->index().lattice(0);
+    for (std::int64_t i = 0; i < lattice.count(); ++i) keys_.push_back({0, brickAt(lattice, i)});
+    for (const BrickKey& key : keys_) largest_ = std::max<std::uint64_t>(largest_, store_->readBytes(key));
+  }
+  static std::vector<NextBrick> toRead(std::span<const BrickKey> keys) {
+    std::vector<NextBrick> out;
+    for (const BrickKey& key : keys) out.push_back({{key}});
+    return out;
+  }
+  std::vector<NextBrick> after(std::size_t i, std::size_t count) const {
+    return toRead(std::span(keys_).subspan(i + 1, std::min(count, keys_.size() - i - 1)));
+  }
+
+  std::filesystem::path path_;
+  std::optional<StoreReader> store_;
+  std::vector<BrickKey> keys_;
+  std::uint64_t largest_ = 0;
+};
+
+TEST_F(BrickCacheTest, ReadsABrickOnceHoweverOftenItIsWanted) {
+  BrickCache cache(*store_, 1u << 30, 3);
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      cache.announce(toRead(keys_));
+      EXPECT_EQ(cache.get(keys_[i])->voxels, store_->read(keys_[i]).voxels);
+    }
+  }
+  cache.settle();
+  EXPECT_EQ(cache.counts().reads, keys_.size());
+  EXPECT_EQ(cache.counts().unused, 0u);
+}
+
+TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
+  for (std::uint64_t percent = 100; percent <= 600; percent += 125) {
+    BrickCache cache(*store_, largest_ * percent / 100, 2);
+    std::vector<NextBrick> first = after(0, 4);
+    first.insert(first.begin(), {{keys_[0]}, true});
+    cache.announce(first);
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      const auto block = cache.get(keys_[i]);
+      cache.announce(after(i, 5));
+      EXPECT_EQ(block->voxels, store_->read(keys_[i]).voxels);
+    }
+    cache.settle();
+    EXPECT_EQ(cache.counts().reads, keys_.size()) << percent << " % of a brick";
+    EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
+  }
+}
+
+TEST_F(BrickCacheTest, FindsWhatIsInMemoryAndReadsNothing) {
+  // Room for three bricks beside one that is read.
+  BrickCache cache(*store_, largest_ + 3 * store_->read(keys_[0]).bytes());
+  EXPECT_EQ(cache.find(keys_[0]), nullptr);
+  EXPECT_EQ(cache.counts().reads, 0u);
+  const BrickBlock* const first = cache.get(keys_[0]).get();
+  EXPECT_EQ(cache.find(keys_[0]).get(), first);
+  EXPECT_EQ(cache.find(keys_[1]), nullptr);
+  cache.get(keys_[1]);
+  // What is found counts as used, so that it is not the one that makes room.
+  for (std::size_t i = 2; i < keys_.size(); ++i) {
+    EXPECT_NE(cache.find(keys_[0]), nullptr);
+    cache.get(keys_[i]);
+  }
+  EXPECT_EQ(cache.find(keys_[1]), nullptr);
+  EXPECT_EQ(cache.counts().reads, keys_.size());
+}
+
+TEST_F(BrickCacheTest, FindsNothingThatIsDamaged) {
+  std::ofstream(path_ / "bricks/0/0_0_0.vdb", std::ios::binary | std::ios::app) << "more";
+  BrickCache cache(*store_, 3 * largest_, 0, [](const Error&) {});
+  EXPECT_EQ(cache.get(keys_[0]), nullptr);
+  EXPECT_EQ(cache.find(keys_[0]), nullptr);
+}
+
+// Known because what becomes hidden is announced and never asked for: whether or not it was read ahead, the bricks
+// behind it make it go, and its turn does not come again.
+TEST_F(BrickCacheTest, ReadsNothingAgainThatBecameHidden) {
+  BrickCache cache(*store_, largest_, 2);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    if (i % 3 == 1) continue;
+    cache.get(keys_[i]);
+    // Time for a reader to take up what was announced before.
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    cache.announce(after(i, 5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  cache.settle();
+  EXPECT_LE(cache.counts().reads, keys_.size());
+}
+
+// Every other brick is a guess that is not made, and each is asked for: none that is read ahead may be in its way.
+TEST_F(BrickCacheTest, ReadsNothingAgainWhereSomeAreNotReadAhead) {
+  BrickCache cache(*store_, largest_, 2);
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    cache.get(keys_[i]);
+    std::vector<NextBrick> next = after(i, 5);
+    for (NextBrick& brick : next) brick.read = brick.brick.key.brick.x != 1;
+    cache.announce(next);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  cache.settle();
+  EXPECT_EQ(cache.counts().reads, keys_.size());
+  EXPECT_EQ(cache.counts().unused, 0u);
+}
+
+TEST_F(BrickCacheTest, KeepsTheBudgetWhateverIsAskedAndAnnounced) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    Random random(seed);
+    const auto any = [&] { return keys_[static_cast<std::size_t>(random.between(0, 26))]; };
+    BrickCache cache(*store_, largest_ * 4, static_cast<unsigned>(random.between(0, 4)));
+    std::shared_ptr<const BrickBlock> held;
+    for (int step = 0; step < 30; ++step) {
+      std::vector<BrickKey> next;
+      for (int i = random.between(0, 9); i > 0; --i) next.push_back(any());
+      cache.announce(toRead(next));
+      const BrickKey key = any();
+      const auto block = cache.get(key);
+      ASSERT_EQ(block->key, key) << "seed " << seed;
+      if (random.chance(0.3)) held = block;
+    }
+    EXPECT_LE(cache.peakBytes(), cache.budgetBytes()) << "seed " << seed;
+  }
+}
+
+TEST_F(BrickCacheTest, DamageIsAnErrorWhenAskedForAndNotBefore) {
+  const std::filesystem::path file = path_ / "bricks/0/1_1_1.vdb";
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(300).put('\x55').put('\xaa');
+  BrickCache cache(*store_, 1u << 30, 2);
+  cache.announce(toRead(keys_));
+  const BrickKey damaged{0, {1, 1, 1}};
+  for (const BrickKey& key : keys_) {
+    if (key == damaged) continue;
+    EXPECT_EQ(cache.get(key)->key, key);
+  }
+  for (int again = 0; again < 2; ++again) {
+    try {
+      cache.get(damaged);
+      FAIL() << "a damaged brick was handed out";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kDamaged);
+    }
+  }
+}
+
+// Known because a file that comes back after the first reading is still reported as missing.
+TEST_F(BrickCacheTest, DamagedBricksAreSkippedOnceToldAndNotReadAgain) {
+  const std::filesystem::path files[] = {path_ / "bricks/0/1_1_1.vdb", path_ / "bricks/0/2_0_1.vdb"};
+  for (const std::filesystem::path& file : files) std::filesystem::rename(file, file.string() + ".away");
+  const std::set<BrickKey> missing = {{0, {1, 1, 1}}, {0, {2, 0, 1}}};
+  for (const unsigned readers : {0u, 3u}) {
+    // Room for two bricks: what is not damaged comes and goes.
+    std::vector<std::filesystem::path> told;
+    BrickCache cache(*store_, largest_ * 2, readers, [&](const Error& error) { told.push_back(error.path()); });
+    for (int frame = 0; frame < 3; ++frame) {
+      for (std::size_t i = 0; i < keys_.size(); ++i) {
+        const auto block = cache.get(keys_[i]);
+        cache.announce(after(i, 5));
+        EXPECT_EQ(block == nullptr, missing.contains(keys_[i]));
+      }
+      cache.settle();
+      EXPECT_EQ(cache.counts().skipped, 2u * static_cast<unsigned>(frame + 1));
+      EXPECT_EQ(told.size(), 2u) << readers << " readers, frame " << frame;
+      if (frame > 0) continue;
+      for (const std::filesystem::path& file : files) std::filesystem::rename(file.string() + ".away", file);
+    }
+    EXPECT_EQ(std::set(told.begin(), told.end()), std::set(std::begin(files), std::end(files)));
+    EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
+    for (const std::filesystem::path& file : files) std::filesystem::rename(file, file.string() + ".away");
+  }
+}
+
+TEST_F(BrickCacheTest, WhatIsHeldIsNotGivenAway) {
+  BrickCache cache(*store_, largest_ * 3 / 2, 2);
+  std::vector<std::shared_ptr<const BrickBlock>> held;
+  cache.announce(toRead(keys_));
+  EXPECT_THROW(
+      {
+        for (const BrickKey& key : keys_) held.push_back(cache.get(key));
+      },
+      Error);
+  EXPECT_GE(held.size(), 1u);
+  EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
+  held.clear();
+  EXPECT_EQ(cache.get(keys_.back())->key, keys_.back());
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,153 @@
+// Sources that are written to while they are converted, or replaced afterwards by files of equal size and time: no
+// store of two states becomes one. Known because the test changes the files itself.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/thread/parallel.h"
+#include "convert/convert.h"
+#include "convert/foreign_cache.h"
+#include "convert/resume/source_state.h"
+#include "ingest/open_source.h"
+#include "store/store_reader.h"
+#include "support/system/impatient_progress.h"
+#include "support/system/text_of.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr Extent3 kDims = {48, 48, 48};
+
+std::string voxels(std::uint64_t seed) {
+  return std::string(textOf(noise({kDims, VoxelType::u8}, seed, {0, 255}).voxels));
+}
+
+SourceOptions described() {
+  SourceOptions out;
+  out.dims = kDims;
+  out.type = VoxelType::u8;
+  return out;
+}
+
+// Replaces the bytes, and puts the former time of writing back.
+void rewrite(const fs::path& path, const std::string& bytes) {
+  const fs::file_time_type before = fs::last_write_time(path);
+  writeText(path, bytes);
+  fs::last_write_time(path, before);
+}
+
+// A raw file; change() is called once some bricks are read.
+class ChangingSource : public VolumeSource {
+ public:
+  ChangingSource(const fs::path& path, std::function<void()> change)
+      : source_(openSource(path, described())), change_(std::move(change)) {}
+  const SourceInfo& info() const override { return source_->info(); }
+  ReadOrder order() const override { return source_->order(); }
+  void read(const VoxelBox& box, std::span<std::byte> out) override {
+    if (++reads_ == 8) change_();
+    source_->read(box, out);
+  }
+
+ private:
+  const std::unique_ptr<VolumeSource> source_;
+  const std::function<void()> change_;
+  std::atomic<int> reads_ = 0;
+};
+
+ConvertOptions options() {
+  ConvertOptions out;
+  out.brick_size = 16;
+  return out;
+}
+
+TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
+  const ThreadLimit one(1);  // another thread would find the file cut short while it is rewritten
+  const fs::path directory = freshDirectory("changed_source"), path = directory / "v.raw", out = directory / "v.kiln";
+  const std::pair<const char*, std::function<void()>> changes[] = {
+      {"rewritten", [&] { writeText(path, voxels(2)); }},
+      {"rewritten with the former time", [&] { rewrite(path, voxels(3)); }},
+      {"replaced", [&] {
+         writeText(directory / "next", voxels(4));
+         fs::last_write_time(directory / "next", fs::last_write_time(path));
+         fs::rename(directory / "next", path);
+       }}};
+  for (const auto& [what, change] : changes) {
+    writeText(path, voxels(1));
+    ChangingSource source(path, change);
+    Progress silent;
+    try {
+      convert(source, out, options(), silent);
+      ADD_FAILURE() << what;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat);
+      EXPECT_EQ(std::string(error.what()).find(path.string() + ": was changed while it was converted"), 0u)
+          << error.what();
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1) << what;
+  }
+  // Neither a look nor a change of rights is a change of the file.
+  ChangingSource source(path, [&] {
+    readFile(path);
+    fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  });
+  Progress silent;
+  convert(source, out, options(), silent);
+  EXPECT_TRUE(isStoreOf(out, source.info()));
+}
+
+TEST(ChangedSource, BetweenTwoRuns_IsNotResumed) {
+  const fs::path directory = freshDirectory("changed_resume"), path = directory / "v.raw", out = directory / "v.kiln";
+  writeText(path, voxels(1));
+  ImpatientProgress impatient(5);
+  EXPECT_THROW(convert(*openSource(path, described()), out, options(), impatient), Error);
+  rewrite(path, voxels(2));
+  ConvertOptions resuming = options();
+  resuming.resume = true;
+  Progress silent;
+  try {
+    convert(*openSource(path, described()), out, resuming, silent);
+    ADD_FAILURE() << "bricks of two files in one store";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("another source, an older state of it"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(SourceState, IsTheFilesContentAndOrder) {
+  const fs::path directory = freshDirectory("source_state");
+  const std::vector<fs::path> files = {directory / "a", directory / "b"};
+  for (const fs::path& file : files) writeText(file, voxels(1));
+  const std::string state = stateOf(files);
+  EXPECT_TRUE(isStateOf(state, files));
+  // One byte of a file that is read whole.
+  std::string changed = voxels(1);
+  changed[77777] ^= 1;
+  rewrite(files[1], changed);
+  EXPECT_FALSE(isStateOf(state, files));
+  EXPECT_NE(portableState(stateOf(files)), portableState(state));
+  rewrite(files[1], voxels(1));
+  EXPECT_TRUE(isStateOf(state, files)) << "equal content, another ctime";
+  EXPECT_EQ(portableState(stateOf(files)), portableState(state));
+  EXPECT_FALSE(isStateOf(state, {files[1], files[0]}));
+  // A state of an earlier version: sizes and times alone.
+  EXPECT_TRUE(isStateOf(state.substr(0, 32), files));
+  // Of larger files, blocks from the first to the last byte.
+  const std::vector<fs::path> large = {directory / "large"};
+  writeText(large[0], std::string(100 << 20, 'x'));
+  const std::string of_large = stateOf(large);
+  for (const std::size_t at : {std::size_t{0}, std::size_t{(100 << 20) - 1}}) {
+    std::string bytes(100 << 20, 'x');
+    bytes[at] = 'y';
+    rewrite(large[0], bytes);
+    EXPECT_FALSE(isStateOf(of_large, large)) << at;
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test

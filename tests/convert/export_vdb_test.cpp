@@ -1,0 +1,303 @@
+// A store exported to OpenVDB and read back by OpenVDB's own io::File and getValue: every voxel and the transform must
+// be what was put into the store, which the test made voxel by voxel.
+#include "convert/export_vdb.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "base/error.h"
+#include "ingest/open_source.h"
+#include "ingest/source/formats.h"
+#include "store/store_writer.h"
+#include "support/system/faulty_file_system.h"
+#include "support/volumes/nifti_files.h"
+#include "support/volumes/vdb_files.h"
+
+namespace kiln {
+namespace {
+namespace fs = std::filesystem;
+using test::VdbKind;
+
+constexpr std::int64_t kBrick = 16;
+
+// Fills a store at `directory` brick by brick from a function that reads a box.
+using BoxReader = std::function<void(const VoxelBox&, std::span<std::byte>)>;
+void makeStore(const fs::path& directory, const SourceInfo& info, const BoxReader& read) {
+  Manifest draft;
+  draft.type = info.type;
+  draft.background = info.background;
+  draft.volume_class = info.volume_class;
+  draft.brick_size = kBrick;
+  draft.source.format = info.format;
+  draft.source.vdb = info.vdb;
+  draft.levels.resize(1);
+  draft.levels[0].geometry = info.geometry;
+  StoreWriter writer(directory, draft, FileSystem::real());
+  const Extent3 lattice = brickLattice(info.geometry.dims, kBrick);
+  for (std::int64_t i = 0; i < lattice.count(); ++i) {
+    const BrickKey key{0, brickAt(lattice, i)};
+    const VoxelBox box = writer.frame(key).stored();
+    std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(info.type));
+    read(box, voxels);
+    writer.write(writer.encode(key, voxels, rangesOf(writer.frame(key), voxels)));
+  }
+  writer.finish({}, 0);
+}
+
+// The store of values f(x, y, z).
+template <class T, class F>
+void makeStore(const fs::path& directory, const SourceInfo& info, F&& f) {
+  makeStore(directory, info, [&](const VoxelBox& box, std::span<std::byte> out) {
+    std::size_t at = 0;
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x, at += sizeof(T)) {
+          const T value = static_cast<T>(f(x, y, z));
+          std::memcpy(out.data() + at, &value, sizeof(T));
+        }
+      }
+    }
+  });
+}
+
+class ExportVdb : public ::testing::Test {
+ protected:
+  ExportReport exported(bool overwrite = false) {
+    return exportVdb(StoreReader(directory_ / "s.kiln"), 0, out(), silent_, FileSystem::real(), overwrite);
+  }
+  fs::path out() const { return directory_ / "out.vdb"; }
+  test::ScratchDirectory directory_;
+  Progress silent_;
+};
+
+SourceInfo denseInfo(VoxelType type, const Extent3& dims) {
+  SourceInfo info;
+  info.format = "test";
+  info.type = type;
+  info.geometry.dims = dims;
+  info.geometry.world_from_index = {{0.7, 0.1, 0, 0}, {-0.2, 1.3, 0.05, 0}, {0.3, 0, 2.5, 0}, {-90.5, 17.25, 1e3, 1}};
+  return info;
+}
+
+// Zero beyond x = 20 makes constant bricks of background; 7 beyond y = 20, constant bricks that are not.
+template <class T>
+double denseValue(std::int64_t x, std::int64_t y, std::int64_t z) {
+  if (y > 20) return 7;
+  if (x > 20) return 0;
+  const double raw = static_cast<double>((x * 31 + y * 17 + z * 1009) % 251) - (std::is_signed_v<T> ? 125 : 0);
+  return sizeof(T) == 1 ? std::trunc(raw / 2) : raw * 97;
+}
+
+TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
+  const Extent3 dims = {53, 49, 21};
+  const char* const kGridTypes[] = {"float", "float", "float", "float", "int64", "int32", "float", "double"};
+  for (int t = 0; t < 8; ++t) {
+    const auto type = static_cast<VoxelType>(t);
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      const SourceInfo info = denseInfo(type, dims);
+      fs::remove_all(directory_ / "s.kiln");
+      makeStore<T>(directory_ / "s.kiln", info, denseValue<T>);
+      const ExportReport report = exported(/*overwrite=*/true);
+      EXPECT_EQ(test::gridNames(out()), std::vector<std::string>{"density"});
+      const test::DirectGrid grid(out(), "density");
+      EXPECT_EQ(grid.type(), kGridTypes[t]);
+      EXPECT_EQ(grid.savedAsHalf(), sizeof(T) == 1) << "values up to 97 * 250 do not survive half";
+      EXPECT_EQ(report.bytes, fs::file_size(out()));
+      std::uint64_t active = 0;
+      for (std::int64_t i = 0; i < dims.count(); ++i) {
+        const VoxelCoord v = {i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y};
+        const double expected = static_cast<double>(static_cast<T>(denseValue<T>(v.x, v.y, v.z)));
+        ASSERT_EQ(grid.value(v), expected);
+        ASSERT_EQ(grid.active(v), expected != 0);
+        active += expected != 0;
+      }
+      EXPECT_EQ(report.voxels, active);
+      EXPECT_EQ(grid.activeVoxels(), active);
+      for (int c = 0; c < 4; ++c) {
+        for (int r = 0; r < 4; ++r)
+          EXPECT_NEAR(grid.worldFromGrid()[c][r], info.geometry.world_from_index[c][r], 1e-12);
+      }
+    });
+  }
+}
+
+// The grid of 64-bit integers that an export of u32 is comes back as u32, up to the largest value.
+TEST_F(ExportVdb, UnsignedVolume_exportedAndReadAgain_isEqual) {
+  const Extent3 dims = {20, 9, 11};
+  const auto value = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return 4294967295.0 - static_cast<double>(x + 20 * y + 180 * z);
+  };
+  makeStore<std::uint32_t>(directory_ / "s.kiln", denseInfo(VoxelType::u32, dims), value);
+  exported();
+  const std::unique_ptr<VolumeSource> back = openSource(out(), {});
+  ASSERT_EQ(back->info().type, VoxelType::u32);
+  ASSERT_EQ(back->info().geometry.dims, dims);
+  std::vector<std::byte> voxels(static_cast<std::size_t>(dims.count()) * sizeof(std::uint32_t));
+  back->read(boxOf(dims), voxels);
+  for (std::int64_t i = 0; i < dims.count(); ++i) {
+    std::uint32_t found;
+    std::memcpy(&found, &voxels[static_cast<std::size_t>(i) * sizeof found], sizeof found);
+    ASSERT_EQ(found, value(i % 20, i / 20 % 9, i / 180));
+  }
+}
+
+// Labels come back as whole numbers, which convert --labels takes.
+TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::u32, VoxelType::i32}) {
+    SourceInfo info = denseInfo(type, {33, 20, 17});
+    info.volume_class = VolumeClass::kLabels;
+    const auto label = [](std::int64_t x, std::int64_t y, std::int64_t z) { return (x / 5 + y / 7 + z) % 4 * 30.0; };
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      fs::remove_all(directory_ / "s.kiln");
+      makeStore<T>(directory_ / "s.kiln", info, label);
+    });
+    exported(/*overwrite=*/true);
+    EXPECT_EQ(test::gridNames(out()), std::vector<std::string>{"labels"});
+    const std::unique_ptr<VolumeSource> back = openSource(out(), {});
+    ASSERT_EQ(back->info().type, VoxelType::i32);
+    // Its box is that of what is not 0.
+    const VoxelBox box = boxOf(back->info().geometry.dims);
+    const VoxelCoord& origin = back->info().vdb->index_origin;
+    std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeof(std::int32_t));
+    back->read(box, voxels);
+    const auto* value = reinterpret_cast<const std::int32_t*>(voxels.data());
+    for (std::int64_t z = 0; z < box.hi.z; ++z) {
+      for (std::int64_t y = 0; y < box.hi.y; ++y) {
+        for (std::int64_t x = 0; x < box.hi.x; ++x)
+          ASSERT_EQ(*value++, label(x + origin.x, y + origin.y, z + origin.z));
+      }
+    }
+  }
+}
+
+// NaN differs from every background and -0 from 0: both are active and come back, NaN as some NaN.
+TEST_F(ExportVdb, KeepsNanInfinityAndTheSignOfZero) {
+  const SourceInfo info = denseInfo(VoxelType::f32, {20, 9, 9});
+  const float inf = std::numeric_limits<float>::infinity();
+  const auto f = [&](std::int64_t x, std::int64_t y, std::int64_t) {
+    if (x > 12 && y < 8) return -0.0f;
+    return x == 3 ? std::numeric_limits<float>::quiet_NaN() : x == 4 ? inf : x == 5 ? -inf : x == 6 ? 1e-42f : 0.0f;
+  };
+  makeStore<float>(directory_ / "s.kiln", info, f);
+  exported();
+  const test::DirectGrid grid(out(), "density");
+  for (std::int64_t x = 0; x < 20; ++x) {
+    for (std::int64_t y = 0; y < 9; ++y) {
+      const float expected = f(x, y, 0), found = static_cast<float>(grid.value({x, y, 4}));
+      if (std::isnan(expected)) {
+        EXPECT_TRUE(std::isnan(found));
+      } else {
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(found), std::bit_cast<std::uint32_t>(expected)) << x << " " << y;
+      }
+      EXPECT_EQ(grid.active({x, y, 4}), std::bit_cast<std::uint32_t>(expected) != 0);
+    }
+  }
+}
+
+// From OpenVDB to a store and back: the two files hold the same value at every coordinate of the source's active box.
+void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& out) {
+  const auto source = openVdb(in, {});
+  makeStore(store, source->info(), [&](const VoxelBox& box, std::span<std::byte> to) { source->read(box, to); });
+  Progress silent;
+  exportVdb(StoreReader(store), 0, out, silent);
+  const std::string name = source->info().vdb->grid_name;
+  const test::DirectGrid before(in, name), after(out, name);
+  EXPECT_EQ(after.type(), before.type());
+  EXPECT_EQ(after.background(), before.background());
+  EXPECT_EQ(after.levelSet(), before.levelSet());
+  EXPECT_EQ(after.worldFromGrid(), before.worldFromGrid());
+  const VoxelBox box = before.activeBox();
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+        const double value = before.value({x, y, z});
+        ASSERT_EQ(after.value({x, y, z}), value) << x << " " << y << " " << z;
+        const bool active = before.levelSet() ? std::abs(value) < before.background() : value != before.background();
+        ASSERT_EQ(after.active({x, y, z}), active) << x << " " << y << " " << z;
+      }
+    }
+  }
+}
+
+TEST_F(ExportVdb, GridsComeBackAtTheirOwnCoordinates) {
+  int n = 0;
+  for (const VdbKind kind :
+       {VdbKind::kFloat, VdbKind::kHalf, VdbKind::kDouble, VdbKind::kInt32, VdbKind::kTiles, VdbKind::kLevelSet}) {
+    const glm::dmat4 m = {{0, 2, 0, 0}, {-1.5, 0, 0.25, 0}, {0, 0, 3, 0}, {4, 5, 6, 1}};
+    test::writeVdb(directory_ / "in.vdb", {{kind, "heat", m}});
+    const std::string name = std::to_string(n++);
+    expectRoundTrip(directory_ / "in.vdb", directory_ / (name + ".kiln").c_str(), directory_ / (name + ".vdb").c_str());
+  }
+}
+
+// Known because OpenVDB refuses voxels of less than 3e-15 cubic units: they are told of before a brick is read.
+TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
+  struct Silent : Progress {
+    void advance(const char*, const char*, std::uint64_t, std::uint64_t) override { ADD_FAILURE(); }
+  } silent;
+  SourceInfo info = denseInfo(VoxelType::u8, {20, 9, 9});
+  for (int axis = 0; axis < 3; ++axis) info.geometry.world_from_index[axis] *= 1e-5;
+  makeStore<std::uint8_t>(directory_ / "s.kiln", info, denseValue<std::uint8_t>);
+  try {
+    exportVdb(StoreReader(directory_ / "s.kiln"), 0, out(), silent);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_NE(std::string(error.what()).find("geometry: OpenVDB has no transform for voxels of 7.07107e-06 x "),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
+  makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {9, 9, 9}), denseValue<std::uint8_t>);
+  test::writeBytes(out(), {1, 2, 3});
+  try {
+    exported();
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kExists);
+  }
+  EXPECT_EQ(fs::file_size(out()), 3u);
+  EXPECT_GT(exported(/*overwrite=*/true).voxels, 0u);
+}
+
+// A disk that cannot sync or rename, a directory that is not there, a user who stops: no file is left, and none is
+// lost.
+TEST_F(ExportVdb, AFailureLeavesNothing) {
+  struct Stop : Progress {
+    bool cancelled() const override { return true; }
+  } stop;
+  makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {9, 9, 9}), denseValue<std::uint8_t>);
+  const StoreReader store(directory_ / "s.kiln");
+  for (const std::uint64_t change : {0, 1}) {
+    test::FaultyFileSystem disk({change, EIO});
+    EXPECT_THROW(exportVdb(store, 0, out(), silent_, disk), Error);
+    EXPECT_EQ(disk.calls(), change + 1);
+  }
+  EXPECT_THROW(exportVdb(store, 0, out(), stop), Error);
+  EXPECT_FALSE(fs::exists(out()));
+  for (const auto& entry : fs::directory_iterator(out().parent_path())) EXPECT_NE(entry.path().extension(), ".tmp");
+  EXPECT_THROW(exportVdb(store, 0, directory_ / "missing/out.vdb", silent_), Error);
+}
+
+#ifdef KILN_TEST_DATA_DIR
+class RealExport : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealExport, ComesBack) {
+  const fs::path path = fs::path(KILN_TEST_DATA_DIR) / "vdb" / GetParam();
+  if (!fs::exists(path)) GTEST_SKIP() << path << " is not here; see shared/data/README.md";
+  const test::ScratchDirectory directory;
+  expectRoundTrip(path, directory / "s.kiln", directory / "out.vdb");
+}
+INSTANTIATE_TEST_SUITE_P(Files, RealExport, ::testing::Values("smoke.vdb", "sphere.vdb"));
+#endif
+
+}  // namespace
+}  // namespace kiln

@@ -1,0 +1,95 @@
+// Cells whose values look nearly the same all over have one sample for two slabs (SlabFrame::inPairs). Which cells do
+// is decided by voxels that every brick has that draws them, so that no picture depends on bricks, tiles or threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "base/thread/parallel.h"
+#include "image/compare.h"
+#include "support/reference/drawing.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+// Sanitizers slow a store of a hundred one-cell bricks to a minute.
+constexpr std::int64_t kEveryBrick[] = {casesOf(8, 16), 64, 32};
+constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
+
+constexpr float kNan = NAN;
+
+// Tissue that is thin, and something in it that is not.
+TransferFunction thinAndSteep() {
+  return {1, {{20, {1, 0.6, 0.4}, 0}, {60, {1, 0.6, 0.4}, 0.05}, {215, {1, 0.7, 0.5}, 0.06}, {225, {1, 1, 0.9}, 0.9}}};
+}
+
+// The same, of which nothing is judged: gradients may take opacity away, but take none.
+TransferFunction notJudged() {
+  TransferFunction out = thinAndSteep();
+  out.gradient_opacity = {{0, 1}, {1, 1}};
+  return out;
+}
+
+// Of floats some are NaN.
+DenseVolume volumeOf(VoxelType type) {
+  DenseVolume out = cheese({{37, 41, 30}, type}, 3, {0, 255});
+  if (type != VoxelType::f32) return out;
+  for (std::size_t i = 0; i < out.voxels.size() / sizeof(float); ++i) {
+    if (hashUnit(4, i) < 0.0005) std::memcpy(&out.voxels[i * sizeof(float)], &kNan, sizeof(float));
+  }
+  return out;
+}
+
+class SoftCells : public ::testing::TestWithParam<std::tuple<Projection, VoxelType>> {};
+
+TEST_P(SoftCells, AreThoseOfAnyBrick) {
+  const auto [projection, type] = GetParam();
+  const DenseVolume volume = volumeOf(type);
+  std::vector<std::filesystem::path> stores;
+  for (const std::int64_t brick : kBricks) stores.push_back(makeStore(volume, "soft_" + std::to_string(brick), brick));
+  for (const double px_per_voxel : {0.9, 1.27, 3.6}) {
+    if (kSanitized && px_per_voxel != (projection == Projection::kOrthographic ? 0.9 : 3.6)) continue;
+    SCOPED_TRACE(px_per_voxel);
+    FrameRequest request;
+    request.level = 0;
+    request.transfer_function = thinAndSteep();
+    Camera camera = cameraFrom(volume.geometry, {0.5, -1, 0.35}, projection);
+    camera.height = 48 / px_per_voxel;
+    camera.fov_deg *= camera.height / 50;
+    request.view = resolve(camera, {56, 50});
+    request.aovs = {true, true};
+    if (type == VoxelType::f32) {
+      request.interpolation = Interpolation::kCubic;
+      request.clipping.planes = {{{1, 0.3, 0.2}, -14.2}};
+    }
+    FrameStatistics statistics;
+    const Image truth = draw(stores.back(), request, std::uint64_t{1} << 30, &statistics);
+    for (const std::filesystem::path& store : stores) EXPECT_TRUE(equalBits(truth, draw(store, request))) << store;
+    request.tile_px = 128;
+    {
+      const ThreadLimit one(1);
+      EXPECT_TRUE(equalBits(truth, draw(stores.front(), request)));
+    }
+    // They show what others do.
+    FrameStatistics of_others;
+    request.transfer_function = notJudged();
+    const Image others = draw(stores.back(), request, std::uint64_t{1} << 30, &of_others);
+    const ImageDifference difference = compareImages(colorsOf(others), colorsOf(truth));
+    EXPECT_GE(difference.foreground_psnr_db, 36);
+    EXPECT_NEAR(difference.mean_brightness_ratio, 1, 0.01);
+    // Two slabs of half a pixel or more are a voxel, or less, from a pixel a voxel on.
+    const double part = static_cast<double>(statistics.voxels_splats) / static_cast<double>(of_others.voxels_splats);
+    EXPECT_LT(part, px_per_voxel > 1 ? 0.96 : 1.001);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Views, SoftCells,
+                         ::testing::Combine(::testing::Values(Projection::kOrthographic, Projection::kPerspective),
+                                            ::testing::Values(VoxelType::u8, VoxelType::f32)));
+
+}  // namespace
+}  // namespace kiln::test

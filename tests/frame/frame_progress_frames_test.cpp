@@ -1,0 +1,142 @@
+// However a frame is drawn, and in however many parts, what is told of it is one step whose count only grows, whose
+// total stays and is reached once, at the end.
+#include <gtest/gtest.h>
+
+#include "base/thread/parallel.h"
+#include "frame/frame_memory.h"
+#include "frame/frame_progress.h"
+#include "sequence/frame_checkpoint.h"
+#include "sequence/opened_job.h"
+#include "support/reference/drawing.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+struct Told {
+  std::string step, unit;
+  std::uint64_t done, total;
+};
+
+class Listening : public Progress {
+ public:
+  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override {
+    told.push_back({step, unit, done, total});
+  }
+  std::vector<Told> told;
+};
+
+// From nothing to all of it, once each.
+void expectOneCount(const std::vector<Told>& told, const std::string& step, const std::string& unit) {
+  ASSERT_GE(told.size(), 2u);
+  EXPECT_EQ(told.front().done, 0u);
+  EXPECT_EQ(told.back().done, told.back().total);
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(told[i].step, step);
+    EXPECT_EQ(told[i].unit, unit);
+    EXPECT_EQ(told[i].total, told.front().total);
+    if (i > 0) {
+      EXPECT_GE(told[i].done, told[i - 1].done) << i;
+    }
+    if (i + 1 < told.size()) {
+      EXPECT_LT(told[i].done, told[i].total) << i;
+    }
+  }
+}
+
+class FrameProgressOf : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const DenseVolume volume = head({{70, 60, 50}, VoxelType::u8}, {0, 255});
+    folder_ = makeStore(volume, "a", 16).parent_path();
+  }
+
+  // The seventh frame of a job with these keys.
+  std::vector<Told> drawn(const std::string& keys, unsigned threads) const {
+    RenderJob job = parseJob(R"({"image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
+    job.speed.threads = threads;
+    const ThreadLimit limit(threads);
+    Listening listening;
+    const DrawnFrame frame = OpenedJob(job, listening).draw(7, listening);
+    EXPECT_TRUE(showsSomething(frame.views.front().image));
+    return listening.told;
+  }
+  void check(const std::string& keys, const std::string& unit = "bricks") const {
+    for (const unsigned threads : {1u, 3u}) {
+      SCOPED_TRACE(keys + ", " + std::to_string(threads) + " threads");
+      expectOneCount(drawn(keys, threads), "frame 7", unit);
+    }
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(FrameProgressOf, APictureCountsTheBricksInView) {
+  check(R"("volume": "volume.kiln")");
+  check(R"("volume": "volume.kiln", "lattice": "voxel")");
+  check(R"("volume": "volume.kiln", "tile": 0, "visibility": {"method": "range-tree"})");
+  check(R"("volume": "volume.kiln", "mode": "mip")");
+  // Known because all of this volume is seen, and nothing is told of what shows nothing.
+  const std::vector<Told> told = drawn(R"("volume": "volume.kiln", "mode": "mip", "level": 0)", 1);
+  EXPECT_EQ(told.front().total, 5u * 4 * 4);
+}
+
+TEST_F(FrameProgressOf, PartsAreOneCount) {
+  RenderJob job = parseJob(R"({"image": {"width": 12, "height": 300}, "volume": "volume.kiln", "samples": 16,
+                               "camera": {"zoom": 20}})",
+                           folder_ / "job.json");
+  job.speed.memory_bytes = frameMemory(StoreReader(job.volume), job).smallest();
+  Listening listening;
+  OpenedJob(job, listening).draw(7, listening);
+  expectOneCount(listening.told, "frame 7", "bricks");
+  const std::uint64_t of_bands = listening.told.front().total;
+  job.speed.memory_bytes = 1ull << 30;
+  Listening whole;
+  OpenedJob(job, whole).draw(7, whole);
+  EXPECT_GT(of_bands, whole.told.front().total) << "a brick in two bands is drawn twice";
+  check(R"("volume": "volume.kiln", "stereo": {"eye": "both", "interocular": 5})");
+  check(R"("volume": "volume.kiln", "camera": {"projection": "equirectangular", "eye": [-40, 30, 20]})");
+  check(R"("volume": "volume.kiln", "mode": "mip", "stereo": {"eye": "both", "interocular": 5})");
+}
+
+TEST_F(FrameProgressOf, SeveralVolumesCountTiles) {
+  const std::string volumes =
+      R"("volumes": [{"volume": "volume.kiln"}, {"volume": "volume.kiln", "transferFunction": "ct-bone"}])";
+  check(volumes, "tiles");
+  check(volumes + R"(, "stereo": {"eye": "both", "interocular": 5})", "tiles");
+  check(volumes + R"(, "samples": 4)", "tiles");
+}
+
+// Tiles that are kept are counted in pixels by whoever keeps them, and by nobody else.
+TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
+  RenderJob job = parseJob(R"({"image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
+                           folder_ / "job.json");
+  Listening listening;
+  OpenedJob opened(job, listening, checkpointMemory(job));
+  drawInTiles(opened, 7, false, listening);
+  expectOneCount(listening.told, "frame 7", "pixels");
+  EXPECT_EQ(listening.told.size(), 5u);
+  EXPECT_EQ(listening.told.back().total, 600u * 550);
+}
+
+// Known because these are the calls.
+TEST(PartProgress, TellsOfThoseThatAreDrawnTogether) {
+  Listening listening;
+  PartProgress part(listening, "bricks", 10);
+  part.reached(3);
+  part.within(4, 1, 8);
+  part.within(4, 2, 8);
+  part.within(4, 8, 8);
+  part.reached(7);
+  part.reached(10);
+  part.finish();
+  std::vector<std::uint64_t> done;
+  for (const Told& told : listening.told) done.push_back(told.done);
+  EXPECT_EQ(done, (std::vector<std::uint64_t>{0, 3, 4, 7, 10}));
+  Listening nobody;
+  PartProgress(nobody, "bricks", 0).finish();
+  EXPECT_TRUE(nobody.told.empty()) << "of nothing there is no share";
+}
+
+}  // namespace
+}  // namespace kiln::test

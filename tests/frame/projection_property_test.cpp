@@ -1,0 +1,211 @@
+// `--mode mip|minip|average`. Nothing that makes it fast changes a bit of it: which bricks, cells and pixels are left
+// out, how the volume was cut, in which tiles, by how many threads and within which memory. It is what a ray caster in
+// fine steps sees, and where the answer is known without one, that.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/thread/parallel.h"
+#include "support/reference/drawing.h"
+#include "support/reference/reference_renderer.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr Mode kProjections[] = {Mode::kMip, Mode::kMinip, Mode::kAverage};
+constexpr ImageSize kProjectedSize{80, 70};
+
+// A transfer function has no part in values, but one that the renderer is given.
+FrameRequest requestOf(const View& view, Mode mode) {
+  FrameRequest request;
+  request.view = view;
+  request.mode = mode;
+  request.transfer_function.points = {{0, glm::dvec3(0), 0}, {250, glm::dvec3(1), 1}};
+  request.aovs.value = true;
+  return request;
+}
+
+const ZeroPages<float>& valuesOf(const Image& image) { return image.planes.front().values; }
+
+const std::vector<double>& expectedOf(const ProjectedImage& image, Mode mode) {
+  return mode == Mode::kMip ? image.greatest : mode == Mode::kMinip ? image.least : image.mean;
+}
+
+// Some voxels NaN, none beside the other.
+DenseVolume withHoles(DenseVolume volume) {
+  const Extent3& n = volume.geometry.dims;
+  for (std::int64_t k = 1; k < n.z; k += 3) {
+    for (std::int64_t i = 0; i < n.x; i += 4) volume.set(i, (5 * i + 7 * k) % n.y, k, NAN);
+  }
+  return volume;
+}
+
+TEST(Projection, IsTheSameWhateverIsLeftOutAndHowTheVolumeIsCut) {
+  const DenseVolume volumes[] = {head({{30, 41, 27}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8)),
+                                 withHoles(cheese({{27, 30, 35}, VoxelType::f32, obliqueAffine()}, 2, {-50, 200}))};
+  std::uint64_t seed = 500, left_out = 0;
+  for (const DenseVolume& volume : volumes) {
+    const auto middle = makeStore(volume, "middle", 16), large = makeStore(volume, "large", 128);
+    for (int i = 0; i < 2; ++i, ++seed) {
+      const RandomScene scene = randomScene(seed, volume, kProjectedSize);
+      for (const Mode mode : kProjections) {
+        FrameRequest request = requestOf(scene.view, mode);
+        request.clipping = scene.clipping;
+        if (seed % 3 == 0) request.level = 0;
+        const std::optional<int> level = request.level;
+        request.visibility.method = VisibilityMethod::kNone;
+        const Image truth = draw(large, request);
+        request.visibility.method = VisibilityMethod::kMask;
+        EXPECT_TRUE(equalBits(truth, draw(large, request))) << "culled, seed " << seed;
+        // Larger bricks leave the volume fewer levels.
+        request.level = 0;
+        const Image level_0 = draw(large, request);
+        FrameStatistics all, culled;
+        request.visibility.method = VisibilityMethod::kNone;
+        EXPECT_TRUE(equalBits(level_0, draw(middle, request, 1 << 20, &all))) << "little memory, seed " << seed;
+        request.visibility.method = VisibilityMethod::kMask;
+        const ThreadLimit one(1);
+        request.tile_px = seed % 2 == 0 ? 0 : 128;
+        EXPECT_TRUE(equalBits(level_0, draw(middle, request, 1 << 20, &culled))) << "one thread, seed " << seed;
+        EXPECT_LE(culled.bricks_read, all.bricks_read);
+        if (mode != Mode::kAverage) left_out += all.bricks_read - culled.bricks_read;
+        request.crop = PixelRect{13, 9, 77, 66};
+        EXPECT_TRUE(equalBits(partOf(level_0, *request.crop), draw(middle, request))) << "crop, seed " << seed;
+        request.crop.reset();
+        request.level = level;
+        // Mixed levels, drawn in bands of sub-pixels or not.
+        request.samples = 4;
+        request.tile_px = 64;
+        const Image bands = draw(middle, request);
+        request.band_px = 64;
+        EXPECT_TRUE(equalBits(bands, draw(middle, request))) << "bands, seed " << seed;
+      }
+    }
+  }
+  EXPECT_GT(left_out, 0u);
+}
+
+// Values between voxels, from any side: a ray caster's with steps of a twentieth of a voxel. Only at an edge may the
+// nearest of our samples miss a peak by a part of the way to the next voxel.
+TEST(Projection, IsWhatARayCasterSees) {
+  const DenseVolume volume = cheese({{37, 30, 45}, VoxelType::i16, obliqueAffine()}, 3, {0, 1000});
+  const auto store = makeStore(volume, "cast", 16);
+  for (std::uint64_t seed = 700; seed < 704; ++seed) {
+    RandomScene scene = randomScene(seed, volume, {60, 50});
+    ReferenceSettings settings;
+    settings.step_voxels = 0.05;
+    settings.clipping = scene.clipping;
+    const ProjectedImage expected = projectedImage(volume, scene.view, settings);
+    for (const Mode mode : kProjections) {
+      FrameRequest request = requestOf(scene.view, mode);
+      request.clipping = scene.clipping;
+      request.level = 0;
+      const Image image = draw(store, request);
+      double squares = 0, worst = 0;
+      std::size_t both = 0, either = 0;
+      for (std::size_t i = 0; i < valuesOf(image).size(); ++i) {
+        const double found = valuesOf(image)[i], want = expectedOf(expected, mode)[i];
+        EXPECT_EQ(std::isnan(found), image.rgba[4 * i + 3] == 0);
+        either += !std::isnan(found) || !std::isnan(want) ? 1 : 0;
+        if (std::isnan(found) || std::isnan(want)) continue;
+        ++both;
+        squares += (found - want) * (found - want);
+        worst = std::max(worst, std::abs(found - want));
+        const double beyond = mode == Mode::kMip ? found - want : mode == Mode::kMinip ? want - found : 0;
+        EXPECT_LE(beyond, 10) << "beyond what is there, seed " << seed;
+      }
+      // Rays that graze a corner of the box have a sample or none.
+      EXPECT_GE(static_cast<double>(both), 0.98 * static_cast<double>(either)) << "seed " << seed;
+      if (both == 0) continue;
+      EXPECT_LT(std::sqrt(squares / static_cast<double>(both)), 20) << "seed " << seed << " mode " << int(mode);
+      EXPECT_LT(worst, 250) << "seed " << seed << " mode " << int(mode);
+    }
+  }
+}
+
+// A slab of 200 in empty space, seen along its normal: along each ray the greatest is 200, the least 0 and the mean
+// their share, for trilinear interpolation keeps the sum. Shown through a region, that of what is in it.
+TEST(Projection, OfASlabIsKnown) {
+  const DenseVolume volume = slab({{32, 32, 64}, VoxelType::f32}, 2, 20, 30, 200);
+  const auto store = makeStore(volume, "slab", 16);
+  Camera camera = cameraFrom(volume.geometry, {0, 0, -1}, Projection::kOrthographic);
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    camera.projection = projection;
+    camera.height = 20;
+    camera.fov_deg = 3;
+    for (const bool cut : {false, true}) {
+      FrameRequest request = requestOf(resolve(camera, {40, 40}), Mode::kMip);
+      // From the middle of the slab on.
+      if (cut) request.clipping.region = VoxelBox{{0, 0, 25}, {32, 32, 64}};
+      const double mean = cut ? 200 * 5 / 39.0 : 200 * 10 / 64.0;
+      const double expected[] = {200, 0, mean};
+      for (std::size_t m = 0; m < 3; ++m) {
+        request.mode = kProjections[m];
+        const Image image = draw(store, request);
+        for (std::size_t i = 0; i < valuesOf(image).size(); ++i) {
+          ASSERT_NEAR(valuesOf(image)[i], expected[m], m == 2 ? 0.005 * mean : 1e-3) << "mode " << m << " cut " << cut;
+          // The colour is the value's.
+          ASSERT_NEAR(image.rgba[4 * i], valuesOf(image)[i] / 250, 1e-6);
+          ASSERT_EQ(image.rgba[4 * i + 3], 1);
+        }
+      }
+    }
+  }
+}
+
+// A clip thinner than samples are apart has a value in each pixel that a thick clip has, whatever the brick size:
+// between oblique planes, and between planes across the rays, of which no sample is inside.
+TEST(Projection, OfAThinClipHasNoHoles) {
+  const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return 100 + 2 * hashUnit(3, static_cast<std::uint64_t>((k * 32 + j) * 32 + i));
+  };
+  const DenseVolume volume = fill({{32, 32, 32}, VoxelType::f32}, value);
+  const auto small = makeStore(volume, "small", 8), large = makeStore(volume, "large", 32);
+  for (const glm::dvec3 towards : {glm::dvec3(0, 1, 0), glm::dvec3(0.3, 1, 0)}) {
+    // The planes are 10.3 voxels from the volume's front.
+    Camera camera = cameraFrom(volume.geometry, towards, Projection::kOrthographic);
+    camera.height = 20;
+    for (const double thickness : {0.05, 0.3}) {
+      for (const Mode mode : kProjections) {
+        FrameRequest request = requestOf(resolve(camera, {60, 60}), mode);
+        request.level = 0;
+        request.clipping.planes = {{{0, 1, 0}, -10.3}, {{0, -1, 0}, 10.3 + thickness}};
+        const Image image = draw(large, request);
+        for (const float found : valuesOf(image)) {
+          ASSERT_GE(found, 100) << "thickness " << thickness << " mode " << int(mode);
+          ASSERT_LE(found, 102);
+        }
+        EXPECT_TRUE(equalBits(image, draw(small, request))) << "thickness " << thickness << " mode " << int(mode);
+      }
+    }
+  }
+}
+
+// Every ray meets the greatest value in the second of four layers of bricks: it is drawn first, and no other is read.
+TEST(Projection, BricksThatHaveNothingMoreAreNotRead) {
+  const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
+    if (k >= 16 && k < 32) return 250.0;
+    return 50 * hashUnit(1, static_cast<std::uint64_t>((k * 64 + j) * 64 + i));
+  };
+  const DenseVolume volume = fill({{64, 64, 64}, VoxelType::u8}, value);
+  const auto store = makeStore(volume, "layers", 16);
+  FrameRequest request =
+      requestOf(resolve(cameraFrom(volume.geometry, {0, 0, 1}, Projection::kOrthographic), {100, 100}), Mode::kMip);
+  request.level = 0;
+  const StoreReader reader(store);
+  BrickCache cache(reader, 1 << 24);
+  Progress silent;
+  FrameStatistics statistics;
+  const Image image = renderFrame(reader, cache, request, silent, statistics);
+  EXPECT_EQ(statistics.bricks_total, 64u);
+  EXPECT_EQ(statistics.bricks_read, 16u);
+  EXPECT_EQ(statistics.bricks_contributing, 16u);
+  EXPECT_EQ(statistics.bricks_hidden, 48u);
+  for (const float found : valuesOf(image)) EXPECT_TRUE(found == 250 || std::isnan(found));
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,152 @@
+// Several volumes in one picture: every brick of each adds its own samples to slabs that are the same for all, volume
+// by volume, and a pixel has one sample of each volume in a slab. So a picture of the same volumes is equal to the bit
+// for every brick size of either, thread count, tile, budget, visibility method and crop.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/thread/parallel.h"
+#include "frame/frame_drawing.h"
+#include "support/reference/drawing.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+using Paths = std::vector<std::filesystem::path>;
+constexpr ImageSize kMixSize{150, 117};
+
+constexpr int kMixScenes = casesOf(6, 1);
+
+// Two volumes that overlap: other spacing, turned, of another type.
+std::vector<DenseVolume> mixedVolumes() {
+  std::vector<DenseVolume> out;
+  out.push_back(cheese({{75, 61, 90}, VoxelType::i16}, 1, usualRange(VoxelType::i16)));
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(20, -10, 25));
+  turned = glm::rotate(turned, 0.6, glm::normalize(glm::dvec3(1, 2, 0.5)));
+  turned = glm::scale(turned, glm::dvec3(1.3, 0.9, 1.7));
+  out.push_back(head({{50, 71, 37}, VoxelType::u8, turned}, usualRange(VoxelType::u8)));
+  return out;
+}
+
+FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volumes) {
+  const RandomScene scene = randomScene(seed, volumes[0], kMixSize);
+  FrameRequest out = requestOf(scene, Lattice::kPixel, randomThreshold(seed));
+  out.volumes.push_back({scene.transfer_function, scene.shading, scene.clipping});
+  Random random(seed + 77);
+  const DenseVolume& second = volumes[1];
+  const TransferFunction function = randomTransferFunction(random, second.range(), second.geometry.meanSpacing());
+  out.volumes.push_back({function, randomShading(random), randomClipping(random, second.geometry)});
+  out.clipping = {};
+  out.visibility.method = VisibilityMethod::kNone;
+  if (seed % 3 == 0) out.aovs = {true, true};
+  return out;
+}
+
+std::uint64_t leastBytes(const Paths& stores, const FrameRequest& request) {
+  const StoreReader first(stores[0]), second(stores[1]);
+  return std::max({leastMixBytes({&first, &second}, request), first.largestReadBytes(), second.largestReadBytes()});
+}
+
+class VolumeMixEquality : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    volumes_ = mixedVolumes();
+    for (const std::int64_t size : {16, 32, 128}) {
+      for (std::size_t v = 0; v < volumes_.size(); ++v)
+        stores_[v].push_back(makeStore(volumes_[v], "v" + std::to_string(v) + "_of_" + std::to_string(size), size));
+    }
+  }
+  // Of the sizes above, by their places.
+  Paths stores(std::size_t first, std::size_t second) const { return {stores_[0][first], stores_[1][second]}; }
+
+  void check(std::uint64_t first_seed, int scenes) {
+    int shown = 0;
+    for (int i = 0; i < scenes; ++i) {
+      const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      FrameRequest request = requestAt(seed, volumes_);
+      request.level = 0;  // smaller bricks have more levels
+      if (i % 2 == 1) request.samples = 2;
+      const Image truth = draw(stores(2, 2), request);
+      shown += showsSomething(truth) ? 1 : 0;
+      EXPECT_TRUE(equalBits(truth, draw(stores(0, 1), request))) << "bricks of 16 and 32";
+      EXPECT_TRUE(equalBits(truth, draw(stores(1, 0), request))) << "bricks of 32 and 16";
+      request.visibility.method = seed % 2 == 0 ? VisibilityMethod::kMask : VisibilityMethod::kRangeTree;
+      EXPECT_TRUE(equalBits(truth, draw(stores(1, 1), request))) << "tested for visibility";
+      checkLeastMemory(request, truth);
+      request.crop = PixelRect{37, 21, 119, 90};
+      EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(stores(1, 1), request))) << "cropped";
+    }
+    EXPECT_GT(shown, scenes / 2);
+  }
+
+  void checkLeastMemory(FrameRequest request, const Image& truth) {
+    const ThreadLimit one(1);
+    const std::uint64_t least = leastBytes(stores(0, 0), request);
+    EXPECT_TRUE(equalBits(truth, draw(stores(0, 0), request, least))) << "least memory";
+    request.tile_px = 128;
+    EXPECT_TRUE(equalBits(truth, draw(stores(0, 0), request))) << "tiles of 128";
+    request.tile_px = 0;
+    EXPECT_TRUE(equalBits(truth, draw(stores(0, 0), request))) << "one tile";
+  }
+
+  std::vector<DenseVolume> volumes_;
+  Paths stores_[2];
+};
+
+TEST_F(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
+// The same where each volume has the levels that fit the view, from so near that they change on the way.
+TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
+  for (const std::uint64_t seed : {600, 601}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FrameRequest request = requestAt(seed, volumes_);
+    Camera camera = cameraFrom(volumes_[0].geometry, randomDirection(seed, 0), Projection::kPerspective);
+    camera.eye = camera.target + 0.5 * (camera.eye - camera.target);
+    camera.fov_deg = 110;
+    request.view = resolve(camera, kMixSize);
+    FrameStatistics statistics;
+    const Image truth = draw(stores(0, 0), request, 1ull << 30, &statistics);
+    EXPECT_GT(statistics.levels[0].voxels_visited, 0u);
+    EXPECT_GT(statistics.levels[1].voxels_visited, 0u);
+    request.visibility.method = VisibilityMethod::kMask;
+    checkLeastMemory(request, truth);
+    request.crop = PixelRect{37, 21, 119, 90};
+    EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(stores(0, 0), request))) << "cropped";
+  }
+}
+
+TEST_F(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
+
+// Less than the bricks of a tile take is refused in a line that says how much more works.
+TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
+  FrameRequest request = requestAt(502, volumes_);
+  TransferFunction all{0, {{-1e9, glm::dvec3(1), 0.1}}};
+  for (VolumeRequest& volume : request.volumes) volume = {all, {}, {}};
+  const std::uint64_t least = leastBytes(stores(1, 1), request);
+  EXPECT_NO_THROW(draw(stores(1, 1), request, least));
+  try {
+    draw(stores(1, 1), request, least / 2);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBudget);
+    EXPECT_NE(std::string(error.what()).find("give "), std::string::npos) << error.what();
+  }
+}
+
+// The second of two that shows nothing adds no sample and hides none.
+TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
+  FrameRequest request = requestAt(504, volumes_);
+  TransferFunction all{0, {{-1e9, glm::dvec3(1, 0.5, 0.2), 0.1}}}, nothing{0, {{0, glm::dvec3(1), 0}}};
+  request.volumes = {{all, {}, {}}, {nothing, {}, {}}};
+  const Image image = draw(stores(1, 1), request);
+  std::swap(request.volumes[0], request.volumes[1]);
+  EXPECT_TRUE(showsSomething(image));
+  EXPECT_TRUE(equalBits(image, draw({stores_[1][1], stores_[0][1]}, request)));
+}
+
+}  // namespace
+}  // namespace kiln::test

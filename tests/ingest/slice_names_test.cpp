@@ -1,0 +1,86 @@
+// Folders of slices by their names alone: a volume is one stack without a gap, or an error that names what is wrong.
+#include "ingest/slice_names.h"
+
+#include <gtest/gtest.h>
+
+#include "ingest/open_source.h"
+#include "support/volumes/tiff_files.h"
+
+namespace kiln::test {
+namespace {
+
+// The sentence about these names; empty where they are one stack.
+std::string sentenceOn(std::vector<std::string> names) {
+  std::sort(names.begin(), names.end(), naturallyBefore);
+  SliceFiles slices{"scan", SliceFormat::kTiff, {names.begin(), names.end()}, {}};
+  SliceFiles allowed = slices;
+  requireOneStack(allowed, true);
+  EXPECT_EQ(allowed.files, slices.files);
+  try {
+    requireOneStack(slices, false);
+    EXPECT_TRUE(allowed.notes.empty());
+    return "";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kFormat);
+    EXPECT_EQ(allowed.notes.size(), 1u);
+    return error.what();
+  }
+}
+
+TEST(SliceNames, OneNumberWithConstantStep_IsAStack) {
+  for (const std::vector<std::string>& names :
+       {std::vector<std::string>{"a.tif"},
+        {"s1.tif", "s2.tif", "s10.tif", "s9.tif", "s8.tif", "s7.tif", "s6.tif", "s5.tif", "s4.tif", "s3.tif"},
+        {"s000.tif", "s005.tif", "s010.tif"},
+        {"2021-03-04 head_0.tif", "2021-03-04 head_1.tif"},
+        {"1.tif", "2.tif"},
+        {"s98", "s99", "s100"}})
+    EXPECT_EQ(sentenceOn(names), "");
+}
+
+TEST(SliceNames, MissingSlice_IsNamed) {
+  EXPECT_EQ(sentenceOn({"s08.tif", "s09.tif", "s11.tif", "s12.tif"}),
+            "scan: 's09.tif' is followed by 's11.tif': 's10.tif' is missing; --allow-irregular takes all files in the "
+            "order of their names");
+  EXPECT_NE(sentenceOn({"s1", "s2", "s3", "s7", "s8", "s11"}).find("'s4' to 's6' are missing (2 such places)"),
+            std::string::npos);
+  EXPECT_NE(sentenceOn({"s0", "s2", "s4", "s5", "s7"}).find("'s4' is followed by 's5': a step of 1 where others are 2"),
+            std::string::npos);
+}
+
+TEST(SliceNames, TwoChannels_AreListed) {
+  std::vector<std::string> numbered, named;
+  for (int z = 0; z < 12; ++z) {
+    for (const char* channel : {"00", "01"})
+      numbered.push_back("img_z" + std::to_string(100 + z) + "_ch" + channel + ".tif");
+    for (const char* channel : {"dapi", "gfp"}) named.push_back("z" + std::to_string(z) + "_" + channel + ".tif");
+  }
+  EXPECT_NE(sentenceOn(numbered).find("2 groups, not one numbered stack: 'img_z*_ch00.tif' (12 files), "
+                                      "'img_z*_ch01.tif' (12 files)"),
+            std::string::npos)
+      << sentenceOn(numbered);
+  EXPECT_NE(sentenceOn(named).find("'z*_dapi.tif' (12 files), 'z*_gfp.tif' (12 files)"), std::string::npos);
+  EXPECT_NE(sentenceOn({"s1.tif", "s2.tif", "mean.tif"}).find("'mean.tif', 's*.tif' (2 files)"), std::string::npos);
+}
+
+TEST(SliceNames, NumbersThatAreEqualOrTooLong_AreErrors) {
+  EXPECT_NE(sentenceOn({"s1.tif", "s01.tif", "s2.tif"}).find("have the same number"), std::string::npos);
+  EXPECT_NE(sentenceOn({"s1.tif", "s01.tif"}).find("have the same number"), std::string::npos);
+  EXPECT_NE(sentenceOn({"s99999999999999999999998.tif", "s99999999999999999999999.tif"}).find("too long"),
+            std::string::npos);
+}
+
+TEST(SliceNames, FolderWithAGap_IsReadWhereAllowed) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 20);
+  for (const int z : {0, 1, 3}) writeTiff(files.directory() / ("s" + std::to_string(z) + ".tif"), volume, z, z + 1);
+  expectRefused(files.directory(), ErrorCode::kFormat, "'s1.tif' is followed by 's3.tif': 's2.tif' is missing");
+  SourceOptions options;
+  options.allow_irregular = true;
+  const auto source = openSource(files.directory(), options);
+  EXPECT_EQ(source->info().geometry.dims.z, 3);
+  EXPECT_NE(source->info().notes.front().find("'s2.tif' is missing; took all files"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kiln::test

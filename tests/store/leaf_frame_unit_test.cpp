@@ -1,0 +1,119 @@
+// Known because Blosc itself makes the frames, and because what unpacks to the bytes that went in is unpacked rightly.
+#include <blosc.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "store/codec/leaf_frame.h"
+
+namespace kiln {
+namespace {
+
+struct BloscSetting {
+  int split = BLOSC_NEVER_SPLIT, shuffle = BLOSC_SHUFFLE;
+  std::size_t type_bytes = kBloscTypeBytes;
+  const char* codec = BLOSC_LZ4_COMPNAME;
+};
+
+template <class Stored>
+std::vector<std::byte> leafFrameOf(const std::vector<Stored>& values, const BloscSetting& setting = {}) {
+  const std::size_t bytes = values.size() * sizeof(Stored);
+  std::vector<std::byte> out(bytes + BLOSC_MAX_OVERHEAD);
+  blosc_set_splitmode(setting.split);
+  const int length = blosc_compress_ctx(9, setting.shuffle, setting.type_bytes, bytes, values.data(), out.data(),
+                                        out.size(), setting.codec, bytes, 1);
+  blosc_set_splitmode(BLOSC_NEVER_SPLIT);
+  EXPECT_GT(length, 0);
+  out.resize(static_cast<std::size_t>(length));
+  return out;
+}
+
+// What voxels are like: noise in their last bits, on something even.
+template <class Stored>
+std::vector<Stored> leafValuesOf(std::size_t count, double first, double range) {
+  std::mt19937 random(static_cast<unsigned>(count));
+  std::uniform_real_distribution<double> noise(first, first + range);
+  std::vector<Stored> out(count);
+  for (Stored& value : out) value = static_cast<Stored>(noise(random));
+  return out;
+}
+
+template <class Stored, class T>
+void expectUnpackedLeaf(const std::vector<Stored>& values) {
+  const std::vector<std::byte> frame = leafFrameOf(values);
+  ASSERT_TRUE(isLeafFrame(frame, values.size() * sizeof(Stored))) << values.size();
+  using Unpacked = UnpackedFor<Stored, T>;
+  std::vector<Unpacked> unpacked(values.size());
+  ASSERT_TRUE(unpackLeaf<Stored>(frame, values.size(), unpacked.data()));
+  for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(unpacked[i], static_cast<Unpacked>(values[i])) << i;
+}
+
+TEST(LeafFrame, HoldsWhatWentIn) {
+  for (const std::size_t count : {512, 511, 384, 216, 64, 36, 1}) {
+    SCOPED_TRACE(count);
+    expectUnpackedLeaf<std::int32_t, std::uint8_t>(leafValuesOf<std::int32_t>(count, 90, 40));
+    expectUnpackedLeaf<std::int32_t, std::int8_t>(leafValuesOf<std::int32_t>(count, -20, 40));
+    expectUnpackedLeaf<std::int32_t, std::uint16_t>(leafValuesOf<std::int32_t>(count, 65000, 500));
+    expectUnpackedLeaf<std::int32_t, std::int16_t>(leafValuesOf<std::int32_t>(count, -300, 600));
+    expectUnpackedLeaf<std::int32_t, std::int32_t>(leafValuesOf<std::int32_t>(count, -100000, 200000));
+    expectUnpackedLeaf<std::int64_t, std::uint32_t>(leafValuesOf<std::int64_t>(count, 4e9, 2e8));
+    if (count % 2 == 0) expectUnpackedLeaf<std::uint16_t, std::uint16_t>(leafValuesOf<std::uint16_t>(count, 3000, 800));
+    expectUnpackedLeaf<float, float>(leafValuesOf<float>(count, -1, 2));
+    expectUnpackedLeaf<double, double>(leafValuesOf<double>(count, -1, 2));
+    expectUnpackedLeaf<std::int32_t, std::int16_t>(std::vector<std::int32_t>(count, -1024));
+    expectUnpackedLeaf<std::int32_t, std::uint8_t>(std::vector<std::int32_t>(count, 200));
+  }
+}
+
+TEST(LeafFrame, IsNoOtherFrame) {
+  const auto values = leafValuesOf<std::int32_t>(512, 0, 1000);
+  const std::size_t bytes = values.size() * sizeof values[0];
+  EXPECT_TRUE(isLeafFrame(leafFrameOf(values), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values), bytes - 4));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.split = BLOSC_ALWAYS_SPLIT}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.shuffle = BLOSC_NOSHUFFLE}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.type_bytes = 2}), bytes));
+  EXPECT_FALSE(isLeafFrame(leafFrameOf(values, {.codec = BLOSC_BLOSCLZ_COMPNAME}), bytes));
+  std::vector<std::byte> frame = leafFrameOf(values);
+  frame.pop_back();
+  EXPECT_FALSE(isLeafFrame(frame, bytes));
+  for (std::size_t length = 0; length < 24; ++length)
+    EXPECT_FALSE(isLeafFrame(std::span<const std::byte>(frame).first(length), bytes));
+}
+
+// Blosc packs what has something in common, and keeps what has not.
+TEST(LeafFrame, IsPackedOrKept) {
+  EXPECT_EQ(keptValues(leafFrameOf(leafValuesOf<std::int32_t>(512, 0, 1000))), nullptr);
+  std::vector<std::int32_t> noise(512);
+  std::mt19937 random(1);
+  for (std::int32_t& value : noise) value = static_cast<std::int32_t>(random());
+  const std::vector<std::byte> kept = leafFrameOf(noise);
+  ASSERT_TRUE(isLeafFrame(kept, 2048));
+  EXPECT_EQ(std::memcmp(keptValues(kept), noise.data(), 2048), 0);
+}
+
+// Where a frame is damaged it is either refused or unpacks to other bytes, and to no more of them.
+TEST(LeafFrame, DamageStaysInItsPlace) {
+  const auto values = leafValuesOf<std::int32_t>(512, 0, 300);
+  const std::size_t bytes = values.size() * sizeof values[0];
+  const std::vector<std::byte> whole = leafFrameOf(values);
+  std::mt19937 random(2);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::byte> frame = whole;
+    for (int n = 0; n < 4; ++n) frame[24 + random() % (frame.size() - 24)] = static_cast<std::byte>(random());
+    ASSERT_TRUE(isLeafFrame(frame, bytes));
+    std::vector<std::uint8_t> planes(bytes + 64, 0xa5);
+    refused += unpackPlanes(frame, bytes, i % 2 == 0 ? bytes : bytes / 4, planes.data()) ? 0 : 1;
+    ASSERT_TRUE(std::all_of(planes.begin() + static_cast<std::ptrdiff_t>(bytes), planes.end(),
+                            [](std::uint8_t byte) { return byte == 0xa5; }));
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, 2000);
+}
+
+}  // namespace
+}  // namespace kiln

@@ -1,0 +1,42 @@
+// A volume as a function of index space: interpolation in double precision, one voxel after the other.
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "scene/interpolation.h"
+#include "support/volumes/procedural.h"
+
+namespace kiln::test {
+
+/// scene/interpolation.h. thread: safe.
+class ReferenceField {
+ public:
+  ReferenceField(const DenseVolume& volume, Interpolation interpolation);
+
+  /// NaN where a voxel that has weight is NaN. unit: index space, beyond the volume, too.
+  double at(const glm::dvec3& index) const;
+  /// At voxel scale: the central difference of the linear interpolation over two voxels along each axis; of a cubic the
+  /// derivative of the cubic B-spline. unit: value per voxel.
+  glm::dvec3 gradient(const glm::dvec3& index) const;
+
+  double voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return values_[static_cast<std::size_t>((k * dims_.y + j) * dims_.x + i)];
+  }
+
+ private:
+  using Kernel = double (*)(double);
+  struct Filtered {
+    double sum = 0;
+    ValueRange range;  // of the voxels that have weight
+  };
+  double linearAt(const glm::dvec3& index) const;
+  Filtered filtered(const glm::dvec3& index, const std::array<Kernel, 3>& kernels) const;
+
+  Extent3 dims_;
+  Interpolation interpolation_;
+  std::vector<double> values_;
+};
+
+}  // namespace kiln::test

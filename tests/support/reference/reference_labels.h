@@ -1,0 +1,39 @@
+// A label volume as a function of index space, in double precision: of each label that is shown what it has of a place
+// is interpolated by itself, a place is solid where all of them together have half of it, and it is the one that has
+// most.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "scene/transfer/transfer_function.h"
+#include "support/reference/reference_field.h"
+
+namespace kiln::test {
+
+/// thread: safe.
+class ReferenceLabels {
+ public:
+  /// Between voxels: linear, or by cubic B-spline. Opacities are smoothed by binomial weights over `smoothing` voxels
+  /// to either side.
+  ReferenceLabels(const DenseVolume& volume, const TransferFunction& function, Interpolation interpolation,
+                  int smoothing);
+
+  struct There {
+    Classified look;
+    double solid;  // how much of it is there, from 0 to 1
+  };
+  There at(const glm::dvec3& index) const;
+  /// Of the labels' smoothed opacities, the derivative of the cubic B-spline. unit: opacity per voxel.
+  glm::dvec3 gradient(const glm::dvec3& index) const { return opacity_.gradient(index); }
+
+ private:
+  struct Label {
+    Classified look;
+    ReferenceField share;
+  };
+  std::vector<Label> labels_;
+  ReferenceField opacity_;
+};
+
+}  // namespace kiln::test

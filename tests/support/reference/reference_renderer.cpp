@@ -1,0 +1,422 @@
+#include "reference_renderer.h"
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "base/thread/parallel.h"
+#include "support/reference/reference_field.h"
+#include "support/reference/reference_labels.h"
+#include "support/volumes/empty_blocks.h"
+
+namespace kiln::test {
+namespace {
+
+/// Beyond this, what is behind adds less than a picture can hold.
+constexpr double kStopTransmittance = 1e-6;
+
+/// A face of the clip region; shows where normal·index + offset >= 0, in index space.
+struct Face {
+  glm::dvec3 normal;
+  double offset;
+  glm::dvec3 world_normal;  // as a gradient is brought into the world, any length
+
+  double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
+  double distance(const glm::dvec3& index) const { return at(index) / glm::length(world_normal); }
+  /// How far a voxel's cube reaches along the normal.
+  double voxel() const { return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z); }
+};
+
+std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume) {
+  std::vector<Face> faces;
+  for (int axis = 0; axis < 3 && clipping.region; ++axis) {
+    glm::dvec3 along(0);
+    along[axis] = 1;
+    // A face at the border of the volume cuts nothing.
+    const auto lo = static_cast<double>(clipping.region->lo[axis]), hi = static_cast<double>(clipping.region->hi[axis]);
+    if (lo > 0) faces.push_back({along, 0.5 - lo, {}});
+    if (hi < static_cast<double>(volume.dims[axis])) faces.push_back({-along, hi - 0.5, {}});
+  }
+  for (const ClipPlane& plane : clipping.planes) {
+    const glm::dvec4 world(plane.normal, plane.offset);
+    const glm::dvec4 index = glm::transpose(volume.world_from_index) * world;
+    faces.push_back({glm::dvec3(index), index.w, {}});
+  }
+  for (Face& face : faces)
+    face.world_normal = glm::transpose(glm::inverse(glm::dmat3(volume.world_from_index))) * face.normal;
+  return faces;
+}
+
+/// Everything about a picture that no ray changes.
+struct Scene {
+  Scene(const DenseVolume& volume, const View& the_view, const TransferFunction& function,
+        const ReferenceSettings& the_settings)
+      : field(volume, the_settings.interpolation),
+        view(the_view),
+        transfer_function(function),
+        settings(the_settings),
+        dims(volume.geometry.dims),
+        world_from_index(volume.geometry.world_from_index),
+        index_from_world(glm::inverse(volume.geometry.world_from_index)),
+        gradient_world_from_index(glm::transpose(glm::inverse(glm::dmat3(volume.geometry.world_from_index)))),
+        faces(facesOf(the_settings.clipping, volume.geometry)) {
+    const ValueRange range = volume.range();
+    gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
+    step_world = settings.step_voxels * volume.geometry.shortestEdge();
+    unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
+    if (!function.labels.empty()) {
+      labels.emplace(volume, function, settings.interpolation, settings.label_smoothing);
+      gradient_noise = kGradientNoise;
+    }
+    if (settings.skip_empty && !labels) {
+      empty_blocks.emplace(
+          dims, [this](std::int64_t i, std::int64_t j, std::int64_t k) { return field.voxel(i, j, k); },
+          settings.interpolation == Interpolation::kLinear ? 1 : 2, function);
+    }
+  }
+
+  /// What is at a place of index space, and the gradient that its surfaces have there.
+  ReferenceLabels::There at(const glm::dvec3& index) const {
+    if (labels) return labels->at(index);
+    return {transfer_function.at(field.at(index)), 1};
+  }
+  glm::dvec3 gradient(const glm::dvec3& index) const {
+    return labels ? labels->gradient(index) : field.gradient(index);
+  }
+
+  ReferenceField field;
+  std::optional<ReferenceLabels> labels;  // of a function of labels
+  const View& view;
+  const TransferFunction& transfer_function;
+  const ReferenceSettings& settings;
+  Extent3 dims;
+  glm::dmat4 world_from_index, index_from_world;
+  glm::dmat3 gradient_world_from_index;
+  std::vector<Face> faces;
+  double gradient_noise = 0, step_world = 1, unit_world = 1;
+  std::optional<EmptyBlocks> empty_blocks;
+};
+
+/// The part [begin, end] of the ray that lies in the volume's box; empty where begin >= end.
+struct Segment {
+  double begin, end;
+};
+
+Segment clipped(const Scene& scene, const Ray& ray) {
+  const glm::dvec3 origin = glm::dvec3(scene.index_from_world * glm::dvec4(ray.origin, 1));
+  const glm::dvec3 direction = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0));
+  Segment segment{ray.begin, std::numeric_limits<double>::infinity()};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = -0.5 - origin[axis];
+    const double hi = static_cast<double>(scene.dims[axis]) - 0.5 - origin[axis];
+    if (direction[axis] == 0) {
+      if (lo > 0 || hi <= 0) return {0, 0};
+      continue;
+    }
+    const double a = lo / direction[axis], b = hi / direction[axis];
+    segment.begin = std::max(segment.begin, std::min(a, b));
+    segment.end = std::min(segment.end, std::max(a, b));
+  }
+  for (const Face& face : scene.faces) {
+    const double at_origin = face.at(origin), slope = glm::dot(face.normal, direction);
+    if (slope == 0 && at_origin < 0) return {0, 0};
+    if (slope > 0) segment.begin = std::max(segment.begin, -at_origin / slope);
+    if (slope < 0) segment.end = std::min(segment.end, -at_origin / slope);
+  }
+  return segment;
+}
+
+/// Calls sample(index position, length of the step) at the middle of each step, front to back, until it returns false;
+/// steps in empty blocks are passed over. Steps begin where the ray enters; the last one is as long as what is left.
+template <class Sample>
+void march(const Scene& scene, const Ray& ray, const Sample& sample) {
+  const Segment segment = clipped(scene, ray);
+  if (!(segment.begin < segment.end)) return;
+  // A remainder of a billionth of a step is rounding and belongs to the step before it.
+  const double steps = std::max(1.0, std::ceil((segment.end - segment.begin) / scene.step_world - 1e-9));
+  const glm::dvec3 step_index = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0)) * scene.step_world;
+  for (double step = 0; step < steps;) {
+    const double begin = segment.begin + step * scene.step_world;
+    const double end = step + 1 < steps ? begin + scene.step_world : segment.end;
+    const glm::dvec3 world = ray.origin + 0.5 * (begin + end) * ray.direction;
+    const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
+    const double skipped = scene.empty_blocks ? scene.empty_blocks->stepsToSkip(index, step_index) : 0;
+    if (!(skipped > 0) && !sample(index, end - begin)) return;
+    step += std::max(1.0, skipped);
+  }
+}
+
+/// The direction of the surface at a sample: of the nearest face less than a voxel away, else of the gradient;
+/// zero where there is none.
+glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
+  const Face* nearest = nullptr;
+  for (const Face& face : scene.faces) {
+    if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index))) nearest = &face;
+  }
+  if (nearest) return glm::normalize(nearest->world_normal);
+  const glm::dvec3 difference = scene.gradient(index);
+  // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
+  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
+  return glm::normalize(scene.gradient_world_from_index * difference);
+}
+
+/// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
+glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& color, const glm::dvec3& index,
+                  const glm::dvec3& world, const glm::dvec3& to_eye) {
+  if (!shading.phong) return color;
+  glm::dvec3 normal = normalAt(scene, index);
+  if (normal == glm::dvec3(0)) return color;
+  if (glm::dot(normal, to_eye) < 0) normal = -normal;
+  glm::dvec3 matte(shading.ambient), gloss(0);
+  for (const Light& light : shading.lights) {
+    glm::dvec3 to_light = to_eye;
+    if (light.kind == LightKind::kDirectional) to_light = glm::normalize(light.place);
+    if (light.kind == LightKind::kPoint) to_light = glm::normalize(light.place - world);
+    if (!(glm::dot(normal, to_light) > 0)) continue;
+    const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
+    matte += shading.diffuse * glm::dot(normal, to_light) * light.intensity * light.color;
+    gloss += shading.specular * std::pow(std::max(0.0, glm::dot(normal, halfway)), shading.power) * light.intensity *
+             light.color;
+  }
+  return color * matte + gloss;
+}
+
+/// Extinction at a sample, by the length of the gradient where the function asks for it.
+double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, const glm::dvec3& index) {
+  double factor = 1;
+  if (!scene.transfer_function.gradient_opacity.empty()) {
+    const double slope = glm::length(scene.gradient_world_from_index * scene.field.gradient(index));
+    factor = scene.transfer_function.gradientFactor(std::isfinite(slope) ? slope : 0);
+  }
+  return there.solid * extinctionOf(factor * std::min(there.look.opacity, 0.9999), scene.unit_world);
+}
+
+/// Premultiplied RGBA of one ray over nothing.
+glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray) {
+  glm::dvec3 light(0);
+  double transmittance = 1;
+  bool closed = false;
+  march(scene, ray, [&](const glm::dvec3& index, double length) {
+    const ReferenceLabels::There sample = scene.at(index);
+    if (!(sample.look.opacity > 0)) return true;
+    const double alpha = 1 - std::exp(-extinctionAt(scene, sample, index) * length);
+    const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
+    light += transmittance * alpha * shaded(scene, shading, sample.look.color, index, world, -ray.direction);
+    transmittance *= 1 - alpha;
+    closed = scene.settings.opacity_threshold < 1 && 1 - transmittance >= scene.settings.opacity_threshold;
+    return !closed && transmittance >= kStopTransmittance;
+  });
+  if (closed) return {light / (1 - transmittance), 1};
+  return {light, 1 - transmittance};
+}
+
+/// The same of several volumes: their extinctions add up.
+glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const std::vector<ReferenceVolume>& volumes,
+                      const Ray& ray) {
+  std::vector<Segment> segments;
+  double step = std::numeric_limits<double>::infinity(), begin = step, end = -step;
+  for (const std::unique_ptr<Scene>& scene : scenes) {
+    const Segment segment = clipped(*scene, ray);
+    segments.push_back(segment);
+    step = std::min(step, scene->step_world);
+    if (!(segment.begin < segment.end)) continue;
+    begin = std::min(begin, segment.begin), end = std::max(end, segment.end);
+  }
+  glm::dvec3 light(0);
+  double transmittance = 1;
+  for (double at = begin; at < end; at += step) {
+    double depth = 0;
+    glm::dvec3 sent(0);
+    for (std::size_t v = 0; v < scenes.size(); ++v) {
+      // Of the step, what lies in the volume.
+      const double from = std::max(at, segments[v].begin), to = std::min(at + step, segments[v].end);
+      if (!(from < to)) continue;
+      const Scene& scene = *scenes[v];
+      const glm::dvec3 world = ray.origin + 0.5 * (from + to) * ray.direction;
+      const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
+      if (scene.empty_blocks && scene.empty_blocks->stepsToSkip(index, glm::dvec3(1)) > 0) continue;
+      const ReferenceLabels::There sample = scene.at(index);
+      if (!(sample.look.opacity > 0)) continue;
+      const double of_volume = extinctionAt(scene, sample, index) * (to - from);
+      depth += of_volume;
+      sent += of_volume * shaded(scene, volumes[v].shading, sample.look.color, index, world, -ray.direction);
+    }
+    if (!(depth > 0)) continue;
+    const double alpha = 1 - std::exp(-depth);
+    light += transmittance * alpha * sent / depth;
+    transmittance *= 1 - alpha;
+    const double threshold = scenes.front()->settings.opacity_threshold;
+    if (threshold < 1 && 1 - transmittance >= threshold) return {light / (1 - transmittance), 1};
+    if (transmittance < kStopTransmittance) break;
+  }
+  return {light, 1 - transmittance};
+}
+
+double depthAlong(const Scene& scene, const Ray& ray) {
+  double depth = 0;
+  march(scene, ray, [&](const glm::dvec3& index, double length) {
+    const ReferenceLabels::There sample = scene.at(index);
+    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample, index) * length;
+    return true;
+  });
+  return depth;
+}
+
+/// Calls draw(column, row, rays) for every pixel with its n × n rays, through the centres of n × n equal squares.
+template <class Draw>
+void forEachPixel(const Scene& scene, const Draw& draw) {
+  const int n = scene.settings.rays_per_axis;
+  parallelFor(static_cast<std::size_t>(scene.view.size.height), [&](std::size_t line) {
+    const int row = static_cast<int>(line);
+    std::vector<Ray> rays;
+    for (int column = 0; column < scene.view.size.width; ++column) {
+      rays.clear();
+      for (int sub_row = 0; sub_row < n; ++sub_row) {
+        for (int sub_column = 0; sub_column < n; ++sub_column) {
+          rays.push_back(rayThrough(scene.view, {column + (sub_column + 0.5) / n, row + (sub_row + 0.5) / n}));
+        }
+      }
+      draw(column, row, rays);
+    }
+  });
+}
+
+}  // namespace
+
+Ray rayThrough(const View& view, const glm::dvec2& pixel) {
+  const glm::dmat4 world_from_view = glm::inverse(view.view_from_world);
+  const glm::dvec2 offset = (pixel - view.centre_px) / view.focal_px;
+  if (view.projection == Projection::kEquirectangular) {
+    // Turned about what is up, then raised. View space has down.
+    const double longitude = 2 * glm::pi<double>() * (pixel.x / view.size.width - 0.5);
+    const double latitude = glm::pi<double>() * (0.5 - pixel.y / view.size.height);
+    const glm::dvec3 level = std::cos(longitude) * glm::dvec3(0, 0, 1) + std::sin(longitude) * glm::dvec3(1, 0, 0);
+    const glm::dvec3 direction = std::cos(latitude) * level + std::sin(latitude) * glm::dvec3(0, -1, 0);
+    return {glm::dvec3(world_from_view[3]), glm::normalize(glm::dvec3(world_from_view * glm::dvec4(direction, 0))), 0};
+  }
+  if (view.projection == Projection::kPerspective) {
+    const glm::dvec3 direction = glm::dvec3(world_from_view * glm::dvec4(offset, 1, 0));
+    return {glm::dvec3(world_from_view[3]), glm::normalize(direction), 0};
+  }
+  return {glm::dvec3(world_from_view * glm::dvec4(offset, 0, 1)),
+          glm::normalize(glm::dvec3(world_from_view * glm::dvec4(0, 0, 1, 0))),
+          -std::numeric_limits<double>::infinity()};
+}
+
+Image referenceImage(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                     const Shading& shading, const std::array<double, 4>& background,
+                     const ReferenceSettings& settings) {
+  const Scene scene(volume, view, transfer_function, settings);
+  const glm::dvec4 behind(background[0], background[1], background[2], background[3]);
+  Image image(view.size.width, view.size.height);
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    glm::dvec4 sum(0);
+    for (const Ray& ray : rays) {
+      const glm::dvec4 light = lightAlong(scene, shading, ray);
+      sum += light + (1 - light.a) * behind;
+    }
+    for (int channel = 0; channel < 4; ++channel) {
+      image.pixel(column, row)[channel] = static_cast<float>(sum[channel] / static_cast<double>(rays.size()));
+    }
+  });
+  return image;
+}
+
+Image referenceImage(const std::vector<ReferenceVolume>& volumes, const View& view, const ReferenceSettings& settings) {
+  std::vector<ReferenceSettings> of_volumes;
+  for (const ReferenceVolume& volume : volumes) {
+    of_volumes.push_back(settings);
+    of_volumes.back().clipping = volume.clipping;
+  }
+  std::vector<std::unique_ptr<Scene>> scenes;
+  for (std::size_t v = 0; v < volumes.size(); ++v)
+    scenes.push_back(std::make_unique<Scene>(*volumes[v].volume, view, volumes[v].transfer_function, of_volumes[v]));
+  Image image(view.size.width, view.size.height);
+  forEachPixel(*scenes.front(), [&](int column, int row, const std::vector<Ray>& rays) {
+    glm::dvec4 sum(0);
+    for (const Ray& ray : rays) sum += lightAlong(scenes, volumes, ray);
+    for (int channel = 0; channel < 4; ++channel)
+      image.pixel(column, row)[channel] = static_cast<float>(sum[channel] / static_cast<double>(rays.size()));
+  });
+  return image;
+}
+
+OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
+                                    const TransferFunction& transfer_function, const ReferenceSettings& settings) {
+  const Scene scene(volume, view, transfer_function, settings);
+  OpticalDepthImage image{view.size.width, view.size.height, {}, {}};
+  const auto pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  image.depth.resize(pixels);
+  image.transmittance.resize(pixels);
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const auto place =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
+    for (const Ray& ray : rays) {
+      const double depth = depthAlong(scene, ray);
+      image.depth[place] += depth / static_cast<double>(rays.size());
+      image.transmittance[place] += std::exp(-depth) / static_cast<double>(rays.size());
+    }
+  });
+  return image;
+}
+
+std::vector<double> firstHits(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
+                              ReferenceSettings settings) {
+  settings.rays_per_axis = 1;
+  const Scene scene(volume, view, transfer_function, settings);
+  std::vector<double> out(static_cast<std::size_t>(view.size.width) * static_cast<std::size_t>(view.size.height),
+                          std::numeric_limits<double>::infinity());
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const Ray& ray = rays.front();
+    double depth = 0;
+    march(scene, ray, [&](const glm::dvec3& index, double length) {
+      const ReferenceLabels::There sample = scene.at(index);
+      if (!(sample.look.opacity > 0)) return true;
+      depth += extinctionAt(scene, sample, index) * length;
+      if (depth < std::numbers::ln2) return true;
+      const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
+      out[static_cast<std::size_t>(row) * static_cast<std::size_t>(view.size.width) +
+          static_cast<std::size_t>(column)] = glm::dot(world - ray.origin, ray.direction);
+      return false;
+    });
+  });
+  return out;
+}
+
+ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const ReferenceSettings& settings) {
+  ReferenceSettings one_ray = settings;
+  one_ray.rays_per_axis = 1;
+  one_ray.skip_empty = false;
+  const TransferFunction none;
+  const Scene scene(volume, view, none, one_ray);
+  constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+  const auto pixels = static_cast<std::size_t>(view.size.width) * static_cast<std::size_t>(view.size.height);
+  ProjectedImage image{view.size.width, view.size.height, std::vector(pixels, kNoValue), std::vector(pixels, kNoValue),
+                       std::vector(pixels, kNoValue)};
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    const auto place =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(column);
+    ValueRange range;
+    double sum = 0, length = 0;
+    march(scene, rays.front(), [&](const glm::dvec3& index, double step) {
+      const double value = scene.field.at(index);
+      range.include(value);
+      if (!std::isnan(value)) sum += value * step, length += step;
+      return true;
+    });
+    if (range.empty()) return;
+    image.greatest[place] = range.hi;
+    image.least[place] = range.lo;
+    image.mean[place] = sum / length;
+  });
+  return image;
+}
+
+}  // namespace kiln::test

@@ -1,0 +1,50 @@
+#include "support/reference/scalar_kernels.h"
+
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace kiln::test {
+
+void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f) {
+  // The lowest bit is the best. For one that there are no kernels for, another one's are taken.
+  std::vector<std::int64_t> targets;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
+  std::set<std::string> done;
+  for (auto target = targets.rbegin(); target != targets.rend(); ++target) {
+    hwy::SetSupportedTargetsForTest(*target);
+    if (done.insert(instructionSet()).second) f(*target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+SampledRange loadUnitScalar(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                            float* values) {
+  SampledRange out;
+  const int rim = lattice.interpolation == Interpolation::kLinear ? kUnitMargin - 1 : 0;
+  const auto inner = [&](int i) { return i >= rim - kUnitMargin && i < kUnitVoxels + kUnitMargin - rim; };
+  withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    const T* const voxels = reinterpret_cast<const T*>(block.voxels.data());
+    for (int z = -kUnitMargin; z < kUnitVoxels + kUnitMargin; ++z) {
+      for (int y = -kUnitMargin; y < kUnitVoxels + kUnitMargin; ++y, values += kUnitSamples) {
+        for (int x = -kUnitMargin; x < kUnitVoxels + kUnitMargin; ++x) {
+          VoxelCoord at = {lo.x + x, lo.y + y, lo.z + z};
+          for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], block.extent.lo[a], block.extent.hi[a] - 1);
+          const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
+          values[x + kUnitMargin] = static_cast<float>(value - offset);
+          if (std::abs(value - offset) > 1e37) values[x + kUnitMargin] = std::copysign(1e37f, values[x + kUnitMargin]);
+          if (!inner(x) || !inner(y) || !inner(z)) continue;
+          out.values.include(value);
+          out.gaps = out.gaps || std::isnan(value);
+        }
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace kiln::test

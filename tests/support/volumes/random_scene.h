@@ -1,0 +1,65 @@
+// Pictures nobody would think of, for properties that must hold for all of them. One seed is one scene, on every
+// machine: a test prints the seed, and the seed is the bug report.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "frame/render_frame.h"
+#include "job/render_job.h"
+#include "scene/camera/camera.h"
+#include "scene/transfer/transfer_function.h"
+#include "support/volumes/procedural.h"
+
+namespace kiln::test {
+
+/// A sequence of numbers that a seed determines (the standard library's distributions differ between libraries).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : seed_(seed) {}
+  /// In [lo, hi).
+  double uniform(double lo, double hi) { return lo + (hi - lo) * hashUnit(seed_, counter_++); }
+  /// In lo … hi, both possible.
+  int between(int lo, int hi) {
+    return lo + static_cast<int>(hashBits(seed_, counter_++) % std::uint64_t(hi - lo + 1));
+  }
+  bool chance(double probability) { return uniform(0, 1) < probability; }
+  /// Uniform on the unit sphere.
+  glm::dvec3 direction();
+
+ private:
+  std::uint64_t seed_;
+  std::uint64_t counter_ = 0;
+};
+
+/// Either projection, from any side of the volume's box, looking at some point of it; now and then from inside, or so
+/// near that much of the volume is out of the picture.
+Camera randomCamera(Random& random, const VolumeGeometry& volume);
+/// One to six points over `range` (a little beyond it, too): surfaces, translucent media, windows, steps, constants.
+TransferFunction randomTransferFunction(Random& random, const ValueRange& range, double mean_spacing);
+Shading randomShading(Random& random);
+/// Up to three lights of any kind, in and around the volume.
+std::vector<Light> randomLights(Random& random, const VolumeGeometry& volume);
+/// Half of the time nothing; else a region, planes or both, each of which leaves some of the volume.
+Clipping randomClipping(Random& random, const VolumeGeometry& volume);
+
+struct RandomScene {
+  Camera camera;
+  View view;
+  TransferFunction transfer_function;
+  Shading shading;
+  Background background;
+  Clipping clipping;
+  Interpolation interpolation = Interpolation::kLinear;
+  double sample_distance = kSampleDistance;
+};
+RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
+
+/// As a job says it.
+CameraSpec specOf(const Camera& camera);
+/// The picture of the scene.
+FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold);
+/// A threshold that the seed determines, from 0.3 to 1.
+double randomThreshold(std::uint64_t seed);
+
+}  // namespace kiln::test

@@ -1,0 +1,49 @@
+// The disk is read where the picture needs it: a frame from nothing reads little more than what it draws, and the next
+// frame of a slow turn next to nothing.
+#include <gtest/gtest.h>
+
+#include "convert/convert.h"
+#include "frame/render_frame.h"
+#include "ingest/open_source.h"
+#include "sequence/render_job_run.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+// Known because a cache with room for all reads no brick twice, so what the second frame reads is what the first did
+// not; the skin of a head hides most of its bricks, and a degree moves its outline by a hundredth of its radius.
+TEST(Paging, AFrameReadsWhatItDraws) {
+  const auto head = openSource("phantom:head:256x256x256", {});
+  const std::filesystem::path path = freshDirectory("paging") / "head.kiln";
+  ConvertOptions options;
+  options.brick_size = 64;  // in smaller ones the apron, which is read with them, is more than they are
+  Progress progress;
+  convert(*head, path, options, progress);
+  const StoreReader store(path);
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    RenderJob job;
+    job.picture.size = {256, 256};
+    job.picture.transfer_function = std::string("ct-skin");
+    job.picture.camera.projection = projection;
+    BrickCache cache(store, std::uint64_t{1} << 30);
+    std::vector<FrameStatistics> frames(2);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      job.picture.camera.azimuth_deg = 20 + static_cast<double>(i);
+      renderFrame(store, cache,
+                  frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)), progress,
+                  frames[i]);
+    }
+    EXPECT_GT(frames[0].bricks_contributing, 20u);
+    EXPECT_GT(frames[0].bricks_hidden, 2u);
+    EXPECT_GE(frames[0].bricks_read, frames[0].bricks_contributing);
+    // Of small bricks a third shows nothing: what a ray could see there is behind the skin, beside which pixels are
+    // open.
+    EXPECT_LE(static_cast<double>(frames[0].bricks_read_bytes),
+              1.7 * static_cast<double>(frames[0].bricks_contributing_bytes));
+    EXPECT_LT(10 * frames[1].bricks_read_bytes, frames[0].bricks_read_bytes);
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
