@@ -5,7 +5,7 @@
 namespace kiln {
 namespace {
 
-// The views' exact pictures in memory are small: the paper's are 256×256.
+// Exact pictures fit in memory: the paper's are 256×256.
 class Study {
  public:
   Study(const Suite& suite, CaseDrawing& drawing, int repeat) : suite_(suite), drawing_(drawing), repeat_(repeat) {}

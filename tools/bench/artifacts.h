@@ -1,5 +1,5 @@
-// How far the quadtree's pictures are from the exact ones, by the enlargement ε of its area, and what an ε costs that
-// keeps every pixel within 1 (Lee and Ihm §3.3, which leaves choosing it to the future).
+// Compares the quadtree's pictures with the exact pictures, for several enlargements ε of the tested area. Finds the
+// smallest ε with every pixel within 1, and its cost. Lee and Ihm §3.3 leave the choice of ε to future work.
 #pragma once
 
 #include "bench/case_drawing.h"
@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// Draws every view of the case at its first size: exactly, and with every ε of the suite. throws: what renderFrame and
-/// encodePng throw.
+/// Draws every view of the case at its first size: exactly, and with every ε of the suite. throws: the exceptions of
+/// renderFrame and encodePng.
 ArtifactStudy studyArtifacts(const Suite& suite, std::size_t case_index, CaseDrawing& drawing, Projection projection);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// Bytes as text, for pictures inside of an HTML page. Source: RFC 4648 §4.
+// Encodes bytes as text, for pictures inside an HTML page. Source: RFC 4648 §4.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// shape: 4 characters for every 3 bytes begun, padded with '='.
+/// shape: 4 characters for each started group of 3 bytes, padded with '='.
 std::string base64Of(std::span<const std::byte> data);
 
 }  // namespace kiln

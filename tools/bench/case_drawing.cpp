@@ -65,7 +65,7 @@ MeasuredFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visib
 }
 
 void CaseDrawing::warmUp() {
-  // Octree only visits everything that is in the image, and the views differ little.
+  // Octree only visits everything in the image, and the views differ little.
   const std::vector<SuiteView> small = views({64, 64}, suite_.projections.front());
   draw(small[middleView(suite_)].view, optionsFor(VisibilityMethod::kNone), 1);
 }

@@ -1,4 +1,4 @@
-// One case of a suite, ready to be drawn: its store and bricks, its material, and a frame of any view by any method.
+// Draws frames of a suite's case, from any view by any method; holds the case's store, cache and transfer function.
 #pragma once
 
 #include <filesystem>
@@ -12,25 +12,25 @@ namespace kiln {
 
 struct MeasuredFrame {
   Image image;
-  FrameStatistics statistics;    // of the last draw
-  std::vector<double> render_s;  // one a draw: wall time without loading
+  FrameStatistics statistics;    // statistics of the last draw
+  std::vector<double> render_s;  // wall time without loading, for each draw
   double medianSeconds() const;
   double leastSeconds() const;
 };
 
 class CaseDrawing {
  public:
-  /// requires: suite and case outlive it. throws: what StoreReader, BrickCache and the transfer function throw.
+  /// requires: suite and case outlive it. throws: the exceptions of StoreReader, BrickCache and the transfer function.
   CaseDrawing(const Suite& suite, const SuiteCase& c, const std::filesystem::path& store, Progress& progress);
 
   const StoreReader& store() const { return store_; }
   std::vector<SuiteView> views(const ImageSize& size, Projection projection) const;
 
-  /// The options by which the suite draws with `method`.
+  /// Returns the suite's visibility options for `method`.
   VisibilityOptions optionsFor(VisibilityMethod method, int epsilon_px = 0) const;
-  /// Draws the view `repeat` times. throws: what renderFrame throws.
+  /// Draws the view `repeat` times. throws: the exceptions of renderFrame.
   MeasuredFrame draw(const View& view, const VisibilityOptions& visibility, int repeat, NodeLog* log = nullptr);
-  /// Reads every brick that the transfer function shows something of, as far as the budget goes.
+  /// Reads every brick with visible values, as far as the budget allows.
   void warmUp();
 
  private:

@@ -9,7 +9,7 @@
 namespace kiln {
 namespace {
 
-// From values to pixels along one axis.
+// Maps values to pixels along an axis.
 struct Scale {
   bool log = false;
   double lo = 0, hi = 1, from_px = 0, to_px = 1;
@@ -20,7 +20,7 @@ struct Scale {
   }
 };
 
-// 1, 2, 5, 10, …; more of them on a short axis, powers of ten only on a long one.
+// Returns 1, 2, 5, 10, …; more ticks on a short axis, powers of ten only on a long axis.
 std::vector<double> logTicks(double lo, double hi) {
   std::vector<double> out;
   const bool crowded = hi / lo > 3000, roomy = hi / lo < 10;
@@ -70,7 +70,7 @@ Scale scaleFor(const Bounds& bounds, bool log, double from_px, double to_px) {
   return out;
 }
 
-// Names at the ends of lines, pushed apart where they would lie on each other.
+// Writes names at the ends of lines, pushed apart where they would overlap.
 void writeNames(Svg& svg, std::vector<std::pair<double, const ChartLine*>> names, double x) {
   constexpr double kApart = 14;
   std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

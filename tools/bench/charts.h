@@ -1,4 +1,4 @@
-// The two charts of the report: lines over a logarithmic axis, and groups of bars.
+// The two charts of the report: lines over logarithmic axes, and groups of bars.
 #pragma once
 
 #include <functional>
@@ -17,21 +17,21 @@ struct ChartLine {
 struct LineChart {
   std::string label, x_title, y_title;
   bool log_x = true, log_y = true;
-  std::vector<double> x_ticks;  // where the axis is marked
+  std::vector<double> x_ticks;  // positions of the axis marks
   std::vector<ChartLine> lines;
 };
 
-/// The lines' names stand at their ends. Points without a positive value are left out of a logarithmic axis.
+/// Writes each line's name at its end. A logarithmic axis omits points without a positive value.
 Svg drawLines(const LineChart& chart);
 
 struct ChartBar {
   std::string classes;
   double value = 0;
-  std::optional<double> published;  // a mark beside ours
+  std::optional<double> published;  // the paper's value, drawn as a mark
 };
 
 struct BarGroup {
-  std::string name, detail;  // below the group, in two lines
+  std::string name, detail;  // two lines below the group
   std::vector<ChartBar> bars;
 };
 
@@ -41,7 +41,7 @@ struct BarChart {
   std::vector<BarGroup> groups;
 };
 
-/// Bars from 0, with a dashed line at 1.
+/// Draws bars from 0, with a dashed line at 1.
 Svg drawBars(const BarChart& chart);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// Linux keeps what is asked here in /proc, in files that have no size until they are read.
+// Reads /proc, whose files have no size until they are read.
 #include "bench/machine.h"
 
 #include <thread>
@@ -20,7 +20,7 @@ std::string firstText(const char* path) {
   return text;
 }
 
-// What stands after "KEY  :" in the first line that begins with KEY.
+// Returns the text behind "KEY  :" in the first line that begins with KEY.
 std::string valueOf(const std::string& text, const std::string& key) {
   const std::size_t at = text.starts_with(key) ? 0 : text.find("\n" + key);
   const std::size_t colon = at == std::string::npos ? at : text.find(':', at);

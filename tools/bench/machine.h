@@ -1,4 +1,4 @@
-// The machine and the build that numbers were measured with: without them a time means nothing.
+// The machine and the build of a measurement: times mean nothing without them.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 namespace kiln {
 
 struct Machine {
-  std::string processor;           // "AMD EPYC 9B14"; "unknown" where the system does not say
-  unsigned logical_cores = 0;      // threads that run at once
-  std::uint64_t memory_bytes = 0;  // 0 where the system does not say
+  std::string processor;           // "AMD EPYC 9B14"; "unknown" if not reported
+  unsigned logical_cores = 0;      // hardware threads
+  std::uint64_t memory_bytes = 0;  // 0 if not reported
   std::string system;              // "Linux 6.1.0-18-amd64"
   std::string compiler;            // "GCC 12.2.0"
-  bool assertions = false;         // a build that checks itself, and is slower for it
-  std::string version;             // Kiln's
+  bool assertions = false;         // assertions are on, which slows the build
+  std::string version;             // version of Kiln
 };
 
 Machine thisMachine();

@@ -12,10 +12,10 @@ namespace kiln {
 namespace {
 
 constexpr double kLongSide_px = 340, kMargin_px = 2;
-// Above the volume, for the arrow.
+// Space above the volume for the arrow.
 constexpr double kHead_px = 30;
 
-// Which axes of the volume run to the right and up in the drawing, and which way.
+// The volume's axes drawn to the right and up, and whether they are flipped.
 struct Orientation {
   int right, up;
   bool flip_right, flip_up;
@@ -66,7 +66,7 @@ class Drawing {
   std::string boxPath(const VoxelBox& box) const {
     double x0 = along(at_.right, at_.flip_right, box.lo[at_.right]);
     double x1 = along(at_.right, at_.flip_right, std::min(box.hi[at_.right], volume_.dims[at_.right]));
-    // Up is against SVG's y.
+    // The drawing's up is opposite to SVG's y.
     double y0 = height_px_ - along(at_.up, at_.flip_up, box.lo[at_.up]);
     double y1 = height_px_ - along(at_.up, at_.flip_up, std::min(box.hi[at_.up], volume_.dims[at_.up]));
     if (x0 > x1) std::swap(x0, x1);
@@ -75,11 +75,11 @@ class Drawing {
                        x0 - x1);
   }
 
-  // The direction of view as it lies in the slice.
+  // Draws the view direction projected into the slice.
   void arrow(Svg& svg, const NodeSlice& slice) const {
     const double dx = std::abs(slice.forward[at_.right]), dy = -slice.forward[at_.up];
     const double length = std::hypot(dx, dy);
-    if (length < 0.1) return;  // seen across the slice
+    if (length < 0.1) return;  // viewed across the slice
     const double ux = dx / length, uy = dy / length;
     constexpr double kHalf_px = 13;
     const SvgPoint middle{kMargin_px + kHalf_px + 2, kHead_px / 2};

@@ -1,4 +1,4 @@
-// Figure 7: a slice through the octree with the nodes that one frame asked about, the light running to the right.
+// Figure 7: a slice through the octree with the nodes tested by a frame; the view runs to the right.
 #pragma once
 
 #include "bench/measurements.h"
@@ -6,8 +6,8 @@
 
 namespace kiln {
 
-/// The finest nodes that were visited are filled, nodes above them outlined, hidden nodes shaded. The slice is turned
-/// by quarters and mirrored so that the view runs from left to right. shape: the world's proportions.
+/// Fills the finest visited nodes, outlines the nodes above them, shades hidden nodes. The slice is turned by quarters
+/// and mirrored so that the view runs from left to right. shape: the world's proportions.
 Svg drawNodeSlice(const NodeSlice& slice, const VolumeSummary& volume);
 
 }  // namespace kiln

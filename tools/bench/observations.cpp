@@ -6,7 +6,7 @@
 namespace kiln {
 namespace {
 
-// The same number as the paper printed it and as the suite measured it.
+// A number as printed in the paper and as measured by the suite.
 struct Both {
   double paper, here;
 };
@@ -32,7 +32,7 @@ class Observer {
     return paper && here ? std::optional(Both{paper->speed_up, here->speed_up}) : std::nullopt;
   }
 
-  // Counts one comparison: whether the first gains more.
+  // Counts a comparison, and whether the first method gains more.
   static void count(Observation& o, const std::optional<Both>& more, const std::optional<Both>& less) {
     if (!more || !less) return;
     ++o.comparisons;

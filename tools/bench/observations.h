@@ -1,4 +1,4 @@
-// What Lee and Ihm observe in their tables (§3.2), asked of ours: how often each observation holds there and here.
+// Tests the observations of Lee and Ihm (§3.2) on the paper's tables and on the suite: how often each holds.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace kiln {
 
 struct Observation {
   std::string sentence;
-  std::size_t comparisons = 0;  // that both the paper and the suite allow
+  std::size_t comparisons = 0;  // possible in both the paper and the suite
   std::size_t in_paper = 0, here = 0;
 };
 
-/// Those with at least one comparison.
+/// Returns the observations with at least one comparison.
 std::vector<Observation> observationsOf(const Measurements& m);
 
 }  // namespace kiln

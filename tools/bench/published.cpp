@@ -1,5 +1,5 @@
 // Source: R. K. Lee and I. Ihm, "On Enhancing the Speed of Splatting Using Both Object- and Image-Space Coherence", §3.
-// Ratios and speed-ups are kept as printed, not computed, so that a test can hold one against the other.
+// Ratios and speed-ups are stored as printed, not computed, so that a test can compare them with the times.
 #include "bench/published.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::array<PublishedData, 7> kData = {{
     {"VM2SKIN", "Visible Man 2", "587×341×1878", "skin"},
 }};
 
-// What one method did in one projection.
+// Results of a method in one projection.
 struct Entry {
   std::uint64_t visited;
   double ratio_percent;
@@ -30,8 +30,8 @@ struct Row {
   ImageSize size;
   std::uint64_t octree_only;
   std::array<double, 2> octree_only_s;                         // orthographic, perspective
-  std::array<Entry, 2> range_tree, quadtree;                   // the same
-  std::optional<std::array<Entry, 2>> overlay = std::nullopt;  // the same
+  std::array<Entry, 2> range_tree, quadtree;                   // orthographic, perspective
+  std::optional<std::array<Entry, 2>> overlay = std::nullopt;  // orthographic, perspective
 };
 
 const std::array<Row, 12> kRows = {{

@@ -1,5 +1,5 @@
-// What Lee and Ihm measured, as data: their Tables 1, 2, 3 and 5, number by number. Their machine was an SGI
-// workstation with a 195 MHz R10000, so times are to be read beside ours only as ratios.
+// The measurements of Lee and Ihm as data: Tables 1, 2, 3 and 5, number by number. Their machine was an SGI workstation
+// with a 195 MHz R10000, so only ratios of times are comparable.
 #pragma once
 
 #include <cstdint>
@@ -25,24 +25,24 @@ struct PublishedVisits {
   double ratio_percent = 0;
 };
 
-/// The same of Table 3(a), 3(b) or 5(b). unit: seconds.
+/// One half of a row of Table 3(a), 3(b) or 5(b). unit: seconds.
 struct PublishedTimes {
   double octree_only_s = 0, method_s = 0;
   double speed_up = 0;
 };
 
-/// A row of the tables: one classification at one image size.
+/// A row of the tables: a classification at one image size.
 struct PublishedRow {
   std::string_view name;
   ImageSize size;
 };
 
-/// The names of all rows, each once, in the paper's order.
+/// Returns the names of all rows, each name once, in the paper's order.
 std::vector<std::string_view> publishedNames();
 std::optional<PublishedData> publishedData(std::string_view name);
 std::vector<PublishedRow> publishedRows();
 
-/// Empty where the paper has no such number: another method, another size, or a row that Table 5 leaves out.
+/// Empty if the paper has no such number: another method or size, or a row omitted in Table 5.
 std::optional<PublishedVisits> publishedVisits(std::string_view name, const ImageSize& size, Projection projection,
                                                VisibilityMethod method);
 std::optional<PublishedTimes> publishedTimes(std::string_view name, const ImageSize& size, Projection projection,

@@ -24,7 +24,7 @@ namespace {
 constexpr std::array<std::string_view, 6> kParts = {"report.html", "report.json", "measurements.csv",
                                                     "suite.json",  "pictures",    "stores"};
 
-// A case's name as part of a file's.
+// Returns a case's name as part of a file name.
 std::string fileWord(const std::string& name) {
   std::string out;
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
@@ -55,7 +55,7 @@ class PictureFiles {
   }
 
  private:
-  // Those of another suite. What else is there is somebody's.
+  // Removes pictures of an earlier suite. Other files belong to the user.
   void removeEarlier() {
     std::vector<fs::path> earlier;
     forEachEntry(directory_, [&](const fs::directory_entry& entry) {
@@ -88,7 +88,7 @@ void requireReportDirectory(const fs::path& directory) {
   if (!isFolder(directory)) throw Error(ErrorCode::kUsage, directory, "", "is no directory; a report is one");
   forEachEntry(directory, [&](const fs::directory_entry& entry) {
     std::string name = entry.path().filename().string();
-    if (name.ends_with(".tmp")) name.resize(name.size() - 4);  // what a kill left of an atomic write
+    if (name.ends_with(".tmp")) name.resize(name.size() - 4);  // left by an interrupted atomic write
     if (std::find(kParts.begin(), kParts.end(), name) != kParts.end()) return Walk::kGoOn;
     throw Error(ErrorCode::kExists, directory, "",
                 "holds '" + name +

@@ -1,4 +1,4 @@
-// A report's directory: the page, the numbers for programs, the suite, and the pictures by themselves.
+// The directory of a report: the page, the numbers for programs, the suite, and the pictures as files.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,20 @@
 
 namespace kiln {
 
-/// throws: Error kExists where `directory` holds something that is no part of a report, so that nothing of the user's
-/// is replaced; kUsage where it is no directory. A directory that is not there is fine.
+/// Protects the user's files. throws: Error kExists if `directory` contains anything that is no part of a report;
+/// kUsage if it is not a directory. A missing directory is accepted.
 void requireReportDirectory(const std::filesystem::path& directory);
 
-/// Writes report.html, report.json, measurements.csv, suite.json and pictures/. Each file is whole or not there; the
-/// page is the last. An earlier report is replaced. throws: Error kNoSpace, kIo.
+/// Writes report.html, report.json, measurements.csv, suite.json and pictures/, replacing an earlier report. Each file
+/// is written whole or not at all; the page comes last. throws: Error kNoSpace, kIo.
 void writeReport(const Measurements& m, const std::filesystem::path& directory, FileSystem& disk = FileSystem::real());
 
-/// The files of a report beside its pictures and stores.
+/// Returns the files of a report, without pictures and stores.
 std::vector<std::filesystem::path> reportFiles(const std::filesystem::path& directory);
-/// The file among these whose text is the suite's.
+/// Returns the file of a report with the suite's text.
 inline std::filesystem::path suiteFileOf(const std::filesystem::path& directory) { return directory / "suite.json"; }
 
-/// Where a report keeps the stores that it converted.
+/// Returns the folder for stores converted by the suite.
 inline std::filesystem::path storesOf(const std::filesystem::path& directory) { return directory / "stores"; }
 
 }  // namespace kiln

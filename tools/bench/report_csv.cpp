@@ -7,7 +7,7 @@
 namespace kiln {
 namespace {
 
-// A field with a comma, a quote or a line break is quoted, its quotes doubled.
+// Quotes a field with a comma, a quote or a line break, and doubles its quotes.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string out = "\"";

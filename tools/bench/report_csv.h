@@ -1,4 +1,4 @@
-// The measurements as a table for programs: one line for each case, image size, projection, method and view.
+// The measurements as a table for programs: a line for each case, image size, projection, method and view.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// RFC 4180 with a line of names first; units are in the names. Numbers have a point and no grouping.
+/// RFC 4180, with a line of column names that contain the units. Numbers have a decimal point and no grouping.
 std::string measurementsCsv(const Measurements& m);
 
 }  // namespace kiln

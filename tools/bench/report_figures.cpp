@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// Four pictures beside each other on a page of full width, or three drawings.
+// Widths for four pictures, or three drawings, in a row of a full-width page.
 constexpr int kPicture_px = 276, kDrawing_px = 372;
 
 std::string image(const std::vector<std::byte>& png, std::string_view alternative, const ImageSize& size,
@@ -23,12 +23,12 @@ std::string image(const std::vector<std::byte>& png, std::string_view alternativ
                      classes, size.width, size.height, escaped(alternative), base64Of(png));
 }
 
-// As wide as what it shows, so that the caption breaks below it. unit: pixels.
+// Returns a panel as wide as its content, so that the caption wraps below. unit: pixels.
 std::string panel(const std::string& content, const std::string& caption, int width_px) {
   return fmt::format("<div class=\"panel\" style=\"max-width:{}px\">{}<p>{}</p></div>\n", width_px, content, caption);
 }
 
-// One line of panels.
+// Returns a row of panels.
 std::string rowOf(const std::string& panels) { return "<div class=\"panels\">\n" + panels + "</div>\n"; }
 
 std::string figure(std::string_view number, std::string_view caption, const std::string& rows) {
@@ -37,7 +37,7 @@ std::string figure(std::string_view number, std::string_view caption, const std:
 
 char letterOf(std::size_t i) { return static_cast<char>('a' + i % 26); }
 
-// A line for each method but octree only, of what `points` finds for it.
+// Returns a line per method, except octree only, through the points returned by `points`.
 template <class Points>
 std::vector<ChartLine> methodLines(const Measurements& m, Points points) {
   std::vector<ChartLine> out;
@@ -51,7 +51,7 @@ std::vector<ChartLine> methodLines(const Measurements& m, Points points) {
 
 std::vector<double> ticksOf(const std::vector<int>& values) { return {values.begin(), values.end()}; }
 
-// The paper's times relative to its range tree's.
+// Returns the paper's time relative to the paper's range tree.
 std::optional<double> publishedRelative(const SuiteCase& c, const MeasuredRun& run, VisibilityMethod method) {
   const auto own = publishedTimes(c.paper, run.size, run.projection, method);
   const auto tree = publishedTimes(c.paper, run.size, run.projection, VisibilityMethod::kRangeTree);
@@ -73,7 +73,7 @@ std::string nodeSliceFigures(const Measurements& m) {
                                 counted(static_cast<double>(slice.visited)),
                                 kAxes[static_cast<std::size_t>(slice.log.axis)], slice.log.plane),
                     372);
-    // As in the paper: octree only and the quadtree in one line; the mask in the next.
+    // Rows as in the paper: octree only and the quadtree, then the mask.
     const bool last = i + 1 == m.slices.size() || m.slices[i + 1].case_index != slice.case_index;
     if (!last && m.slices[i + 1].method != VisibilityMethod::kMask) continue;
     if (!last && slice.method == VisibilityMethod::kMask) continue;
@@ -187,7 +187,7 @@ std::string costFigure(const Measurements& m) {
                        if (u.method == method) points.push_back({static_cast<double>(u.size_px), u.ns_per_pixel});
                      return points;
                    })};
-  // A middling area and a middling image stand for the others, which the JSON has.
+  // Shows a middle area and a middle image; the JSON has all sizes.
   const int area = areas.empty() ? 0 : areas[areas.size() / 2];
   const int size = sizes[sizes.size() / 2];
   LineChart by_size{"Cost of a test against image size",

@@ -1,5 +1,5 @@
-// The page, section by section in the order of the paper's §3. Every sentence that claims something is written from the
-// numbers, so that a suite in which it is not true says so.
+// Writes the page, section by section in the order of the paper's §3. Claims are generated from the numbers, so a suite
+// with other results gets other sentences.
 #include "bench/report_html.h"
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ std::string paragraph(const std::string& text, std::string_view classes = "") {
   return fmt::format("<p class=\"{}\">{}</p>\n", classes, text);
 }
 
-// Frames whose pictures should be those of octree only, and how many are.
+// Number of frames that should equal octree only, and number of frames that do.
 struct Exactness {
   std::size_t frames = 0, identical = 0;
 };
@@ -106,8 +106,8 @@ std::string head(const Measurements& m) {
   return out;
 }
 
-// Where another projection than the first has another part of the volume in its image, its ratios are to another number
-// than the one that the tables show.
+// Reports projections that show a different part of the volume than the first projection: their ratios refer to another
+// baseline than the tables show.
 std::string otherBaselines(const Measurements& m) {
   std::string out;
   for (const MeasuredRun& run : m.runs) {

@@ -1,4 +1,4 @@
-// The report for people: one page that needs no network, no script and no file beside it.
+// The report for readers: a single page without network, scripts or other files.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// UTF-8, every element closed, every picture inside of it.
+/// shape: UTF-8, every element closed, every picture embedded.
 std::string measurementsHtml(const Measurements& m);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// Everything that a run measured, the summaries included, as JSON for programs.
+// All measurements of a run and their summaries, as JSON for programs.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// The root has "kiln_report": 1, the machine, the suite as it was read, and lists of volumes, runs (frames and
-/// summaries, the paper's numbers beside them), standings, artifacts and costs. unit: as the keys' endings say.
+/// The root has "kiln_report": 1, the machine, the suite as read, and lists of volumes, runs (frames and summaries,
+/// with the paper's numbers), standings, artifacts and costs. unit: given by the endings of the keys.
 std::string measurementsJson(const Measurements& m);
 
 }  // namespace kiln

@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// Empty where the suite has no such study.
+/// Empty if the suite has no scaling study.
 std::string scalingTable(const Measurements& m);
 std::string scalingFigure(const Measurements& m);
 

@@ -1,5 +1,5 @@
-// The tables of the two studies beside the frames: what tests and updates cost, and how far the quadtree's pictures are
-// from the exact ones.
+// Tables of the two studies beside the frames: costs of tests and updates, and distances of the quadtree's pictures
+// from the exact pictures.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace kiln {
 namespace {
 
-// Which case, image size and projection a study is of.
+// Returns cells with case, image size and projection of a study.
 std::string studyCells(const Measurements& m, const ArtifactStudy& study) {
   return fmt::format("<th scope=\"row\">{} {}</th><td>{}</td>", escaped(m.suite.cases[study.case_index].name),
                      textOf(study.size), titleOf(study.projection));
@@ -42,7 +42,7 @@ std::string complexityTable(const Measurements& m) {
     for (const int size : sizes) {
       for (const UpdateCost& u : costs.updates)
         if (u.method == c.method && u.size_px == size) update_cells += numberCell(measured(u.ns_per_pixel));
-      // The largest area that both images hold.
+      // The largest area measured in both images.
       const TestCost* largest = nullptr;
       for (const TestCost& t : costs.tests)
         if (t.method == c.method && t.size_px == size && t.area_px <= sizes[0] / 8) largest = &t;

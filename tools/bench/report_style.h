@@ -1,4 +1,4 @@
-// The page's style: print-like, for light and dark screens, wide tables scroll by themselves.
+// The page's style sheet: print-like, for light and dark screens; wide tables scroll separately.
 #pragma once
 
 #include <string_view>

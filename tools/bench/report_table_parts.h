@@ -1,4 +1,4 @@
-// What the report's tables are made of: captions, cells, and rows that span a case's image sizes.
+// Building blocks of the report's tables: captions, cells, and rows that span a case's image sizes.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// A table with its caption above, as a <figure> that scrolls where it is wider than the page.
+/// Returns a table with its caption above, as a <figure> that scrolls if it is wider than the page.
 inline std::string tableFigure(std::string_view number, std::string_view caption, const std::string& head,
                                const std::string& body) {
   return fmt::format(
@@ -28,7 +28,7 @@ inline std::string headCell(std::string_view text, std::string_view classes = ""
   return fmt::format("<th class=\"n {}\">{}</th>", classes, text);
 }
 
-/// Where there is no number.
+/// A cell without a number.
 inline const std::string kNoCell = "<td class=\"n paper\">–</td>";
 
 /// "5 views".
@@ -36,8 +36,8 @@ inline std::string viewsText(const Suite& suite) {
   return fmt::format("{} view{}", suite.views, suite.views == 1 ? "" : "s");
 }
 
-/// Rows of cases and image sizes, as in the paper: a case's name stands once. `cells` writes what stands behind both;
-/// where it writes nothing there is no row.
+/// Returns rows of cases and image sizes, as in the paper; a case's name spans its rows. `cells` writes the remaining
+/// cells of a row; an empty result omits the row.
 template <class Cells>
 std::string caseRows(const Measurements& m, Cells cells) {
   std::string out;

@@ -1,4 +1,4 @@
-// Rows are cases and image sizes, as in the paper; a case's name stands once and spans its sizes.
+// Rows are cases and image sizes, as in the paper; a case's name spans its sizes.
 #include "bench/report_tables.h"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// Whether some case names a row of the paper: else its columns are left out.
+// True if a case names a row of the paper; otherwise the paper's columns are omitted.
 bool hasPaper(const Measurements& m, VisibilityMethod method) {
   return std::any_of(m.runs.begin(), m.runs.end(), [&](const MeasuredRun& run) {
     return publishedVisits(m.suite.cases[run.case_index].paper, run.size, run.projection, method).has_value();

@@ -1,4 +1,4 @@
-// A run as one line of text, for the terminal: what Tables 2 and 3 say of it, the paper's numbers in brackets.
+// Summaries as text for the terminal: the numbers of Tables 2 and 3, with the paper's numbers in brackets.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace kiln {
 
-/// "HEAD 256x256 orthographic: octree only 640 123 voxels, 21.3 ms" and a line for each other method, indented.
+/// Returns a heading "HEAD 256x256 orthographic" and an indented line for each method.
 std::string runText(const Measurements& m, const MeasuredRun& run);
-/// Which method wins, and by how much.
+/// Returns the ranking of the methods with their speed-ups.
 std::string standingsText(const Measurements& m);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// How the report writes methods, projections and numbers.
+// Words and number formats of the report.
 #pragma once
 
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace kiln {
 
-/// "Octree/Range tree", as the paper's tables say it.
+/// "Octree/Range tree", as in the paper's tables.
 std::string_view titleOf(VisibilityMethod method);
-/// "range tree": inside of a sentence.
+/// "range tree", for use inside a sentence.
 std::string_view wordOf(VisibilityMethod method);
-/// "m-range-tree": the class that colours a method in drawings.
+/// "m-range-tree": the CSS class that colours a method.
 std::string classOf(VisibilityMethod method);
 /// "Orthographic".
 std::string_view titleOf(Projection projection);
 /// "256×256".
 std::string textOf(const ImageSize& size);
-/// "1 041 109": groups of three, narrow spaces that do not break.
+/// "1 041 109": groups of three digits, separated by narrow non-breaking spaces.
 std::string counted(double number);
-/// Three significant digits or more: "0.412", "21.3", "1 204".
+/// At least three significant digits: "0.412", "21.3", "1 204".
 std::string measured(double number);
 
 }  // namespace kiln

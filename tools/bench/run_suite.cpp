@@ -66,7 +66,7 @@ class SuiteRun {
     const std::vector<SuiteView> views = drawing.views(run.size, run.projection);
     for (std::size_t v = 0; v < views.size(); ++v) {
       std::vector<MeasuredFrame> frames(suite_.methods.size());
-      // Another method begins in each view: none always has the caches as the same other leaves them.
+      // Rotates the first method from view to view, so that no method always inherits another method's caches.
       for (std::size_t i = 0; i < frames.size(); ++i) {
         const std::size_t m = (i + v) % frames.size();
         frames[m] =
@@ -89,7 +89,7 @@ class SuiteRun {
     }
   }
 
-  // Of each case and projection the largest image.
+  // Keeps the largest image of each case and projection.
   void keepPicture(const MeasuredRun& run, const Image& image) {
     const std::vector<ImageSize>& sizes = suite_.cases[run.case_index].sizes;
     const auto pixels = [](const ImageSize& s) { return std::int64_t{s.width} * s.height; };
@@ -98,7 +98,7 @@ class SuiteRun {
     out_.pictures.push_back({run.case_index, run.size, run.projection, encodePng(image, 8, "picture")});
   }
 
-  // As in the paper: octree only once, then the quadtree in each projection; and the same of the mask.
+  // Slices as in the paper: octree only once, then the quadtree, and then the mask, in each projection.
   void slice(std::size_t index, CaseDrawing& drawing) {
     for (const VisibilityMethod method : suite_.methods) {
       if (method == VisibilityMethod::kRangeTree || method == VisibilityMethod::kOverlay) continue;
@@ -119,7 +119,7 @@ class SuiteRun {
     out.log.axis = c.node_slice->axis;
     out.log.plane = c.node_slice->index.value_or(volume.dims[out.log.axis] / 2);
     const View view = drawing.views(c.sizes.front(), projection)[middleView(suite_)].view;
-    // Components along the volume's own axes, each of unit length.
+    // Components along the volume's axes, each of unit length.
     for (int axis = 0; axis < 3; ++axis) {
       const glm::dvec3 edge(volume.world_from_index[axis]);
       out.forward[axis] = glm::dot(view.forward_world, edge) / glm::length(edge);
@@ -145,7 +145,7 @@ Measurements runSuite(const Suite& suite, const BenchOptions& options, Progress&
   out.machine = thisMachine();
   out.command = options.command;
   out.time = options.time;
-  // Everything is converted first: a file that is not there is found before an hour is spent, and all threads help.
+  // Converts everything first: a missing file is found before an hour is spent, and conversions use all threads.
   std::vector<SuiteStore> stores;
   for (const SuiteCase& c : suite.cases)
     stores.push_back(

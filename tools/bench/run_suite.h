@@ -1,4 +1,4 @@
-// Runs a suite: a list of measurements, case by case.
+// Runs a suite: measures case by case.
 #pragma once
 
 #include <functional>
@@ -8,14 +8,14 @@
 namespace kiln {
 
 struct BenchOptions {
-  std::filesystem::path stores;  // where volumes that are no stores are converted to
-  std::string command, time;     // for the report and for the stores' manifests
+  std::filesystem::path stores;  // folder for stores of volumes that must be converted
+  std::string command, time;     // for the report and the stores' manifests
 };
 
-/// Draws what the suite asks for and keeps every number. Bricks are in memory before anything is timed, what loading is
-/// left is taken off, and the methods take turns view by view, so that whatever else the machine does meets them alike.
-/// `on_run` is called after each case, size and projection. throws: what conversions and frames throw, Error
-/// kCancelled.
+/// Draws the suite and returns every number. Bricks are in memory before anything is timed, and remaining load times
+/// are subtracted. Methods take turns view by view, so that disturbances by other programs affect all methods alike.
+/// Calls `on_run` after each case, size and projection.
+/// throws: the exceptions of conversions and frames, Error kCancelled.
 Measurements runSuite(const Suite& suite, const BenchOptions& options, Progress& progress,
                       const std::function<void(const Measurements&, const MeasuredRun&)>& on_run);
 

@@ -11,7 +11,7 @@ ScalingPoint measureScaling(const Suite& suite, const std::filesystem::path& sto
   RenderJob job;
   job.volume = store;
   job.picture.size = suite.scaling.size;
-  job.picture.samples = 1;  // as many for volumes of any size
+  job.picture.samples = 1;  // equal for volumes of any size
   job.picture.transfer_function = suite.scaling.transfer_function;
   job.picture.camera = suite.scaling.camera;
   job.speed.memory_bytes = suite.memory_bytes;

@@ -1,4 +1,5 @@
-// The scaling study: one object at several sizes, the picture the same. A frame's time and memory should not follow.
+// The scaling study: one object at several volume sizes, with equal pictures. A frame's time and memory should not grow
+// with the volume.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,7 @@
 
 namespace kiln {
 
-/// Draws `store` as a render job does by default, first from an empty cache, then `repeat` times. throws: as
+/// Draws `store` with the defaults of a render job, first from an empty cache, then `repeat` times. throws: as
 /// runRenderJob.
 ScalingPoint measureScaling(const Suite& suite, const std::filesystem::path& store, Progress& progress);
 

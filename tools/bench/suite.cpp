@@ -1,4 +1,4 @@
-// A suite's keys, each read and checked where it stands; what is not said keeps the default of the structs.
+// Reads and checks the keys of a suite; missing keys keep the defaults of the structs.
 #include "bench/suite.h"
 
 #include <algorithm>

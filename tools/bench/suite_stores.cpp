@@ -11,7 +11,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// "cthead-1f0c33aa.kiln": the name for people, the hash because two folders may hold files of one name.
+// Returns "cthead-1f0c33aa.kiln": a readable name, and a hash because files in different folders may have equal names.
 fs::path storeName(const std::string& volume, SuiteLevels levels) {
   std::string stem = fs::path(volume).stem().string();
   for (char& c : stem)

@@ -1,5 +1,5 @@
-// The stores that a suite draws from: a store as it is, and of every other volume a conversion below the report's
-// directory, made once and used again while it is the volume that the suite names.
+// The stores of a suite. A store is used as it is. Other volumes are converted once, in the report's directory; the
+// store is reused while it matches the volume.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace kiln {
 
 struct SuiteStore {
   std::filesystem::path path;
-  double convert_s = 0;  // 0 where it was there
+  double convert_s = 0;  // 0 if the store existed
 };
 
 enum class SuiteLevels { kFinest, kAll };

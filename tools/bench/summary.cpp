@@ -34,7 +34,7 @@ std::optional<MethodSummary> summaryOf(const MeasuredRun& run, VisibilityMethod 
   MethodSummary out = meansOf(run, method, count);
   const MethodSummary baseline = meansOf(run, VisibilityMethod::kNone, baseline_count);
   if (count == 0 || baseline_count == 0) return std::nullopt;
-  // A volume of which nothing is shown has nothing to save.
+  // A volume without visible voxels has no work to save.
   out.ratio_percent = baseline.visited > 0 ? 100 * out.visited / baseline.visited : 100;
   out.speed_up = out.render_s > 0 ? baseline.render_s / out.render_s : 1;
   return out;

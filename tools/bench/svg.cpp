@@ -78,7 +78,7 @@ std::string Svg::file() const {
       width_, height_, width_, height_, escaped(label_), svgStyle(), body_);
 }
 
-// Okabe and Ito's colours, which people who confuse red and green tell apart. Variables have a value for dark pages.
+// Okabe and Ito's colours, distinguishable with red-green colour blindness. Variables have other values on dark pages.
 std::string svgStyle() {
   return R"(.drawing { --ink: #1d1d1b; --faint: #8a8a84; --rule: #d9d8d2; --paper: #fffefb;
   --none: #8a8a84; --range-tree: #0072b2; --quadtree: #d55e00; --overlay: #009e73; --mask: #a3478c; }

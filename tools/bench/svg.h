@@ -1,5 +1,5 @@
-// Drawings as SVG: a few shapes with classes, written as they come. Inside of a page the page's style colours them; a
-// file of its own carries the style with it.
+// Builds drawings as SVG: a few shapes with CSS classes, written in call order. Inside a page the page's style applies;
+// a separate file includes the style.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace kiln {
 
-/// Text with &, <, > and quotes made harmless, for HTML and SVG.
+/// Escapes &, <, > and quotes, for HTML and SVG.
 std::string escaped(std::string_view text);
 
 struct SvgPoint {
@@ -18,7 +18,7 @@ struct SvgPoint {
 /// unit: pixels of the drawing, y down.
 class Svg {
  public:
-  /// `label` says to those who cannot see it what the drawing shows.
+  /// `label` describes the drawing for screen readers.
   Svg(double width, double height, std::string_view label);
 
   void line(const SvgPoint& a, const SvgPoint& b, std::string_view classes);
@@ -29,12 +29,12 @@ class Svg {
   void path(std::string_view data, std::string_view classes);
   /// `anchor`: "start", "middle" or "end".
   void text(const SvgPoint& at, std::string_view anchor, std::string_view content, std::string_view classes = "");
-  /// The same, turned to run upwards.
+  /// Writes text that runs upwards.
   void uprightText(const SvgPoint& at, std::string_view anchor, std::string_view content);
 
-  /// For a page that has `svgStyle()` in its style.
+  /// Returns the element for a page whose style includes `svgStyle()`.
   std::string inlined() const;
-  /// For a file.
+  /// Returns a complete SVG file.
   std::string file() const;
 
  private:
@@ -42,7 +42,7 @@ class Svg {
   std::string label_, body_;
 };
 
-/// The rules behind the classes: lines, text, and a colour for each visibility method ("m-range-tree", …).
+/// Returns the rules for the classes: lines, text, and a colour for each visibility method ("m-range-tree", …).
 std::string svgStyle();
 
 }  // namespace kiln

@@ -23,7 +23,7 @@ Camera cameraOf(const Suite& suite, const SuiteCase& c, const VolumeGeometry& vo
   return camera;
 }
 
-// Rodrigues' rotation of the eye about the axis `up` through the target.
+// Rotates the eye about the axis `up` through the target by Rodrigues' formula.
 Camera turned(Camera camera, double turn_deg) {
   const glm::dvec3 axis = glm::normalize(camera.up);
   const glm::dvec3 arm = camera.eye - camera.target;

@@ -1,6 +1,7 @@
-// The pattern is that of a frame: nodes of the octree come as cells of 16×16 pixels, near cells first, each drawn as
-// footprints of 4×4 pixels two pixels apart; a pixel is opaque when the fourth footprint has touched it. Squares are
-// asked about in the order of a curve through the image (Morton's), because an octree's walk jumps as rarely.
+// Problem. Measure tests and updates in the access pattern of a frame, without a volume.
+// Method. The octree's nodes are cells of 16×16 pixels, near cells first. Each cell is drawn as footprints of 4×4
+// pixels two pixels apart; a pixel becomes opaque at the fourth footprint. Squares are tested in Morton order, because
+// an octree walk jumps as rarely.
 #include "bench/visibility_cost.h"
 
 #include <algorithm>
@@ -22,11 +23,11 @@ struct Point {
   int x, y;
 };
 
-// 64 well-mixed bits. Source: SplitMix64.
+// Returns 64 well-mixed bits. Source: SplitMix64.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// In [0, 1).
+  /// Returns a number in [0, 1).
   double unit() {
     std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
     z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9ull;
@@ -40,7 +41,7 @@ class Random {
 
 double discRadius(int size_px) { return 0.375 * size_px; }
 
-// The cells of the disc, near the middle first, shuffled a little as an object's surface is uneven.
+// Returns the cells of the disc, near the middle first, slightly shuffled like the surface of an object.
 std::vector<Point> cellsOf(int size_px) {
   struct Cell {
     Point at;
@@ -61,7 +62,7 @@ std::vector<Point> cellsOf(int size_px) {
   return out;
 }
 
-// Draws the disc into `visibility`; returns how many pixels were closed.
+// Draws the disc into `visibility`; returns the number of closed pixels.
 std::uint64_t fill(Visibility& visibility, const std::vector<Point>& cells, int size_px,
                    std::vector<std::uint8_t>& touched) {
   std::fill(touched.begin(), touched.end(), std::uint8_t{0});
@@ -93,7 +94,7 @@ std::uint64_t mortonOf(const PixelRect& rect) {
   return out;
 }
 
-// Squares of `area_px` whose middle is at most `reach_px` from the image's, in the order of the curve.
+// Returns squares of `area_px` whose middle is at most `reach_px` from the image's middle, in Morton order.
 std::vector<PixelRect> squares(int size_px, int area_px, double reach_px, bool round) {
   Random random(2);
   std::vector<PixelRect> out;
@@ -119,7 +120,7 @@ double leastSeconds(const std::function<void()>& work) {
   return least;
 }
 
-// The answers are summed into what the caller can see, so that no compiler leaves the questions out.
+// Sums the results into `answers`, so that the compiler cannot remove the tests.
 double nsPerTest(const Visibility& visibility, const std::vector<PixelRect>& asked, std::uint64_t& answers) {
   constexpr int kRounds = 8;
   const double seconds = leastSeconds([&] {
@@ -167,7 +168,7 @@ class Measurement {
     std::uint64_t pixels = 0;
     double seconds = std::numeric_limits<double>::infinity();
     for (int run = 0; run < kRuns; ++run) {
-      filled = make(method, size_px);  // what making it costs is paid once a frame and not counted
+      filled = make(method, size_px);  // construction is paid once per frame and not counted
       const auto begin = std::chrono::steady_clock::now();
       pixels = fill(*filled, cells, size_px, touched);
       seconds = std::min(seconds, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
@@ -176,7 +177,7 @@ class Measurement {
     costs_.updates.push_back({method, size_px, pixels, pixels > 0 ? 1e9 * update_s / static_cast<double>(pixels) : 0});
     for (const int area_px : request_.areas_px) {
       if (2 * area_px > size_px) continue;
-      // What is left of the disc for middles of squares that lie in it whole.
+      // Radius of the disc, reduced so that squares around inner points lie entirely inside.
       const double reach_px = discRadius(size_px) - 2 * kCell_px - area_px / std::sqrt(2.0);
       TestCost test{method, size_px, area_px, 0, 0};
       if (reach_px >= kCell_px)

@@ -1,5 +1,5 @@
-// What a test and an update cost, by method, image size and size of the area asked about: the structures alone, without
-// a volume, beside the complexities of Lee and Ihm's Table 4.
+// Costs of a test and of an update, by method, image size and tested area, for the visibility structures alone. Shown
+// with the complexities of Lee and Ihm's Table 4.
 #pragma once
 
 #include <vector>
@@ -9,19 +9,19 @@
 
 namespace kiln {
 
-/// Closing the pixels of a disc that grows from the image's middle, footprint by footprint.
+/// Cost of closing the pixels of a disc that grows from the image's middle, footprint by footprint.
 struct UpdateCost {
   VisibilityMethod method;
-  int size_px;           // along the image's edges
-  std::uint64_t pixels;  // closed
-  double ns_per_pixel;   // without what the loop itself costs
+  int size_px;           // edge of the image
+  std::uint64_t pixels;  // closed pixels
+  double ns_per_pixel;   // without the cost of the loop itself
 };
 
-/// Asking about squares, the disc closed.
+/// Cost of testing squares while the disc is closed.
 struct TestCost {
   VisibilityMethod method;
   int size_px, area_px;
-  double hidden_ns;  // squares inside of the disc: nothing ends the search early. 0 where none fits
+  double hidden_ns;  // squares inside the disc: the search never ends early; 0 if no square fits
   double mixed_ns;   // squares anywhere in the image
 };
 
@@ -30,8 +30,8 @@ struct VisibilityCosts {
   std::vector<TestCost> tests;
 };
 
-/// Measures every method but kNone. The least of three runs counts: what is asked is the cost of the work, not of the
-/// machine's other business. cost: seconds for images of 4096 pixels. throws: Error kCancelled.
+/// Measures every method except kNone. The fastest of three runs counts, to exclude the machine's other work. cost:
+/// seconds for images of 4096 pixels. throws: Error kCancelled.
 VisibilityCosts measureVisibilityCosts(const std::vector<VisibilityMethod>& methods, const CostRequest& request,
                                        Progress& progress);
 
