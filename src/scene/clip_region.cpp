@@ -98,7 +98,7 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
   }
 }
 
-// `normal` and `offset` are in the index space of level 0, where voxel p of this level is at span·p + (span - 1)/2.
+// `normal` and `offset` are in the index space of level 0; voxel p of this level is at span·p + (span - 1)/2.
 void ClipRegion::add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
                      const Extent3& span) {
   const glm::dvec3 scale(span.x, span.y, span.z);
@@ -113,7 +113,7 @@ void ClipRegion::add(const glm::dvec3& normal, double offset, double least, cons
 }
 
 VoxelBox ClipRegion::Part::voxels() const noexcept {
-  // Far beyond any volume; sums with a volume's size stay in range.
+  // Beyond any volume; sums with a volume's size stay in range.
   constexpr double kFar = 1e15;
   VoxelBox out;
   for (int axis = 0; axis < 3; ++axis) {
@@ -159,7 +159,7 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
   const glm::dvec3 hi = glm::dvec3(voxels.hi.x, voxels.hi.y, voxels.hi.z) - 0.5;
   Overlap out = Overlap::kInside;
   for (const HalfSpace& h : half_spaces_) {
-    // The half-space's value at the corner farthest inside, and at the one farthest outside.
+    // Values of the half-space at the corner farthest inside and at the corner farthest outside.
     double most = h.offset, least = h.offset;
     for (int axis = 0; axis < 3; ++axis) {
       const double a = h.normal[axis] * lo[axis], b = h.normal[axis] * hi[axis];

@@ -30,7 +30,7 @@ std::optional<FrameRate> reduced(std::int64_t numerator, std::int64_t denominato
   return out.perSecond() >= kSlowest && out.perSecond() <= kFastest ? std::optional(out) : std::nullopt;
 }
 
-// `units` of 10^-places.
+// Converts `units` of 10^-places.
 std::optional<FrameRate> ofDecimal(std::int64_t units, int places) {
   std::int64_t scale = 1;
   for (int i = 0; i < places; ++i) scale *= 10;

@@ -1,4 +1,4 @@
-// Frames a second of a video, as the quotient of whole numbers that video files hold.
+// Frames per second of a video, as the quotient of integers that video files store.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ struct FrameRate {
   bool operator==(const FrameRate&) const = default;
 };
 
-/// The forms that `frameRateFrom` reads, for messages.
+/// The forms read by `frameRateFrom`, for messages.
 inline constexpr const char* kFrameRateForms =
     "frames a second from 0.1 to 1000, such as 25, 23.976, 29.97 or 24000/1001";
 
-/// Reads "25", "12.5" or "24000/1001". A decimal that rounds 1000/1001 of 24, 30, 48, 60, 120 or 240, with two places
-/// or more, is the rate of NTSC video that people write so: 23.976 and 23.98 are 24000/1001. Nothing where the text is
-/// no such rate.
+/// Parses "25", "12.5" or "24000/1001". NTSC rates may be written as rounded decimals: a number with two or more places
+/// that rounds 1000/1001 of 24, 30, 48, 60, 120 or 240 is that rate; 23.976 and 23.98 are 24000/1001. Empty if the text
+/// is no legal rate.
 std::optional<FrameRate> frameRateFrom(std::string_view text);
 
 }  // namespace kiln

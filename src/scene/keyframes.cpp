@@ -7,8 +7,7 @@
 namespace kiln {
 namespace {
 
-// The velocity at `key`, seen from its side towards `other`, the neighbour; `change(i)` is what happens from key i to
-// the next.
+// Velocity at `key`, on its side towards the neighbour `other`; `change(i)` is the difference from key i to key i + 1.
 template <class Change>
 auto velocityAt(const KeyTimes& keys, std::size_t key, std::size_t other, const Change& change) {
   const auto length = [&](std::size_t i) { return keys.frames[i + 1] - keys.frames[i]; };
@@ -27,12 +26,12 @@ T hermiteAt(const KeyTimes& keys, const std::vector<T>& values, double frame) {
   const auto change = [&](std::size_t k) { return values[k + 1] - values[k]; };
   const double length = keys.frames[i + 1] - keys.frames[i];
   const T out = length * velocityAt(keys, i, i + 1, change), in = length * velocityAt(keys, i + 1, i, change);
-  // The cubic that leaves values[i] with `out` and arrives at values[i + 1] with `in`.
+  // The cubic that leaves values[i] with velocity `out` and reaches values[i + 1] with velocity `in`.
   const double u = 1 - t;
   return values[i] + (t * t * (3 - 2 * t)) * change(i) + (t * u * u) * out - (t * t * u) * in;
 }
 
-// The rotation as axis times angle, the shorter way round.
+// Converts the rotation to axis times angle, the shorter way round.
 glm::dvec3 rotationVector(glm::dquat q) {
   if (q.w < 0) q = -q;
   const glm::dvec3 axis(q.x, q.y, q.z);
@@ -61,7 +60,7 @@ KeySpan mixAt(const KeyTimes& keys, double frame) {
   if (span.t == 0 || span.t == 1) return span;
   std::vector<double> places(keys.frames.size());
   for (std::size_t i = 0; i < places.size(); ++i) places[i] = static_cast<double>(i);
-  // Never turns back: a velocity at a key is at most three times what either side needs.
+  // Monotonic: the velocity at a key is at most three times the mean velocity on either side.
   return {span.from, std::clamp(splineAt(keys, places, frame) - places[span.from], 0.0, 1.0)};
 }
 
@@ -77,7 +76,7 @@ glm::dquat splineAt(const KeyTimes& keys, const std::vector<glm::dquat>& values,
   const auto [i, t] = spanAt(keys, frame);
   if (t == 0) return values[i];
   if (t == 1) return values[i + 1];
-  // In the frame of the key: the axis of a rotation is the same before and after it.
+  // In the frame of the key: a rotation's axis is equal in the frames before and after it.
   const auto change = [&](std::size_t k) { return rotationVector(glm::conjugate(values[k]) * values[k + 1]); };
   const double third = (keys.frames[i + 1] - keys.frames[i]) / 3;
   const glm::dvec3 out = third * velocityAt(keys, i, i + 1, change), in = third * velocityAt(keys, i + 1, i, change);

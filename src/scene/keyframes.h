@@ -1,6 +1,6 @@
-// Values at some frames and what lies between them: cubic splines through numbers, points and orientations. Source of
-// the orientations' spline: M.-J. Kim, M.-S. Kim and S. Y. Shin, "A General Construction Scheme for Unit Quaternion
-// Curves with Simple High Order Derivatives", 1995 (cumulative Hermite form).
+// Interpolates keyframes by cubic splines through numbers, points and orientations. Source for orientations: M.-J. Kim,
+// M.-S. Kim and S. Y. Shin, "A General Construction Scheme for Unit Quaternion Curves with Simple High Order
+// Derivatives", 1995 (cumulative Hermite form).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// How a key is passed: without a corner, at a corner (the way to and from it at constant speed), or by coming to rest.
+/// Passage through a key: smooth, with a corner (constant speed on both sides), or with a stop.
 enum class Ease { kSmooth, kLinear, kStop };
 
 template <class T>
@@ -19,7 +19,7 @@ struct Key {
   T value{};
 };
 
-/// When keys are, and how they are passed: strictly rising frames.
+/// Frames and eases of the keys; frames are strictly rising.
 struct KeyTimes {
   std::vector<double> frames;
   std::vector<Ease> eases;
@@ -33,23 +33,23 @@ struct KeyTimes {
   }
 };
 
-/// Between keys `from` and from + 1, at `t` of 0 to 1 of the way; the first and the last hold outside. A single key has
-/// t = 0.
+/// Interval between keys `from` and from + 1, with `t` from 0 to 1. The first and last key extend outside. A single key
+/// has t = 0.
 struct KeySpan {
   std::size_t from = 0;
   double t = 0;
 };
 
-/// By time alone. requires: at least one key.
+/// Returns the interval with `t` linear in time. requires: at least one key.
 KeySpan spanAt(const KeyTimes& keys, double frame);
 
-/// By what is to be mixed of two neighbouring keys' values: time, bent by how keys are passed.
+/// Returns the interval with `t` bent by the eases: the weight for mixing the values of two neighbouring keys.
 KeySpan mixAt(const KeyTimes& keys, double frame);
 
-/// The spline through `values`, one a key. requires: as many values as keys, at least one.
+/// Evaluates the spline through `values`, one value per key. requires: as many values as keys, at least one.
 double splineAt(const KeyTimes& keys, const std::vector<double>& values, double frame);
 glm::dvec3 splineAt(const KeyTimes& keys, const std::vector<glm::dvec3>& values, double frame);
-/// From key to key the shorter way round; constant speed where two keys are all there is. requires: unit quaternions.
+/// Takes the shorter way round between keys; two keys alone have constant speed. requires: unit quaternions.
 glm::dquat splineAt(const KeyTimes& keys, const std::vector<glm::dquat>& values, double frame);
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// How a volume is sampled where it is sampled between its voxels.
+// Sampling of a volume between its voxels.
 #pragma once
 
 #include <optional>
@@ -8,33 +8,33 @@
 
 namespace kiln {
 
-/// How far samples are apart if nothing else is asked for, and what may be. unit: voxels.
+/// Default and legal distances of samples. unit: voxels.
 inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMostSampleDistance = 1;
 
 struct Sampling {
-  std::optional<int> level;  // else for each region the one whose voxels are pixel-sized
+  std::optional<int> level;  // default: in each region the level whose voxels are about the size of a pixel
   Interpolation interpolation = Interpolation::kLinear;
-  /// How far samples are apart along a pixel's ray: half a pixel at the least, by default a pixel at the most. Nearer
-  /// or farther is faithful or fast. unit: voxels.
+  /// Distance of samples along a pixel's ray: at least half a pixel, by default at most a pixel. Smaller is more
+  /// faithful, larger is faster. unit: voxels.
   double distance = kSampleDistance;
-  /// Of the view's pixels, only those whose column and row are both even or both odd have rays: they are halves of the
-  /// picture's pixels, two of four. Distances along rays are those of the picture's.
+  /// Only view pixels whose column and row are both even or both odd have rays. View pixels are halves of picture
+  /// pixels, so two of four have a ray. Distances along rays refer to picture pixels.
   bool quincunx = false;
-  /// Of the most rays a pixel (16): a level finer where that has few voxels, and samples as near as those of larger
-  /// pictures. Whoever takes so many has voxels much smaller than pixels, of which coarser levels lose thin layers.
+  /// For the most rays per pixel (16): uses a finer level if it has few voxels, and samples as near as in larger
+  /// pictures. With so many rays, voxels are much smaller than pixels, and coarser levels lose thin layers.
   bool finest = false;
 };
 
-/// The level that is drawn where a world length of 1 is `scale` pixels: the coarsest whose voxels are no larger than
-/// kMostCoarseVoxel, or the finest. `finest` as Sampling has it: the level before, where that has at most
-/// kMostOversampledVoxels.
+/// Returns the level to draw if a world length of 1 is `scale` pixels: the coarsest level whose voxels are at most
+/// kMostCoarseVoxel, or the finest level. With `finest` (Sampling::finest), returns the next finer level if that has at
+/// most kMostOversampledVoxels.
 int levelAtScale(const Manifest& volume, double scale, bool finest = false);
-/// Of a level that is shown for the sake of more samples a pixel: a quarter of a GiB at 16 bits. A level finer has
-/// eight times the bytes to read.
+/// Upper bound for a level drawn for more samples per pixel: a quarter of a GiB at 16 bits. A finer level has eight
+/// times the bytes to read.
 inline constexpr std::int64_t kMostOversampledVoxels = std::int64_t{1} << 27;
-/// Zones of depth (engine/shared/slab_grid.h) are an eighth of an octave: in perspective, a view whose middle has half
-/// a pixel a voxel is of one level then, and not its far half of a coarser one. Were it less again, footprints of the
-/// voxels that it halves would reach farther than a brick's apron. unit: pixels.
+/// Depth zones (engine/shared/slab_grid.h) are an eighth of an octave. So a perspective view with half a pixel per
+/// voxel in its middle uses a single level, and its far half no coarser level. With a smaller value, footprints of the
+/// halved voxels would exceed a brick's apron. unit: pixels.
 inline constexpr double kMostCoarseVoxel = 7.0 / 8;
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-// How samples are lit: the material's answer, and the lights. Shared by jobs, kernels and the reference renderer.
+// Shading of samples: the material and the lights. Shared by jobs, kernels and the reference renderer.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -11,19 +11,20 @@ enum class LightKind { kHeadlight, kDirectional, kPoint };
 /// A light without falloff and without shadows.
 struct Light {
   LightKind kind = LightKind::kHeadlight;  // at the eye; far away; at a place
-  /// kDirectional: from the volume towards the light, any length above zero; kPoint: where it is. unit: world.
+  /// kDirectional: direction towards the light, of any positive length; kPoint: the light's position. unit: world.
   glm::dvec3 place{0, 0, 1};
   glm::dvec3 color{1};  // linear light
   double intensity = 1;
   bool operator==(const Light&) const = default;
 };
 
-/// A sample with normal n, seen from direction v, sends colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power
-/// to the eye: Blinn and Phong, L a light's colour times its intensity, l the direction to it, h halfway between l and
-/// v. n is turned towards the eye, so both sides are lit; a light behind the surface adds nothing. With a headlight l
-/// and h are v.
+/// Blinn-Phong shading. A sample with normal n, seen from direction v, sends colour·(ambient + Σ L·diffuse·n·l) + Σ
+/// L·specular·(n·h)^power to the eye. L is a light's colour times intensity, l the direction to the light, h the half
+/// vector of l and v. n is turned towards the eye, so both sides are lit; a light behind the surface adds nothing. With
+/// a headlight, l = h = v.
+/// source: Blinn 1977.
 struct Shading {
-  bool phong = true;  // model "phong"; "none" leaves colours as the transfer function has them
+  bool phong = true;  // model "phong"; false is "none": colours of the transfer function
   double ambient = 0.2, diffuse = 0.8, specular = 0.2, power = 16;
   std::vector<Light> lights = {Light{}};
   bool operator==(const Shading&) const = default;

@@ -10,8 +10,8 @@
 namespace kiln {
 namespace {
 
-// Where `share` of the voxels from lo to hi end: between bricks, or where there is only one, between voxels. requires:
-// lo and hi at least two voxels apart.
+// Returns the cut nearest to `share` of the way from lo to hi: between bricks, or between voxels if both ends are in
+// one brick. requires: lo and hi at least two voxels apart.
 std::int64_t cutAt(std::int64_t lo, std::int64_t hi, double share, std::int64_t brick_size) {
   const std::int64_t step = (hi - 1) / brick_size > lo / brick_size ? brick_size : 1;
   const double wanted = static_cast<double>(lo) + share * static_cast<double>(hi - lo);

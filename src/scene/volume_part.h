@@ -1,5 +1,5 @@
-// The I-th of N parts of a volume: boxes of about equal size that fill it, made by halving, so that from wherever one
-// looks there is an order in which no part is hidden by one after it.
+// The I-th of N parts of a volume: boxes of about equal size that fill the volume. The boxes are made by halving, so
+// from every viewpoint there is an order in which no part is hidden by a later part.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// From 1 to `count`.
+/// Index from 1 to `count`.
 struct PartNumber {
   int index = 1, count = 1;
   bool operator==(const PartNumber&) const = default;
@@ -17,10 +17,10 @@ struct PartNumber {
 
 inline constexpr int kMostParts = 65536;
 
-/// "I/N", as the command line and jobs say it; nothing where the text is none of them.
+/// Parses "I/N", the form on the command line and in jobs; nothing for any other text.
 std::optional<PartNumber> partNumbered(std::string_view text);
 
-/// Cut between bricks where there are enough of them. throws: Error kUsage where the volume has too few voxels.
+/// Cuts between bricks if there are enough bricks. throws: Error kUsage if the volume has too few voxels.
 VoxelBox boxOfPart(const PartNumber& part, const Extent3& dims, std::int64_t brick_size);
 
 }  // namespace kiln

@@ -1,6 +1,5 @@
-// The camera: an orthonormal frame at the eye (x right, y down, z along the view) and one focal length in pixels. Both
-// matrices for EXR are that frame again, in the axes other programs expect. Matrices multiply column vectors
-// throughout.
+// The camera: an orthonormal frame at the eye (x right, y down, z along the view) and a focal length in pixels. Both
+// EXR matrices are the same frame in the axes that other programs expect. Matrices multiply column vectors.
 #include "scene/camera/camera.h"
 
 #include <fmt/format.h>
@@ -139,8 +138,8 @@ glm::dmat4 exrWorldToNdc(const View& view) {
     ndc_from_view[3][0] = centre.x;
     ndc_from_view[3][1] = centre.y;
   } else {
-    // (x, y, z, 1) becomes (scale x + centre z, …, 1, z): after division the third coordinate is 1/depth, so that the
-    // matrix can be inverted without naming clipping planes, which a splatter does not have.
+    // (x, y, z, 1) becomes (scale x + centre z, …, 1, z). After division the third coordinate is 1/depth, so the matrix
+    // is invertible without clipping planes, which a splatter does not have.
     ndc_from_view[2] = glm::dvec4(centre, 0, 1);
     ndc_from_view[3] = glm::dvec4(0, 0, 1, 0);
   }

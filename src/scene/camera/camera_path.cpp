@@ -42,7 +42,7 @@ Camera turnedAt(const Turntable& turntable, Camera camera, double frame) {
   return camera;
 }
 
-// The camera's axes in the world: right, down, along the view.
+// Returns the rotation with the camera's axes in the world as columns: right, down, along the view.
 glm::dquat orientationOf(const Camera& camera, const ImageSize& size) {
   return glm::normalize(glm::quat_cast(glm::transpose(glm::dmat3(resolve(camera, size).view_from_world))));
 }
@@ -60,7 +60,8 @@ Pivot pivotOf(const CameraKeyframes& path, const CameraSpec& still, const std::v
   return target_stays || !eye_named ? Pivot::kTarget : Pivot::kEye;
 }
 
-// Of numbers above zero that are felt by their ratios. A number that stays keeps its bits.
+// Interpolates positive numbers by their logarithms, because their ratios are perceived. A constant number keeps its
+// bits.
 double ratioSplineAt(const KeyTimes& times, const std::vector<double>& values, double frame) {
   if (std::equal(values.begin() + 1, values.end(), values.begin())) return values.front();
   std::vector<double> logs;
@@ -130,7 +131,7 @@ Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double 
   const glm::dmat4& matrix = matrices[static_cast<std::size_t>(place)];
   CameraSpec spec = still;
   spec.eye = glm::dvec3(matrix[3]);
-  // As far ahead as the volume's centre is: a target says no more than a direction here.
+  // Puts the target as far ahead as the volume's centre: here a target only gives a direction.
   const double distance = glm::distance(*spec.eye, centreOf(volume));
   spec.target = *spec.eye - (distance > 0 ? distance : 1.0) * glm::normalize(glm::dvec3(matrix[2]));
   spec.up = glm::dvec3(matrix[1]);
@@ -150,7 +151,7 @@ Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, c
 }
 
 bool isRigid(const glm::dmat4& m) {
-  constexpr double kTolerance = 1e-4;  // of numbers that were floats
+  constexpr double kTolerance = 1e-4;  // for numbers that were stored as floats
   const glm::dmat3 turn(m);
   const glm::dmat3 unit = glm::transpose(turn) * turn;
   double off = std::abs(glm::determinant(turn) - 1);

@@ -1,4 +1,4 @@
-// From what a user said of the camera to a camera: an eye as it stands, or a framing with the rest filled in.
+// Completes the user's camera settings: an eye, or a framing, with defaults for missing values.
 #include "scene/camera/camera_spec.h"
 
 #include <cmath>
@@ -58,7 +58,7 @@ Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const I
   if (panorama) framing.projection = Projection::kPerspective;
   Camera camera = frameVolume(volume, framing, size);
   if (panorama) {
-    // In the middle of the volume, which is all round then.
+    // A panorama is taken from the middle of the volume, with the volume all around.
     camera.projection = Projection::kEquirectangular;
     const glm::dvec3 ahead = camera.target - camera.eye;
     camera.eye = camera.target;
@@ -80,7 +80,7 @@ Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const I
 Camera CameraSpec::resolve(const VolumeGeometry& volume, const ImageSize& size) const {
   refuseContradictions(*this);
   const Camera camera = eye ? fromEye(*this, volume, size) : fromFraming(*this, volume, size);
-  kiln::resolve(camera, size);  // a camera that cannot be used is refused here, before long work
+  kiln::resolve(camera, size);  // refuses an unusable camera before long work
   return camera;
 }
 

@@ -1,4 +1,4 @@
-// A camera as people say it: in part.
+// The user's camera settings; any of them may be missing.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,10 +10,9 @@
 
 namespace kiln {
 
-/// A camera said in part: either where the eye is, or a framing, each key optional. With an eye, the target is the
-/// volume's centre, up is superior, fov 60 and an orthographic height the fitting one where nothing is said. Without,
-/// it is `defaultFraming`, or a side seen straight; a target then moves eye and target together. Where the projection
-/// is named, the other projection's fov or height is passed over.
+/// Either an eye or a framing; each key is optional. Defaults with an eye: target at the volume's centre, up superior,
+/// fov 60, and an orthographic height that fits. Defaults without: `defaultFraming`, or a side seen straight; a target
+/// then moves eye and target together. A named projection ignores the other projection's fov or height.
 struct CameraSpec {
   std::optional<Projection> projection;
   std::optional<glm::dvec3> eye, target, up;
@@ -21,7 +20,7 @@ struct CameraSpec {
   std::optional<Side> side;
   std::optional<double> azimuth_deg, elevation_deg, zoom;
 
-  /// throws: Error kUsage where the parts contradict each other (an eye and a side; a height and no projection) or the
+  /// throws: Error kUsage if settings contradict each other (an eye and a side; a height without a projection) or the
   /// camera cannot be used.
   Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
 };

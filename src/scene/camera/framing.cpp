@@ -1,6 +1,6 @@
-// Fitting is exact, not by a bounding sphere: the eight corners of [-1/2, N-1/2)³ are turned into the camera's axes,
-// and each gives a least distance (perspective) or height (orthographic) at which it is inside the image; the greatest
-// of them decides. The margin is taken in the image, so it is the same whatever the field of view.
+// Fits exactly, not by a bounding sphere. The eight corners of [-1/2, N-1/2)³ are transformed to the camera's axes.
+// Each corner requires a least distance (perspective) or height (orthographic) to be inside the image; the greatest
+// decides. The margin is applied in the image, so it is equal for every field of view.
 #include "scene/camera/framing.h"
 
 #include <algorithm>
@@ -45,19 +45,19 @@ Direction directionOf(PatientFrame frame, const Framing& framing) {
       seen = {-axes.superior, axes.anterior};
       break;
   }
-  // Towards the right of the picture: from the front, the patient's left.
+  // To the right in the picture: from the front, the patient's left.
   const glm::dvec3 right = glm::cross(seen.up, seen.towards_eye);
   const double azimuth = glm::radians(framing.azimuth_deg);
   const double elevation = glm::radians(framing.elevation_deg);
   const glm::dvec3 level = std::cos(azimuth) * seen.towards_eye + std::sin(azimuth) * right;
   Direction turned{std::cos(elevation) * level + std::sin(elevation) * seen.up, seen.up};
-  // Straight from above or below the up axis is the line of sight: the limit of the turned pictures has this one
-  // instead.
+  // From straight above or below, the up axis is the line of sight. The limit of the turned pictures gives the up
+  // direction instead.
   if (std::abs(framing.elevation_deg) > 89.99) turned.up = framing.elevation_deg > 0 ? -level : level;
   return turned;
 }
 
-// Half the image's extent at depth 1 in x and y, the margin taken off.
+// Half the image's extent at depth 1 in x and y, without the margin.
 glm::dvec2 usableTangents(double fov_deg, const ImageSize& size) {
   const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / kMargin;
   return {tangent * size.width / size.height, tangent};
@@ -68,7 +68,8 @@ double fittingDistance(const VolumeGeometry& volume, const Camera& camera, const
   const glm::dvec2 tangents = usableTangents(camera.fov_deg, size);
   double distance = 0;
   for (const glm::dvec3& corner : volume.corners()) {
-    // Relative to the target: at distance d its depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
+    // Relative to the target: at distance d the corner's depth is d + offset.z, and |offset.x| <= tangent · depth must
+    // hold.
     const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
     distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
     distance = std::max(distance, std::abs(offset.y) / tangents.y - offset.z);
@@ -100,8 +101,8 @@ PatientAxes patientAxes(PatientFrame frame) {
   return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
 }
 
-// Corners are taken relative to the first volume's origin: of an origin far from zero (map coordinates) only what its
-// own digits round is left, and of one volume nothing.
+// Corners are relative to the first volume's origin: for origins far from zero (map coordinates) only the rounding of
+// the origins themselves remains, and none for a single volume.
 VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
   VolumeGeometry out = volumes.front();
   const glm::dmat3 index_from_world = glm::inverse(glm::dmat3(out.world_from_index));
@@ -119,7 +120,7 @@ VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
       hi = glm::max(hi, index);
     }
   }
-  // A billionth of a voxel is rounding, and so are the last digits of the origins.
+  // Tolerance for rounding: a billionth of a voxel, and the last digits of the origins.
   const double rounding = 1e-9 + 8 * std::numeric_limits<double>::epsilon() * farthest / out.shortestEdge();
   const glm::dvec3 first = glm::floor(lo + 0.5 + rounding), end = glm::ceil(hi + 0.5 - rounding);
   const glm::dvec3 size = end - first;
@@ -134,7 +135,7 @@ glm::dvec3 centreOf(const VolumeGeometry& volume) {
 
 double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
   Camera plain = camera;
-  plain.projection = Projection::kPerspective;  // its height is not known yet, and only the axes are asked for
+  plain.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
   plain.fov_deg = 90;
   const View view = resolve(plain, size);
   double half = 0;
@@ -157,7 +158,7 @@ Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const I
   camera.fov_deg = framing.fov_deg;
   camera.target = centre;
   camera.up = seen.up;
-  // A parallel view is the same from everywhere along its axis; two radii keep the whole box in front of the eye.
+  // A parallel view is equal from everywhere along its axis; two radii keep the whole box in front of the eye.
   camera.eye = centre + 2 * radius * seen.towards_eye;
   if (framing.projection == Projection::kOrthographic) {
     camera.height = fittingHeight(volume, camera, size) / framing.zoom;

@@ -1,4 +1,4 @@
-// A camera for people who name none: from a side, turned, and fitted to the volume.
+// Default cameras: from a side, turned, and fitted to the volume.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@ namespace kiln {
 enum class Side { kFront, kBack, kLeft, kRight, kTop, kBottom };
 
 struct Framing {
-  /// Front means the patient's face; of a volume without a frame, the side towards -y with +z up (as LPS has it).
+  /// Front is the patient's face; in a volume without a frame, the side towards -y with +z up (as in LPS).
   Side side = Side::kFront;
-  /// Turns the eye about the up axis (to the patient's left for positive angles seen from the front), then raises it.
-  /// unit: degrees; elevation from -90 to 90.
+  /// Turns the eye about the up axis (positive: to the patient's left, seen from the front), then raises it. unit:
+  /// degrees; elevation from -90 to 90.
   double azimuth_deg = 0, elevation_deg = 0;
   /// 1 fits the volume's box into the image with a small margin; 2 is twice as large.
   double zoom = 1;
@@ -23,29 +23,29 @@ struct Framing {
   double fov_deg = 30;
 };
 
-/// What a picture shows where nobody says: three quarters from the front, a little from above.
+/// Default framing: three quarters from the front, slightly from above.
 Framing defaultFraming();
 
-/// World directions of a patient, by the frame; an unknown frame is read as LPS. Unit length.
+/// World directions of a patient in a frame; an unknown frame is read as LPS. Unit length.
 struct PatientAxes {
   glm::dvec3 left, anterior, superior;
 };
 PatientAxes patientAxes(PatientFrame frame);
 
-/// The camera whose image of size `size` holds the volume's box, eye always outside of it. Zoom narrows the field of
-/// view (or height) about the centre and leaves the eye, so that the perspective stays.
-/// throws: Error kUsage where zoom is not positive, or an angle is out of range.
+/// Returns a camera whose image of size `size` contains the volume's box; the eye is always outside the box. Zoom
+/// narrows the field of view (or height) and leaves the eye, so the perspective is unchanged.
+/// throws: Error kUsage if zoom is not positive, or an angle is out of range.
 Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const ImageSize& size);
 
-/// The orthographic height at which `camera` (eye, target and up) has the volume's box in its image, with the margin
-/// of `frameVolume`. unit: world.
+/// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the volume's box, with
+/// the margin of `frameVolume`. unit: world.
 double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size);
 
-/// A box in the axes of the first volume that holds the boxes of all: the first's own where it holds them. shape: its
-/// voxels are the first's, whole ones. requires: at least one.
+/// Returns a box in the axes of the first volume that contains the boxes of all volumes; the first volume's own box if
+/// that is enough. shape: whole voxels of the first volume. requires: at least one volume.
 VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes);
 
-/// The middle of the volume's box. unit: world.
+/// Returns the middle of the volume's box. unit: world.
 glm::dvec3 centreOf(const VolumeGeometry& volume);
 
 }  // namespace kiln

@@ -1,6 +1,5 @@
-// Sampling halves each span between two nodes until straight lines are close enough at the quarters. Where a curve
-// jumps, the value just before and the one from there on are points of the same value, which a transfer function has
-// for steps.
+// Method. Sampling halves each span between two nodes until straight lines are close enough at the quarter points. At a
+// jump, two points share a value: the curve's limit from below, and its value from there on.
 #include "scene/transfer/color_map.h"
 
 #include <algorithm>
@@ -13,9 +12,9 @@
 namespace kiln {
 namespace {
 
-// A midpoint at the very end of a span would leave no room for half of the curve.
+// A midpoint at the end of a span would leave no room for half of the curve.
 constexpr double kLeastMidpoint = 1e-5;
-// From here on VTK takes a curve for a step, up to here for a straight line.
+// VTK treats sharper curves as steps, and flatter curves as straight lines.
 constexpr double kStep = 0.99, kStraight = 0.01;
 constexpr int kMostHalvings = 12;
 
@@ -37,7 +36,7 @@ double between(const OpacityNode& a, const OpacityNode& b, double s) {
   if (a.sharpness < kStraight) return std::lerp(a.opacity, b.opacity, s);
   const double steeper = 1 + 10 * a.sharpness;
   s = s < 0.5 ? 0.5 * std::pow(2 * s, steeper) : 1 - 0.5 * std::pow(2 * (1 - s), steeper);
-  // Hermite's curve, with the same slope at both ends.
+  // Hermite curve with equal slopes at both ends.
   const double way = s * s * (3 - 2 * s) + (1 - a.sharpness) * (s - 3 * s * s + 2 * s * s * s);
   return std::lerp(a.opacity, b.opacity, std::clamp(way, 0.0, 1.0));
 }
@@ -50,7 +49,7 @@ class Sampler {
     const std::vector<double> at = breaks();
     points_.push_back(at_(at.front()));
     for (std::size_t i = 1; i < at.size(); ++i) {
-      // Just inside of the span: its own curve, without what holds at its ends.
+      // Evaluates just inside the span: its own curve, without the values at its ends.
       const TransferPoint first = at_(std::nextafter(at[i - 1], at[i]), at[i - 1]);
       const TransferPoint last = at_(std::nextafter(at[i], at[i - 1]), at[i]);
       if (!near(points_.back(), first)) points_.push_back(first);
@@ -63,7 +62,7 @@ class Sampler {
   }
 
  private:
-  // Where a curve may have a corner or a jump.
+  // Values at which a curve may have a corner or a jump.
   std::vector<double> breaks() const {
     std::vector<double> out;
     for (const ColorNode& node : colors_.nodes) out.push_back(node.value);
@@ -93,7 +92,7 @@ class Sampler {
     return true;
   }
 
-  // The points strictly between two neighbours.
+  // Adds the points strictly between two neighbours.
   void span(const TransferPoint& a, const TransferPoint& b, int halvings) {
     bool straight = true;
     for (const double t : {0.25, 0.5, 0.75}) {

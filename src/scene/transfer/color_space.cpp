@@ -32,7 +32,7 @@ glm::dvec3 hsvFrom(const glm::dvec3& rgb) {
 glm::dvec3 rgbFromHsv(const glm::dvec3& hsv) {
   glm::dvec3 out;
   for (int channel = 0; channel < 3; ++channel) {
-    // Distance from the hue where the channel is full: red at 0, green at 1/3, blue at 2/3 of a turn.
+    // Distance from the hue of the full channel: red at 0, green at 1/3, blue at 2/3 of a turn.
     double away = std::abs(hsv.x - channel / 3.0);
     away = std::min(away, 1 - away);
     const double pure = std::clamp(2 - 6 * away, 0.0, 1.0);
@@ -52,7 +52,7 @@ glm::dvec3 labFrom(const glm::dvec3& rgb) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
-// What is outside of the gamut is clipped: too bright all channels together, too dark each.
+// Clips colours outside the gamut: scales all channels down if too bright, raises each channel to 0 if too dark.
 glm::dvec3 rgbFromLab(const glm::dvec3& lab) {
   const double v = (lab.x + 16) / 116;
   const double x = kWhitePoint.x * cube(v + lab.y / 500);
@@ -88,7 +88,7 @@ double angleBetween(double a, double b) {
   return std::min(turned, 2 * kPi - turned);
 }
 
-// The hue that an unsaturated end takes beside a saturated one, so that the change looks even (Moreland, AdjustHue).
+// Returns the hue of an unsaturated end beside a saturated end, so that the change looks even (Moreland, AdjustHue).
 double hueBeside(const Msh& saturated, double magnitude) {
   if (saturated.magnitude >= magnitude - 0.1) return saturated.hue;
   const double spin = saturated.saturation *
@@ -100,7 +100,7 @@ double hueBeside(const Msh& saturated, double magnitude) {
 glm::dvec3 diverging(const glm::dvec3& from, const glm::dvec3& to, double s) {
   constexpr double kGrey = 0.05, kWhitest = 88;
   Msh a = mshFrom(from), b = mshFrom(to);
-  // Between two different hues lies white.
+  // White lies between two distinct hues.
   if (a.saturation > kGrey && b.saturation > kGrey && angleBetween(a.hue, b.hue) > 0.33 * kPi) {
     const Msh white{std::max({a.magnitude, b.magnitude, kWhitest}), 0, 0};
     (s < 0.5 ? b : a) = white;

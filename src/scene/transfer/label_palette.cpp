@@ -1,7 +1,8 @@
-// A fixed list, so that a label has one colour on every machine. Method: of all sRGB colours in steps of 8, with a
-// lightness of 35 to 92 and a chroma from 15 on, each next one is the farthest from those before it; the
-// second half is in falling order of the distance from the first 16, which are met most. Source: CIE 15
-// (1976 L*a*b*); Gonzalez 1985 for the method.
+// A fixed list, so that a label has the same colour on every machine.
+// Method. Candidates are all sRGB colours in steps of 8 with lightness 35 to 92 and chroma of at least 15. Each next
+// colour is the candidate farthest from all colours before. The second half is sorted by falling distance from the
+// first 16 colours, which are the most frequent.
+// Source: CIE 15 (1976 L*a*b*); Gonzalez 1985 for the method.
 #include "scene/transfer/label_palette.h"
 
 #include <array>

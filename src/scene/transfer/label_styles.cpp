@@ -15,7 +15,7 @@
 namespace kiln {
 namespace {
 
-// A line of text without what is around it; empty for a comment.
+// Returns a line of text without surrounding space; empty for a comment.
 std::string content(std::string line) {
   line.erase(0, std::min(line.find_first_not_of(" \t\r"), line.size()));
   line.erase(line.find_last_not_of(" \t\r") + 1);
@@ -121,7 +121,7 @@ TransferFunction labelPalette(const Manifest& manifest) {
                               manifest.range.lo, manifest.range.hi));
     for (double label = manifest.range.lo; label <= manifest.range.hi; ++label) add(label);
   }
-  // A function without labels would be one of points.
+  // A function without labels would be a function of points.
   if (out.labels.empty()) out.labels.push_back({0, "", glm::dvec3(1), 0});
   return out;
 }
@@ -158,7 +158,7 @@ std::string unknownLabelsText(const std::vector<TransferFunction>& functions, co
 }
 
 std::string likelyLabelsText(const Manifest& manifest) {
-  // Measurements of 8 bits have more values than this, unless they are masks, which labels draw as well.
+  // 8-bit measurements have more values than this, except for masks, which labels draw as well.
   constexpr std::size_t kMostLikely = 48;
   if (manifest.volume_class != VolumeClass::kUnknown || isFloating(manifest.type) || manifest.range.empty() ||
       manifest.range.lo < 0)

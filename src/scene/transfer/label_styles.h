@@ -1,4 +1,4 @@
-// What the labels of a label volume look like: as ITK-SNAP has it in a file, or a palette for those who say nothing.
+// Colours and opacities of labels: from an ITK-SNAP file, or from the default palette.
 #pragma once
 
 #include <filesystem>
@@ -11,42 +11,43 @@
 
 namespace kiln {
 
-/// Whole numbers up to here are exact where labels are drawn.
+/// Largest label: integers up to here are exact when labels are drawn.
 inline constexpr double kLargestLabel = 1 << 23;
 
-/// How fast a label's extinction rises from nothing to all of it where its surface is. unit: per voxel of a plane face.
+/// Slope of a label's extinction at its surface, from none to all. unit: per voxel, at a plane face.
 inline constexpr float kLabelRise = 4;
 
-/// Whether the text begins as ITK-SNAP's label descriptions do: with comments, or a line that begins with a number.
+/// True if the text begins like ITK-SNAP's label descriptions: with comments, or with a line that begins with a number.
 bool isLabelDescription(const std::string& text);
-/// A line a label: index, red, green, blue (0 to 255, sRGB), opacity (0 to 1), whether it is shown in slices and in the
-/// mesh, "name"; # begins a comment. A label that is not shown in the mesh, or has index 0, is transparent. throws:
-/// Error kFormat naming the line. source: ITK-SNAP's own files say it in their first lines.
+/// Parses one label per line: index, red, green, blue (0 to 255, sRGB), opacity (0 to 1), shown in slices, shown in the
+/// mesh, "name"; # begins a comment. A label that is not shown in the mesh, or has index 0, is transparent.
+/// throws: Error kFormat naming the line. source: the first lines of ITK-SNAP's own files.
 TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path);
 
-/// A colour of its own for each label but 0. throws: Error kUsage where there are too many to choose for.
+/// Returns a distinct colour for each label but 0. throws: Error kUsage if there are too many labels.
 TransferFunction labelPalette(const Manifest& manifest);
 
 struct LabelCount {
   double label = 0;
   std::uint64_t voxels = 0;
 };
-/// The labels that have voxels, in order; nothing where the manifest does not know them one by one (countsEachLabel).
+/// Returns the labels with voxels, in order; nothing if the manifest does not count labels one by one
+/// (countsEachLabel).
 std::optional<std::vector<LabelCount>> labelsOf(const Manifest& manifest);
 
-/// Those of them, but for 0, that none of the functions says anything of, as a sentence; empty where there are none, or
-/// nobody knows.
+/// Returns a sentence about the volume's labels, except 0, that no function styles; empty if there are none, or the
+/// labels are unknown.
 std::string unknownLabelsText(const std::vector<TransferFunction>& functions, const Manifest& manifest);
 
-/// A sentence where the volume's values are drawn as amounts and look like labels: whole numbers, few of them, or a
-/// file that says so (3D Slicer's .seg.nrrd). Empty where they do not.
+/// Returns a sentence if the volume's values are drawn as amounts but look like labels: few integers, or a file of a
+/// segmentation (3D Slicer's .seg.nrrd). Else empty.
 std::string likelyLabelsText(const Manifest& manifest);
 
-/// throws: Error kUsage where the function is of labels and the volume is not, or the other way round, where a window
-/// would stretch labels, or where they are too large to be drawn.
+/// throws: Error kUsage if only one of function and volume has labels, if a window would stretch labels, or if labels
+/// are too large to be drawn.
 void requireFitting(const TransferFunction& function, bool has_window, const Manifest& manifest);
 
-/// By label, as a function has them.
+/// Sorts by label, as functions require.
 void sortLabels(std::vector<LabelStyle>& labels);
 
 }  // namespace kiln

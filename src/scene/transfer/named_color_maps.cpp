@@ -1,5 +1,5 @@
 // viridis, plasma and inferno are every 17th entry of the tables of S. van der Walt and N. Smith (matplotlib, CC0);
-// cool-to-warm is Moreland's diverging map with ParaView's end points; fire runs as a glowing body does.
+// cool-to-warm is Moreland's diverging map with ParaView's end points; fire resembles a glowing body.
 #include "scene/transfer/named_color_maps.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-// Colour maps that people ask for by name, from 0 to 1.
+// Colour maps available by name, over values from 0 to 1.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
-// Presets are written in the values people quote for them (Hounsfield units for CT) and mapped to the volume's own.
+// Presets are written in commonly quoted values (Hounsfield units for CT) and mapped to the volume's values.
 // "auto" splits the histogram in two by Otsu's method (Otsu 1979: the threshold with the greatest variance between the
-// classes) and draws the surface of the upper class. Where that class is nearly nothing (a few bright voxels pull the
-// threshold up) or nearly everything, the other class is split again.
+// classes) and draws the surface of the upper class. If that class is nearly empty (a few bright voxels raise the
+// threshold) or nearly everything, the other class is split again.
 #include "scene/transfer/presets.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0
     kIvory{0.86, 0.82, 0.74};
 constexpr double kSurfaceOpacity = 0.9;
 
-// Voxel counts by value, with values for bins: bin b holds [edge(b), edge(b + 1)).
+// Voxel counts by value; bin b covers [edge(b), edge(b + 1)).
 struct Bins {
   ValueHistogram histogram;
 
@@ -44,7 +44,7 @@ struct Bins {
   }
 };
 
-// The bin in (first, last) where Otsu's upper class begins; nothing where the bins hold fewer than two different
+// Returns the bin in (first, last) where Otsu's upper class begins; nothing if the bins have fewer than two distinct
 // values.
 std::optional<std::size_t> otsuSplit(const Bins& bins, std::size_t first, std::size_t last) {
   const double total = bins.count(first, last);
@@ -65,13 +65,13 @@ std::optional<std::size_t> otsuSplit(const Bins& bins, std::size_t first, std::s
     if (between >= best) highest = bin + 1;
     best = std::max(best, between);
   }
-  // Empty bins between the classes are all as good: the middle of them.
+  // Empty bins between the classes are equally good: takes the middle bin.
   return best > 0 ? std::optional((lowest + highest) / 2) : std::nullopt;
 }
 
-// The value between what is empty and what is not.
+// Returns the value that separates empty space from the object.
 std::optional<double> surfaceValue(const Bins& bins) {
-  constexpr double kFewest = 0.02, kMost = 0.70;  // of all voxels, in the upper class
+  constexpr double kFewest = 0.02, kMost = 0.70;  // share of all voxels in the upper class
   std::size_t first = 0, last = bins.size();
   std::optional<std::size_t> split = otsuSplit(bins, first, last);
   for (int again = 0; split && again < 4; ++again) {
@@ -89,7 +89,7 @@ std::optional<double> surfaceValue(const Bins& bins) {
   return split ? std::optional(bins.edge(*split)) : std::nullopt;
 }
 
-// The value that a `fraction` of the voxels outside the lowest bin (what is empty) do not exceed.
+// Returns the value that a `fraction` of the voxels outside the lowest bin (empty space) do not exceed.
 double highValue(const Bins& bins, double fraction, double otherwise) {
   const double total = bins.size() > 1 ? bins.count(1, bins.size()) : 0;
   double below = 0;
@@ -107,7 +107,7 @@ Bins usableBins(const Manifest& manifest) {
   return {usable ? histogram : ValueHistogram{}};
 }
 
-// Opacity per mean spacing with which the mean diagonal of the volume's box has this optical depth.
+// Returns the opacity per mean spacing that gives the box's mean diagonal this optical depth.
 double opacityForDepth(const Manifest& manifest, double optical_depth) {
   const VolumeGeometry& volume = manifest.geometry();
   const glm::dvec3 dims(volume.dims.x, volume.dims.y, volume.dims.z);
@@ -122,7 +122,7 @@ double opacityForDepth(const Manifest& manifest, double optical_depth) {
 
 ValueRange fogRange(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
-  // Empty space is 0 in a fog; of another volume it is the least value there is.
+  // Empty space is 0 in a fog; in another volume, the least value.
   const double lo = manifest.volume_class == VolumeClass::kFog && range.hi > 0 ? 0 : range.lo;
   const double high = highValue(usableBins(manifest), 0.995, range.hi);
   return {lo, high > lo ? high : range.hi};
@@ -145,16 +145,16 @@ TransferFunction grayscale(const Manifest& manifest) {
   return {0, {{range.lo, glm::dvec3(0), 0}, {range.hi, glm::dvec3(1), grayscaleOpacity(manifest)}}};
 }
 
-// A named map of colours over the values, the opacity rising with them.
+// Returns a named colour map over the values, with rising opacity.
 TransferFunction colored(std::string_view name, const ValueRange& range, double opacity) {
   ColorMap colors = namedColorMap(name);
   stretch(colors, {0, 1}, range);
   return {0, sampled(colors, {{{range.lo, 0}, {range.hi, opacity}}})};
 }
 
-// Opaque from a little above `surface`, brightening to `high`; of values in `range`.
+// Opaque from slightly above `surface`, brightening to `high`; for values in `range`.
 TransferFunction surfaceRamp(double surface, double high, const ValueRange& range) {
-  // Values of every size have a rise that is not 0; the range's width itself may be more than a double holds.
+  // Keeps the rise above 0 for values of any size; the width of the range itself may overflow a double.
   high = std::max(high, surface + std::max(1e-6 * std::abs(surface), 1e-12 * range.hi - 1e-12 * range.lo));
   const double rise = high - surface;
   return {0,
@@ -168,15 +168,15 @@ TransferFunction surfaceOf(const Manifest& manifest) {
   const Bins bins = usableBins(manifest);
   const ValueRange range = usableRange(manifest);
   const std::optional<double> surface = surfaceValue(bins);
-  // One value everywhere, or no histogram: a solid block from the middle of the range on says more than nothing.
+  // A constant volume, or no histogram: a solid block is more useful than an empty picture.
   if (!surface)
     return surfaceRamp(manifest.range.lo < manifest.range.hi ? std::midpoint(range.lo, range.hi) : range.lo - 1,
                        range.hi, range);
   return surfaceRamp(*surface, highValue(bins, 0.995, range.hi), range);
 }
 
-// T1 and T2 heads: skin is darker than Otsu's middle between air and brain, so the surface is drawn lower, three
-// quarters of the way up from the mean of the air.
+// T1 and T2 heads: skin is darker than Otsu's threshold between air and brain. So the surface is three quarters of the
+// way from the mean of the air to the threshold.
 TransferFunction mrHead(const Manifest& manifest) {
   const Bins bins = usableBins(manifest);
   const std::optional<double> surface = surfaceValue(bins);
@@ -191,8 +191,9 @@ TransferFunction mrHead(const Manifest& manifest) {
   return surfaceRamp(air + 0.75 * (*surface - air), highValue(bins, 0.995, range.hi), range);
 }
 
-// Hounsfield units as the volume's values: as they are where the range goes far below water; shifted by 1024 where it
-// starts at air = 0 (12-bit scanners, the UNC head); else, 8-bit and normalised data, the range is air to dense bone.
+// Maps Hounsfield units to the volume's values. Unchanged if the range goes far below water; shifted by 1024 if the
+// range starts at air = 0 (12-bit scanners, the UNC head). Else (8-bit and normalised data) the range is air to dense
+// bone.
 double valueOfHounsfield(const ValueRange& range, double hounsfield) {
   if (range.lo < -200) return hounsfield;
   if (range.hi > 1500 && range.hi < 20000) return hounsfield + 1024;
@@ -212,7 +213,7 @@ TransferFunction automatic(const Manifest& manifest) {
   return surfaceOf(manifest);
 }
 
-// Solid from `text`, a number, on. A hundredth of the range is enough of a ramp for shading without steps.
+// Solid from the number `text` on. A ramp of a hundredth of the range suffices for shading without steps.
 TransferFunction isoSurface(std::string_view text, const Manifest& manifest) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -230,12 +231,12 @@ constexpr std::string_view kIso = "iso:";
 ValueRange usableRange(const Manifest& manifest) {
   ValueRange range = manifest.range;
   const ValueHistogram& histogram = manifest.histogram;
-  // Where there are infinities, an earlier Kiln's bins went as far as floats do.
+  // Manifests of an earlier version have bins up to the largest float if the volume has infinities.
   constexpr double kLargest = std::numeric_limits<float>::max();
   if (!range.empty() && ((!std::isfinite(range.lo) && histogram.lo <= -kLargest) ||
                          (!std::isfinite(range.hi) && histogram.hi >= kLargest)))
     return {0, 1};
-  // Of labels the bins reach half a label beyond.
+  // Bins of labels extend half a label beyond the range.
   if (!range.empty() && histogram.lo < histogram.hi)
     range = {std::max(range.lo, histogram.lo), std::min(range.hi, histogram.hi)};
   if (range.empty() || !std::isfinite(range.lo) || !std::isfinite(range.hi)) return {0, 1};
@@ -280,7 +281,7 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "ct-bone") {
     return computedTomography(manifest, {{130, kBone, 0}, {330, kBone, 0.9}, {1000, kWhite, 0.97}});
   }
-  // Skin is where air meets it; what lies between skin and bone would hide the bone and is left out.
+  // Skin is the border to air; tissue between skin and bone would hide the bone and is left out.
   if (name == "ct-bone-and-skin") {
     return computedTomography(manifest, {{-700, kSkin, 0},
                                          {-400, kSkin, 0.1},

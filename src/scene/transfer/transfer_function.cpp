@@ -57,7 +57,7 @@ TransferFunction inWorld(TransferFunction function, double world_per_own) {
 }
 
 double extinctionOf(double opacity, double unit) {
-  // The clamp keeps a fully opaque point finite (DESIGN.md §6).
+  // The clamp keeps the extinction of an opaque point finite.
   return -std::log1p(-std::min(opacity, 0.9999)) / unit;
 }
 

@@ -1,4 +1,4 @@
-// From a voxel's value to colour and opacity: piecewise linear between points, the end points hold outside.
+// Maps voxel values to colour and opacity: piecewise linear between points; the end points extend outside.
 #pragma once
 
 #include <filesystem>
@@ -16,9 +16,9 @@ struct TransferPoint {
   double opacity = 0;   // per `unit` of length, 0..1
 };
 
-/// The part of a sample's opacity that is left where the values change this fast.
+/// Factor on a sample's opacity at a given gradient length.
 struct GradientPoint {
-  double gradient = 0;  // its length. unit: value per world unit
+  double gradient = 0;  // gradient length. unit: value per world unit
   double factor = 1;    // 0..1
 };
 
@@ -27,7 +27,7 @@ struct Classified {
   double opacity;
 };
 
-/// How a label of a label volume looks.
+/// Appearance of a label of a label volume.
 struct LabelStyle {
   double label = 0;
   std::string name;
@@ -36,35 +36,35 @@ struct LabelStyle {
 };
 
 struct TransferFunction {
-  /// The length that `opacity` is per. unit: the volume's own world, so that a volume has the same optical depth beside
-  /// volumes of another unit (`inWorld` converts); 0 means the volume's mean spacing.
+  /// Reference length of `opacity`; 0 means the volume's mean spacing. unit: the volume's own world, so that its
+  /// optical depth does not depend on other volumes of another unit (`inWorld` converts).
   double unit = 0;
-  /// Sorted by value; several points may share a value (a step: the last of them holds from there on).
+  /// Sorted by value; points may share a value (a step: the last of them holds from there on).
   std::vector<TransferPoint> points;
 
-  /// What opacity is multiplied by, over the length of the gradient: sorted, linear between points, the end points hold
-  /// outside. Nothing here leaves opacities as they are.
+  /// Factor on opacity as a function of the gradient's length: sorted, linear between points, the end points extend
+  /// outside. Empty leaves opacities unchanged.
   std::vector<GradientPoint> gradient_opacity = {};
 
-  /// Of a label volume instead of points: sorted, none twice; labels that are not here are transparent. Between voxels
-  /// a label is where more than half of what is interpolated is.
+  /// For a label volume, instead of points: sorted and unique. Labels without an entry are transparent. Between voxels,
+  /// a label holds where it has more than half of the interpolation weight.
   std::vector<LabelStyle> labels = {};
 
-  /// The length that opacity is per in a volume of that spacing. unit: world.
+  /// Returns the reference length of opacity in a volume with this mean spacing. unit: world.
   double unitIn(double mean_spacing) const { return unit > 0 ? unit : mean_spacing; }
   /// In 0..1.
   double gradientFactor(double gradient) const;
-  /// NaN is transparent; of labels, what is none of them. cost: a binary search.
+  /// NaN is transparent, and so are labels without an entry. cost: a binary search.
   Classified at(double value) const;
-  /// Of several labels: whether one of them in [lo, hi] is not transparent.
+  /// True if a label in [lo, hi] is not transparent.
   bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
 };
 
-/// The function with its lengths in a world that has `world_per_own` lengths per length of the volume's own.
+/// Converts the function's lengths to a world with `world_per_own` units per unit of the volume's own world.
 TransferFunction inWorld(TransferFunction function, double world_per_own);
 
-/// Opacity per `unit` as extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
+/// Converts opacity per `unit` to extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
 double extinctionOf(double opacity, double unit);
 
 }  // namespace kiln

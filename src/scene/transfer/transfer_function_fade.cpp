@@ -7,7 +7,7 @@
 namespace kiln {
 namespace {
 
-// The values of both, each once.
+// Returns the values of both lists, each value once.
 template <class Points, class ValueOf>
 std::vector<double> valuesOf(const Points& a, const Points& b, const ValueOf& value_of) {
   std::vector<double> out;
@@ -19,7 +19,7 @@ std::vector<double> valuesOf(const Points& a, const Points& b, const ValueOf& va
   return out;
 }
 
-// What the function tends to from below: it may step at a value.
+// Returns the limit from below: the function may step at a value.
 Classified before(const TransferFunction& function, double value) {
   for (const TransferPoint& point : function.points) {
     if (point.value == value) return {point.color, point.opacity};
@@ -40,7 +40,7 @@ TransferPoint mixedPoint(double value, const Classified& a, const Classified& b,
 
 bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
 
-// Of labels, each by itself; one that is in one of them only comes or goes.
+// Fades each label separately; a label of only one function fades in or out.
 std::vector<LabelStyle> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
   std::vector<LabelStyle> out;
   for (const double label : valuesOf(a.labels, b.labels, [](const LabelStyle& look) { return look.label; })) {

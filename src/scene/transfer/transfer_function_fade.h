@@ -1,13 +1,13 @@
-// What lies between two transfer functions.
+// Interpolates between two transfer functions.
 #pragma once
 
 #include "scene/transfer/transfer_function.h"
 
 namespace kiln {
 
-/// Of each value the opacity at `t` from a's to b's and the colour that both together have, each as much as it is
-/// opaque, so that what one function does not show colours nothing. Exact at the points of either and linear between
-/// them; opacities are per a's unit. At 0 and 1 it is a or b as they stand. requires: both have a unit above 0.
+/// For each value: opacity at `t` between a's and b's; colours weighted by opacity, so that transparent values add no
+/// colour. Exact at the points of either function and linear between them; opacities are per a's unit. At 0 and 1 the
+/// result is a or b unchanged. requires: both units are above 0.
 TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t);
 
 }  // namespace kiln
