@@ -101,7 +101,7 @@ void tidyUp(OutputDirectory& destination, const std::exception& error, std::uint
             const ConvertOptions& options, Progress& progress) {
   if (finished == 0 || !mayBeResumed(error)) return destination.abandon();
   destination.keepForResuming();
-  progress.note(fmt::format("{} of {} bricks are kept in {}; {} to go on from there", finished, bricks,
+  progress.note(fmt::format("{} of {} bricks are kept in {}; {} to continue", finished, bricks,
                             destination.building().string(),
                             options.overwrite && options.resume ? "run again" : "run again with --resume"));
 }
@@ -164,7 +164,7 @@ class Build {
     if (isStateOf(draft_.source.state, files)) return;
     throw Error(ErrorCode::kFormat, lastChanged(files), "",
                 "was changed while it was converted, so that bricks of two states were made; convert it again once "
-                "nobody writes to it");
+                "no program writes to it");
   }
 
   ResumeState& beginning_;
@@ -198,7 +198,7 @@ void runTogether(Build& making, OutputDirectory* destination, Ranks& ranks, cons
     if (destination != nullptr) destination->commit();
   } catch (const Error& error) {
     throw Error(error.code(), std::string(error.what()) + "; the finished bricks of " + out.string() +
-                                  " are kept, and the same command with --resume goes on");
+                                  " are kept; continue by the same command with --resume");
   }
   // No rank reports success before the store exists.
   ranks.barrier();

@@ -42,7 +42,7 @@ class Messages : public ToolTest {
 };
 
 constexpr const char* kNoSize =
-    "the TIFF files do not say how large a voxel is, which is taken to be 1 x 1 x 1; --spacing says otherwise";
+    "the TIFF files have no size of a voxel, which is taken to be 1 x 1 x 1; --spacing sets another";
 
 TEST_F(Messages, NotesOfASource_NameIt) {
   NiftiHeader header;
@@ -99,7 +99,7 @@ TEST_F(Messages, FormatsThatAreNotRead_HaveTheirArticle) {
 TEST_F(Messages, NameOfADataFileThatIsTooLong_IsTheReason) {
   writeText(in("a.nhdr"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: " +
                               std::string(300, 'n') + ".raw\n");
-  refused({"convert", in("a.nhdr"), in("p.kiln")}, 1, "cannot be looked at: File name too long");
+  refused({"convert", in("a.nhdr"), in("p.kiln")}, 1, "cannot be examined: File name too long");
 }
 
 // Known: each header names itself, or what is no file of voxels.

@@ -91,7 +91,7 @@ TEST(IngestTiff, ImageJUnitsOfAxes_AreConvertedToTheUnitOfX) {
            {stack + "unit=furlong\nspacing=3\n", {0.5, 0.5, 3}, "", "'furlong', which is no known unit"},
            {stack + "unit=um\nspacing=3\nyunit=furlong\n", {0.5, 0.5, 3}, "um", "along y in 'furlong' and along x in"},
            // A single image has no spacing of slices that ImageJ would write.
-           {"ImageJ=1.54f\nunit=um\n", {0.5, 0.5, 0.5}, "um", "nothing of the distance of slices"},
+           {"ImageJ=1.54f\nunit=um\n", {0.5, 0.5, 0.5}, "um", "no distance of slices"},
        })
     expectUnits(said);
 }
@@ -116,7 +116,7 @@ TEST(IngestTiff, OmeUnitsOfAxes_AreConvertedToTheUnitOfX) {
            {pixels("0.5", "&#181;m", "1.5", "&#xB5;m"), {0.5, 0.5, 1.5}, "um", ""},
            {pixels("13.48", "\xc3\x85", "26.96", "\xc3\x85"), {13.48, 13.48, 26.96}, "angstrom", ""},
            {pixels("500", "pm", "1500", "pm"), {500, 500, 1500}, "pm", ""},
-           {pixels("0.5", um, "", ""), {0.5, 0.5, 0.5}, "um", "OME's description says 0.5 um a pixel and nothing"},
+           {pixels("0.5", um, "", ""), {0.5, 0.5, 0.5}, "um", "OME's description has 0.5 um a pixel and no distance"},
            {pixels("1", "reference frame", "3", "reference frame"), {1, 1, 3}, "", "'reference frame', which is no"},
        })
     expectUnits(said);

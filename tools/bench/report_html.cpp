@@ -213,8 +213,8 @@ std::string methodSection(const Measurements& m) {
 
 std::string costSection(const Measurements& m) {
   return paragraph(
-             "An update tells a structure that a pixel has become opaque; a test asks whether all pixels of a "
-             "rectangle are. Complexities are worst cases; beside them is what one of each costs here.") +
+             "An update marks a pixel as opaque in a structure; a test finds whether all pixels of a rectangle are "
+             "opaque. Complexities are worst cases; the measured costs are beside them.") +
          complexityTable(m) + costFigure(m);
 }
 

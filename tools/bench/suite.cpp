@@ -170,7 +170,7 @@ Suite parseSuite(const std::string& text, const fs::path& path) {
   const JobObject root = JobObject::parse(text, path);
   root.requireKnown({"kiln_suite", "title", "methods", "projections", "fov", "threshold", "views", "turn_deg", "repeat",
                      "threads", "tile_px", "area", "test_samples", "memory", "epsilon_px", "cost", "scaling", "cases"});
-  if (!root.has("kiln_suite")) root.complain("kiln_suite", "is missing; a suite says \"kiln_suite\": 1");
+  if (!root.has("kiln_suite")) root.complain("kiln_suite", "is missing; add \"kiln_suite\": 1");
   root.number("kiln_suite", "1, the suite format of this version", [](double v) { return v == 1; });
   Suite suite;
   suite.path = path;
@@ -196,7 +196,8 @@ Suite readSuite(const fs::path& path) { return parseSuite(readTextFile(path, kLa
 Suite quickened(Suite suite) {
   std::erase_if(suite.cases, [](const SuiteCase& c) { return !c.quick; });
   if (suite.cases.empty())
-    throw Error(ErrorCode::kUsage, suite.path, "cases", "each says \"quick\": false, so a quick run has none to draw");
+    throw Error(ErrorCode::kUsage, suite.path, "cases",
+                "all have \"quick\": false, so a quick run is empty; let a case be drawn in quick runs");
   for (SuiteCase& c : suite.cases) {
     c.sizes.resize(1);
     c.repeat = 1;

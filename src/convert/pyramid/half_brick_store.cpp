@@ -64,7 +64,7 @@ HalfBrick HalfBrickStore::take(const BrickKey& key, const BrickKey& parent) {
   const auto find = [&](Pieces& pieces) {
     const auto found =
         std::find_if(pieces.begin(), pieces.end(), [&](const Piece& piece) { return piece.parent == parent; });
-    if (found == pieces.end()) throw std::out_of_range("a piece that nobody put");
+    if (found == pieces.end()) throw std::out_of_range("take: the piece was never put");
     return found;
   };
   Stretch stretch;

@@ -130,7 +130,7 @@ void OutputDirectory::choosePlace(bool overwrite, bool resume) {
   if (isNothing(out_)) return;
   if (!overwrite && !resume) {
     throw Error(ErrorCode::kExists, out_, "",
-                isUnfinished(out_) ? "holds an unfinished conversion; go on with it by --resume, or give --overwrite"
+                isUnfinished(out_) ? "holds an unfinished conversion; continue it by --resume, or give --overwrite"
                                    : "is there already; name another output or give --overwrite");
   }
   if (!holdsOnlyAStore(out_)) {
@@ -138,7 +138,7 @@ void OutputDirectory::choosePlace(bool overwrite, bool resume) {
         isStore(out_) || isUnfinished(out_) ? strangersIn(out_) : std::vector<std::string>();
     throw Error(ErrorCode::kExists, out_, "",
                 strangers.empty()
-                    ? "is not a store, so it is neither replaced nor gone on with; name another output"
+                    ? "is not a store, so it is neither replaced nor resumed; name another output"
                     : fmt::format("holds {}{} beside the store, so it is not replaced; move {} away, or name another "
                                   "output",
                                   inQuotes(strangers.front()),
@@ -204,10 +204,11 @@ bool OutputDirectory::exchange() {
   try {
     disk_.rename(old(), building_);
   } catch (const Error& error) {
-    throw Error(error.code(), old(), "",
-                fmt::format("holds the finished store, which could not be renamed ({}); rename it to {} and go on with "
-                            "--resume",
-                            error.what(), building_.string()));
+    throw Error(
+        error.code(), old(), "",
+        fmt::format("holds the finished store, which could not be renamed ({}); rename it to {} and continue by "
+                    "--resume",
+                    error.what(), building_.string()));
   }
   return false;
 }
@@ -231,8 +232,7 @@ void OutputDirectory::commit() {
   requirePlaceForOld();
   const bool replaces = !isNothing(out_);
   if (!replaces && isStore(old()))
-    left_old_ =
-        old().string() + " is left: a store that somebody kept, or that an interrupted --overwrite was to replace";
+    left_old_ = old().string() + " is left: a kept store, or the old store of an interrupted --overwrite";
   if (replaces) disk_.removeAll(old());
   if (!replaces || !exchange()) replaceInSteps(replaces);
   try {

@@ -117,7 +117,7 @@ class JpegWalk {
       }
       const int which = s_.byte(at);
       if ((which >> 4) > 1 || (which & 15) > 3 || codes > 256 || codes > end - at - kHead)
-        return "has a Huffman table that is none";
+        return "has an invalid Huffman table";
       at += kHead + codes;
     }
     return "";
@@ -128,7 +128,7 @@ class JpegWalk {
     if (bytes != kOfOneComponent || s_.byte(body) != 1) return "has a scan of more than one component";
     const int first = s_.byte(body + 3), shift = s_.byte(body + 5) & 15;
     if (lossless_ && size && (first < 1 || first > 7 || shift >= size->bits))
-      return fmt::format("is predicted by rule {} and shifted by {} bits, which lossless JPEG has not", first, shift);
+      return fmt::format("has predictor {} and a shift of {} bits, which lossless JPEG does not have", first, shift);
     return "";
   }
 
@@ -207,7 +207,7 @@ std::string codestreamFault(const DicomPixels& pixels, const std::vector<std::ve
     if (std::string fault = walk.fault(); !fault.empty()) return fault;
     found = walk.size;
   }
-  if (!found) return "does not say how large it is";
+  if (!found) return "has no image size";
   const bool same = found->columns == static_cast<std::uint64_t>(pixels.columns) &&
                     found->rows == static_cast<std::uint64_t>(pixels.rows) && found->components == 1 &&
                     bytesFor(found->bits) == pixels.bits_allocated / 8;

@@ -40,7 +40,7 @@ std::vector<std::vector<ByteRange>> dicomFragments(const File& file, std::uint64
     }
   } else {
     throw Error(ErrorCode::kUnsupported, file.path(), fmt::format("byte {}", offset_bytes),
-                fmt::format("{} fragments hold {} frames, and no table says which", items.size(), frames));
+                fmt::format("{} fragments hold {} frames, and the table of offsets is missing", items.size(), frames));
   }
   for (const auto& fragments : out) {
     if (fragments.empty()) cursor.fail("a frame has no fragment");

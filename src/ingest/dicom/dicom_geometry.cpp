@@ -47,9 +47,7 @@ class Arrangement {
       fail(fmt::format("{} has no position or orientation, but others have",
                        name(*std::find_if_not(slices_.begin(), slices_.end(), placed))));
     }
-    if (options_.spacing) {
-      throw Error(ErrorCode::kUsage, input_, "", "says where its voxels are; --spacing is for files that do not");
-    }
+    if (options_.spacing) refuseSpacing(input_);
     requireParallel();
     orderByPosition();
     out.world_from_index = affineByPosition();
@@ -96,7 +94,7 @@ class Arrangement {
                      [&](const DicomSlice& a, const DicomSlice& b) { return number(a) < number(b); });
     if (slices_.size() > 1) {
       notes_.push_back(
-          "the DICOM files do not say where their slices are; they are taken in the order of their numbers");
+          "the DICOM files have no positions of slices; the slices are taken in the order of their instance numbers");
     }
   }
 

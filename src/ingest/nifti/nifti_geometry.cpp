@@ -10,6 +10,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "base/error.h"
+#include "ingest/source/header_text.h"
 
 namespace kiln {
 namespace {
@@ -118,10 +119,7 @@ VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& opt
                                 quaternion ? "the qform is taken" : "the spacing alone is taken"));
   }
   if (rows || quaternion) {
-    if (options.spacing) {
-      throw Error(ErrorCode::kUsage, header.path(), "",
-                  "says where its voxels are; --spacing is for files that do not");
-    }
+    if (options.spacing) refuseSpacing(header.path());
     out.world_from_index = rows ? sform : quaternionAffine(header, spacingOf(header, notes));
     out.frame = PatientFrame::kRas;
   } else {

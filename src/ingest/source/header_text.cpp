@@ -52,7 +52,7 @@ bool namesSeveral(const std::string& name) {
 bool HeaderLines::refill() {
   if (offset_ + (buffer_.size() - used_) > kMaxHeaderBytes || buffer_.size() - used_ > kMaxLineBytes) {
     throw Error(ErrorCode::kFormat, file_.path(), "line " + std::to_string(number_),
-                "the text header does not end; the file is not what its first line says");
+                "the text header has no end; the file is damaged, or of another format than its first line");
   }
   buffer_.erase(0, std::exchange(used_, 0));
   const std::size_t held = buffer_.size();
@@ -151,11 +151,11 @@ std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) {
-    fail(field, "the data file " + inQuotes(name) + " is not there; put it where the header says",
+    fail(field, "the data file " + inQuotes(name) + " is missing; move it to the place that the header names",
          ErrorCode::kNotFound);
   }
   if (status.type() == std::filesystem::file_type::none) {
-    fail(field, "the data file " + inQuotes(name) + " cannot be looked at: " + error.message(), ErrorCode::kIo);
+    fail(field, "the data file " + inQuotes(name) + " cannot be examined: " + error.message(), ErrorCode::kIo);
   }
   if (!std::filesystem::is_regular_file(status)) {
     const bool folder = std::filesystem::is_directory(status);
@@ -228,6 +228,11 @@ std::string inQuotes(std::string_view text) {
     rest.remove_prefix(std::max<std::size_t>(count, 1));
   }
   return out + (rest.empty() ? "'" : "...'");
+}
+
+void refuseSpacing(const std::filesystem::path& file) {
+  throw Error(ErrorCode::kUsage, file, "--spacing",
+              "needs a file without positions of its voxels (this file has positions); leave the option out");
 }
 
 glm::dmat4 axesAffine(const glm::dvec3& spacing, const glm::dvec3& origin) {

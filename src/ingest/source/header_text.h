@@ -89,6 +89,9 @@ std::optional<std::int64_t> integerOf(std::string_view text);
 /// Quotes `text` for an error message: printable and short.
 std::string inQuotes(std::string_view text);
 
+/// Throws an Error kUsage: `file` places its voxels itself, so --spacing does not apply.
+[[noreturn]] void refuseSpacing(const std::filesystem::path& file);
+
 /// Returns the affine with the given edge lengths along the world axes and voxel (0,0,0) at `origin`.
 glm::dmat4 axesAffine(const glm::dvec3& spacing, const glm::dvec3& origin);
 /// Returns the affine whose axis a steps by `directions[a]`.

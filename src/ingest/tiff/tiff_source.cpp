@@ -135,7 +135,7 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
   }
   if ((notes && notes->offset_signed) != (stack.notes && stack.notes->offset_signed))
     throw Error(ErrorCode::kFormat, files[index], "",
-                "says another thing of its sign than the first file; slices of one volume are alike");
+                "describes its sign in another way than the first file; slices of one volume are alike");
   const std::size_t before = stack.slices.size();
   do {
     const TiffPage& page = file.page();

@@ -233,8 +233,8 @@ VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std
   const auto sameDistance = [&](const std::string& who) {
     if (dims.z > 1)
       choice = fmt::format(
-          "{} {:.6g}{} a pixel and nothing of the distance of slices, which is taken to be the same; "
-          "--spacing says otherwise",
+          "{} {:.6g}{} a pixel and no distance of slices, which is taken to be equal; "
+          "--spacing sets another",
           who, spacing.x, out.unit.empty() ? "" : " " + out.unit);
   };
   if (stack && (usable(stack->spacing) || stack->in_unit || told)) {
@@ -246,13 +246,13 @@ VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std
     if (usable(stack->spacing))
       spacing.z = stack->spacing;
     else
-      sameDistance(fmt::format("{}'s description says", stack->writer));
+      sameDistance(fmt::format("{}'s description has", stack->writer));
   } else if (tags.x > 0) {
     spacing = glm::dvec3(tags, tags.x);
     out.unit = "mm";
-    sameDistance("the TIFF files say");
+    sameDistance("the TIFF files have");
   } else {
-    choice = "the TIFF files do not say how large a voxel is, which is taken to be 1 x 1 x 1; --spacing says otherwise";
+    choice = "the TIFF files have no size of a voxel, which is taken to be 1 x 1 x 1; --spacing sets another";
   }
   if (options.spacing) {
     spacing = *options.spacing;

@@ -21,6 +21,7 @@
 #include "grid/openvdb_glue.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
 #include "ingest/vdb/vdb_bytes.h"
 
 namespace kiln {
@@ -266,8 +267,7 @@ VoxelType narrowTypeOf(const openvdb::Int64Grid& grid, const fs::path& path, con
 }
 
 std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOptions& options) {
-  if (options.spacing)
-    throw Error(ErrorCode::kUsage, path, "", "says where its voxels are; --spacing is for files that do not");
+  if (options.spacing) refuseSpacing(path);
   initializeOpenVdb();
   GridFile file(path, options.memory_bytes);
   const GridEntry& entry = chooseGrid(path, file.entries(), options);
@@ -298,7 +298,7 @@ std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions
     throw;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kFormat, input, "OpenVDB",
-                "asks for more memory than there is: the file is damaged, or its grid too large to be held");
+                "needs more memory than is available: the file is damaged, or the grid is too large");
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kFormat, input, "OpenVDB",
                 std::string(error.what()) + "; the file is damaged, or newer than this OpenVDB reads");

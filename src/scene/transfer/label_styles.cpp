@@ -103,8 +103,9 @@ void requireFitting(const TransferFunction& function, bool has_window, const Man
   if (has_window) refuse("window: labels are names, which no window can stretch; leave it out");
   const ValueRange& range = manifest.range;
   if (!range.empty() && std::max(-range.lo, range.hi) > kLargestLabel)
-    refuse(fmt::format("labels from {:.0f} to {:.0f}: beyond {:.0f} they cannot be told apart; number them anew",
-                       range.lo, range.hi, kLargestLabel));
+    refuse(fmt::format(
+        "labels from {:.0f} to {:.0f}: labels beyond {:.0f} cannot be distinguished; number the labels anew", range.lo,
+        range.hi, kLargestLabel));
 }
 
 TransferFunction labelPalette(const Manifest& manifest) {
@@ -175,7 +176,7 @@ std::string likelyLabelsText(const Manifest& manifest) {
   return fmt::format(
       "its values, {}, look like labels and are drawn as amounts; --labels FILE draws labels (a store is converted "
       "with "
-      "--labels), and a transfer function (--add-tf) says that they are amounts",
+      "--labels), and a transfer function (--add-tf) confirms the amounts",
       said ? "of a segmentation" : fmt::format("{} whole numbers", different));
 }
 
