@@ -138,6 +138,25 @@ std::vector<fs::path> foldersBelow(const fs::path& directory) {
   return out;
 }
 
+// Notes DICOM files in folders below a folder that has slices of its own, because these files may belong to the volume.
+void noteSlicesBelow(const fs::path& directory, std::vector<std::string>& notes) {
+  std::vector<fs::path> below;
+  for (const fs::path& folder : foldersBelow(directory)) {
+    for (const fs::path& path : entriesOf(folder).files) {
+      try {
+        if (formatOf(path) == SliceFormat::kDicom) below.push_back(path);
+      } catch (const Error&) {
+        // An unreadable file here is no part of the volume.
+      }
+    }
+  }
+  if (below.empty()) return;
+  notes.push_back(fmt::format(
+      "passed over {} DICOM file{} in folders below, as {}: the folder has slices of its own; to read them, name their "
+      "folder, or put all slices into one",
+      below.size(), below.size() == 1 ? "" : "s", inQuotes(below.front().lexically_relative(directory).string())));
+}
+
 }  // namespace
 
 SliceFormat sliceFormatOf(std::string_view bytes) {
@@ -187,7 +206,8 @@ SliceFiles slicesIn(const fs::path& directory) {
     missing = missingOf(*list);
     dicom.erase(list);
   }
-  if (listed || (tiff.empty() && dicom.empty())) {
+  const bool searched = listed || (tiff.empty() && dicom.empty());
+  if (searched) {
     for (const fs::path& folder : foldersBelow(directory)) add(folder);
     if (!tiff.empty() && dicom.empty())
       throw Error(ErrorCode::kUnsupported, directory, "",
@@ -228,6 +248,7 @@ SliceFiles slicesIn(const fs::path& directory) {
                 fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
                             isFolder(path) ? "folder" : "pipe or a device"));
   }
+  if (!searched && out.format == SliceFormat::kDicom) noteSlicesBelow(directory, out.notes);
   if (!missing.empty()) out.notes.push_back(missing);
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");
   return out;

@@ -86,18 +86,32 @@ std::vector<int> framesOfAll(const std::vector<fs::path>& patterns) {
   return out.value_or(std::vector<int>());
 }
 
-// All frames of stores, because manifests hold boxes and values; the first frame of foreign files.
+// Returns whether a path is a store with a readable manifest. Every other store fails as its own frame.
+bool hasManifest(const fs::path& store) {
+  if (!isStore(store)) return false;
+  try {
+    readManifest(store);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// All frames with readable stores, because manifests hold boxes and values; the first frame of foreign files.
 std::vector<int> decidingFrames(const RenderJob& job, bool resume) {
   const std::vector<fs::path> patterns = volumesOf(job);
   std::vector<int> there = framesOfAll(patterns);
   if (const std::vector<int> earlier = resume ? framesOfEarlierRun(job) : std::vector<int>();
       !earlier.empty() && std::includes(there.begin(), there.end(), earlier.begin(), earlier.end()))
     return earlier;
-  const bool all_stores = std::all_of(patterns.begin(), patterns.end(), [&](const fs::path& pattern) {
-    return !hasFramePlace(pattern) ||
-           std::all_of(there.begin(), there.end(), [&](int frame) { return isStore(pathOfFrame(pattern, frame)); });
+  std::vector<int> readable;
+  std::copy_if(there.begin(), there.end(), std::back_inserter(readable), [&](int frame) {
+    return std::all_of(patterns.begin(), patterns.end(), [&](const fs::path& pattern) {
+      return !hasFramePlace(pattern) || hasManifest(pathOfFrame(pattern, frame));
+    });
   });
-  if (!all_stores) there.resize(1);
+  if (!readable.empty()) return readable;
+  there.resize(1);
   return there;
 }
 

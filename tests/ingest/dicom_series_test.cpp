@@ -325,6 +325,15 @@ TEST_F(DicomSeries, AsManySlicesOfTwoSizes_areAnError) {
   expectError(ErrorCode::kFormat, "1 slice of 4 x 4 pixels (as 'b') and as many of 5 x 4 (as 'a')");
 }
 
+// Known because both files have one name.
+TEST_F(DicomSeries, SlicesOfSeveralFolders_areNamedWithTheirFolders) {
+  for (const char* folder : {"a", "b"}) {
+    fs::create_directories(files_.directory() / folder);
+    files_.write(std::string(folder) + "/0", slice(DicomSpec(), 1));
+  }
+  expectError(ErrorCode::kUnsupported, "'a/0' and 'b/0' lie at the same place");
+}
+
 // A CD: a list and folders in folders; the list, or the folder that holds it, stands for all series.
 TEST_F(DicomSeries, DicomdirAndNestedFolders_listTheirSeries) {
   const auto write = [&](const std::string& folder, const DicomSpec& spec, int number) {
@@ -368,6 +377,9 @@ TEST_F(DicomSeries, DicomdirAndNestedFolders_listTheirSeries) {
   head.position = "0\\0\\0", head.series = "1.2.12";
   files_.write("one.dcm", slice(head, 9));
   EXPECT_EQ(openSource(files_.directory())->info().geometry.dims.z, 1);
+  const std::vector<std::string> beside = openSource(files_.directory())->info().notes;
+  EXPECT_NE(testing::PrintToString(beside).find("DICOM files in folders below, as 'disc/"), std::string::npos)
+      << testing::PrintToString(beside);
   const ForeignFiles tiffs;
   fs::create_directories(tiffs.directory() / "a");
   tiffs.write("a/s1.tif", std::string("II*\0", 4));

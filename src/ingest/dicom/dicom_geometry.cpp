@@ -61,8 +61,15 @@ class Arrangement {
     return files_[s.file].frames[static_cast<std::size_t>(s.frame)];
   }
   const DicomFrame& first() const { return frame(slices_.front()); }
+  // The file's name, with its folders where slices lie in several.
+  std::string name(const DicomHeader& file) const {
+    const bool one_folder = std::all_of(files_.begin(), files_.end(), [&](const DicomHeader& other) {
+      return other.path.parent_path() == files_.front().path.parent_path();
+    });
+    return inQuotes((one_folder ? file.path.filename() : file.path.lexically_relative(input_)).string());
+  }
   std::string name(const DicomSlice& s) const {
-    const std::string file = inQuotes(files_[s.file].path.filename().string());
+    const std::string file = name(files_[s.file]);
     return files_[s.file].pixels.frames == 1 ? file : fmt::format("frame {} of {}", s.frame + 1, file);
   }
   [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFormat) const {
@@ -82,7 +89,7 @@ class Arrangement {
     if (same == numbered.end() || *numbered.front()->instance == *numbered.back()->instance) return;
     fail(fmt::format("{} and {} have the same number, and no position; the series holds more than one volume (times, "
                      "echoes, phases?)",
-                     inQuotes(same[0]->path.filename().string()), inQuotes(same[1]->path.filename().string())),
+                     name(*same[0]), name(*same[1])),
          ErrorCode::kUnsupported);
   }
 
@@ -207,8 +214,16 @@ class Arrangement {
 
   // Throws, or adds a note if the user allows irregular slices.
   void allow(const std::string& what, const std::string& taken) {
-    if (!options_.allow_irregular) fail(what + "; --allow-irregular takes " + taken);
+    if (!options_.allow_irregular) fail(what + passedOver() + "; --allow-irregular takes " + taken);
     notes_.push_back(what + "; took " + taken);
+  }
+
+  // The reason why a file of the series is no slice, since that file may be the missing slice; empty without such a
+  // file.
+  std::string passedOver() const {
+    const auto note = std::find_if(notes_.begin(), notes_.end(),
+                                   [](const std::string& text) { return text.starts_with("passed over '"); });
+    return note == notes_.end() ? "" : " (" + *note + ")";
   }
 
   const fs::path& input_;
