@@ -25,7 +25,7 @@ BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t bud
   try {
     for (unsigned i = 0; i < readers; ++i) readers_.emplace_back([this] { readAhead(); });
   } catch (const std::system_error&) {
-    // The system gives no more threads (ulimit -u, -v): those that there are read ahead, or nobody does.
+    // The system allows no more threads (ulimit -u, -v): the threads made so far read ahead, if any.
   }
 }
 
@@ -49,7 +49,8 @@ void BrickCache::erase(Slots::iterator slot) {
   slots_.erase(slot);
 }
 
-// Whether `bytes` fit, after what is not needed has gone. What is held, or being read, stays.
+// Evicts unneeded bricks until `bytes` fit; returns false if too few can go. Bricks held, awaited or being read
+// stay.
 bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
   for (auto oldest = recency_.end(); oldest != recency_.begin() && held_bytes_ + bytes > budget_bytes_;) {
     --oldest;
@@ -62,7 +63,7 @@ bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
   return held_bytes_ + bytes <= budget_bytes_;
 }
 
-// Charges a brick that is about to be read. requires: room.
+// Charges a brick before its reading begins. requires: room.
 BrickCache::Slots::iterator BrickCache::begin(const StoredBrick& brick) {
   recency_.push_front(brick);
   Slot slot;
@@ -74,7 +75,7 @@ BrickCache::Slots::iterator BrickCache::begin(const StoredBrick& brick) {
   return slots_.emplace(brick, std::move(slot)).first;
 }
 
-// Reads without the lock. A failure is kept for whoever asks.
+// Reads a brick without the lock. A failure is stored for the request.
 void BrickCache::read(Slots::iterator slot, Lock& lock) {
   const StoredBrick brick = slot->first;
   const StoreReader& store = storeOf(brick);
@@ -125,7 +126,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
     slot->second.awaited = false;
   } else {
     const std::uint64_t needed = storeOf(brick).readBytes(brick.key);
-    // What is being read ahead becomes smaller, or can make room, once it is there.
+    // A brick being read ahead shrinks to its decoded size when ready, and can then be evicted.
     while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
       starved_ = reading_ > 0;
       if (!starved_) {
@@ -144,7 +145,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   return slot->second.state == State::kFailed ? skip(slot->second, first, lock) : slot->second.block;
 }
 
-// The turn of those before a brick that is asked for has passed: they became hidden.
+// Bricks announced before a requested brick have become hidden: their turn has passed.
 void BrickCache::passTurnsUpTo(const StoredBrick& brick) {
   const auto due = announced(brick);
   if (due != announced_.end()) announced_.erase(announced_.begin(), due + 1);
@@ -168,7 +169,7 @@ std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool firs
   try {
     std::rethrow_exception(failure);
   } catch (const Error& error) {
-    // Half of the picture would be of one store and half of another.
+    // A replaced store is always an error: the picture would mix two stores.
     if (!skip_ || error.code() == ErrorCode::kReplaced) throw;
     if (first) skip_(error);
   }
@@ -183,7 +184,7 @@ void BrickCache::announce(std::span<const NextBrick> next) {
     announced_.assign(next.begin(), next.end());
     wanted = nextToRead() != nullptr;
   }
-  // Where all is there, readers that wake for nothing would take their cores from what is drawn.
+  // Readers that wake without work would take cores from drawing.
   if (wanted) changed_.notify_all();
 }
 
@@ -193,7 +194,8 @@ void BrickCache::settle() {
   changed_.wait(lock, [&] { return reading_ == 0; });
 }
 
-// The first announced brick that is not there, where there is room for it and for those before it; null else.
+// Returns the first announced brick that is not in memory, if there is room for the brick and all announced before;
+// else null.
 const StoredBrick* BrickCache::nextToRead() {
   std::uint64_t before_bytes = 0;
   for (const auto& [brick, is_read] : announced_) {
@@ -205,8 +207,8 @@ const StoredBrick* BrickCache::nextToRead() {
   return nullptr;
 }
 
-// A reader's life: what is announced, as soon as there is room for it and nobody waits for some. What it took then
-// would have to make room for the brick that is due, and be read again.
+// The loop of a reader: reads announced bricks while there is room and `get` does not wait for room. A brick read
+// during such a wait would only be evicted and read again.
 void BrickCache::readAhead() {
   Trace::nameThread("reads");
   Lock lock(mutex_);

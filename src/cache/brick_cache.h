@@ -1,7 +1,8 @@
-// Decoded bricks in memory, never more than the user said, and read ahead of the frame. Every byte a brick costs is
-// charged before it is read, those that its decoding needs for a moment included; the least recently used brick that
-// nobody holds and nobody has announced makes room. A brick is read once however often it is asked for and announced;
-// one that cannot be read is not tried again.
+// A cache of decoded bricks under a memory budget, with reading ahead of the frame.
+// Method. A brick is charged before it is read, including the working memory of its decoding. The least recently used
+// brick is evicted first. Held bricks stay; announced bricks are evicted only for a request without room.
+// Invariant. Charges never exceed the budget. A brick in memory, or being read, is not read again; an unreadable brick
+// is not tried again.
 #pragma once
 
 #include <condition_variable>
@@ -25,65 +26,64 @@
 namespace kiln {
 
 struct CacheCounts {
-  std::uint64_t reads = 0;       // bricks decoded from a file that was read from the disk for them
-  std::uint64_t read_bytes = 0;  // of those files
-  std::uint64_t shared = 0;      // bricks decoded from a file that was in memory, here or elsewhere
+  std::uint64_t reads = 0;       // bricks decoded from a file read from disk by this cache
+  std::uint64_t read_bytes = 0;  // bytes of these files
+  std::uint64_t shared = 0;      // bricks decoded from a file in the memory of any rank
   std::uint64_t shared_bytes = 0;
   std::uint64_t constants = 0;  // bricks made without a file
-  std::uint64_t hits = 0;       // bricks that were there, or on their way, when they were asked for
-  std::uint64_t unused = 0;     // bricks read ahead that made room again before anyone asked
-  std::uint64_t skipped = 0;    // times that `get` gave nothing, because the brick cannot be read
-  double load_seconds = 0;      // that `get` took
+  std::uint64_t hits = 0;       // requested bricks that were in memory or being read
+  std::uint64_t unused = 0;     // bricks read ahead and evicted without a request
+  std::uint64_t skipped = 0;    // requests that returned null because the brick is unreadable
+  double load_seconds = 0;      // time spent in `get`
 };
 
-/// A brick that may be asked for soon.
+/// A brick that will probably be requested soon.
 struct NextBrick {
   StoredBrick brick;
-  bool read = true;  // ahead of that; else what comes after it leaves room for it, so as not to be in its way
+  bool read = true;  // read ahead; if false, only room is kept for the brick, not taken by later bricks
 };
 
 class BrickCache {
  public:
-  /// Told of a brick that is damaged, missing or cannot be read, once for each, when it is first asked for.
+  /// Receives the error of a damaged, missing or unreadable brick, once per brick, at its first request.
   using SkipHandler = std::function<void(const Error&)>;
 
-  /// `readers` threads read what is announced; 0 reads nothing ahead. With `skip`, a brick that cannot be read is no
-  /// error. With `files`, brick files come from there. throws: Error kBudget where the largest brick does not fit,
-  /// naming the smallest budget that works.
+  /// `readers` threads read announced bricks; with 0 nothing is read ahead. With `skip`, an unreadable brick is no
+  /// error. With `files`, brick files come from `files`. throws: Error kBudget, naming the smallest sufficient budget,
+  /// if the largest brick does not fit.
   BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
       : BrickCache(std::vector<const StoreReader*>{&store}, budget_bytes, readers, std::move(skip)) {}
-  /// The same of several stores, whose bricks have the budget together.
+  /// A cache for the bricks of several stores under one budget.
   BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers = 0,
              SkipHandler skip = {}, BrickFiles* files = nullptr);
   ~BrickCache();
   BrickCache(const BrickCache&) = delete;
   BrickCache& operator=(const BrickCache&) = delete;
 
-  /// The brick, from memory or from disk; it stays while the caller holds it. Null where it cannot be read and such
-  /// bricks are skipped. thread: one caller at a time.
-  /// throws: Error kBudget where held bricks leave no room, and what StoreReader::read throws.
+  /// Returns a brick from memory or disk; the brick stays while the caller holds the pointer. Returns null for an
+  /// unreadable brick if `skip` is set. thread: one caller at a time.
+  /// throws: Error kBudget if held bricks leave no room; any exception of StoreReader::read.
   std::shared_ptr<const BrickBlock> get(const StoredBrick& brick);
   std::shared_ptr<const BrickBlock> get(const BrickKey& key) { return get(StoredBrick{key}); }
 
-  /// The same where it is in memory already, and nothing otherwise: it neither waits nor reads nor fails. thread: as
-  /// `get`. Of a cache of several stores, of the first.
+  /// Returns a brick of the first store if it is in memory, else null. Never waits, reads or throws. thread: as `get`.
   std::shared_ptr<const BrickBlock> find(const BrickKey& key);
 
-  /// Says which bricks will be asked for next, in that order: they are read as far as there is room beside what is held
-  /// and announced. What was announced before and is not now is dropped, if its reading has not begun, and so is what
-  /// stands before a brick that is asked for. A brick that cannot be read is no error before it is asked for. thread:
-  /// as `get`.
+  /// Announces the next requests, in order. Announced bricks are read while room is left beside held and announced
+  /// bricks. A new list replaces the old one, except for bricks already being read. A request removes the requested
+  /// brick and all bricks before it from the list. An unreadable brick is no error until it is requested. thread: as
+  /// `get`.
   void announce(std::span<const NextBrick> next);
-  /// Whether announcing gains anything.
+  /// True if announced bricks are read ahead.
   bool readsAhead() const { return !readers_.empty(); }
-  /// Announces nothing, and waits until nothing is being read.
+  /// Clears the announcements and waits until no brick is being read.
   void settle();
 
-  /// thread: as `get`, and exact after `settle`.
+  /// thread: as `get`; exact after `settle`.
   CacheCounts counts() const;
   std::uint64_t budgetBytes() const { return budget_bytes_; }
   const std::vector<const StoreReader*>& stores() const { return stores_; }
-  /// The most that was charged at any time. unit: bytes.
+  /// Largest charge at any time. unit: bytes.
   std::uint64_t peakBytes() const;
 
  private:
@@ -92,10 +92,10 @@ class BrickCache {
     State state = State::kReading;
     std::uint64_t charged_bytes = 0;
     bool asked_for = false;
-    bool awaited = false;  // `get` is waiting for it: it stays
+    bool awaited = false;  // `get` waits for the brick, which must not be evicted
     std::shared_ptr<const BrickBlock> block;
     std::exception_ptr failure;
-    std::list<StoredBrick>::iterator recency;  // not where it has failed: that costs nothing and stays
+    std::list<StoredBrick>::iterator recency;  // unset for a failed brick, which costs nothing and stays
   };
   using Slots = std::map<StoredBrick, Slot>;
   using Announced = std::deque<NextBrick>;
@@ -117,15 +117,15 @@ class BrickCache {
   const std::uint64_t budget_bytes_;
   const SkipHandler skip_;
   BrickFiles* const files_;
-  mutable std::mutex mutex_;  // guards all below
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;
   int reading_ = 0;
   bool closing_ = false;
-  bool starved_ = false;  // `get` is waiting for room
+  bool starved_ = false;  // `get` waits for room
   Slots slots_;
   std::list<StoredBrick> recency_;  // most recent first
-  Announced announced_;             // not asked for yet; the next first
+  Announced announced_;             // not requested yet; next first
   CacheCounts counts_;
   std::vector<std::thread> readers_;
 };

@@ -1,4 +1,4 @@
-// Brick files as they are on the disk, and where a cache gets them from if not from there itself.
+// The interface of a source of brick files for a cache, such as other ranks.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,23 @@
 
 namespace kiln {
 
-/// A brick of one of the stores that a cache is of.
+/// A brick of one of a cache's stores.
 struct StoredBrick {
   BrickKey key;
-  int store = 0;  // its place among them
+  int store = 0;  // index into the cache's stores
   auto operator<=>(const StoredBrick&) const = default;
 };
 
 struct BrickFile {
   std::shared_ptr<const std::vector<std::byte>> bytes;
-  bool from_disk = true;  // it was read for this question; else it was in somebody's memory
+  bool from_disk = true;  // read from disk for this request; false if the file was in the memory of any rank
 };
 
 class BrickFiles {
  public:
   virtual ~BrickFiles() = default;
-  /// The checked bytes of a brick's file. requires: the brick is not constant. thread: safe; it may wait. throws: as
-  /// StoreReader::readFile.
+  /// Returns the bytes of a brick's file, with a valid checksum. May wait. requires: the brick is not constant. thread:
+  /// safe. throws: as StoreReader::readFile.
   virtual BrickFile fetch(const StoreReader& store, const BrickKey& key) = 0;
 };
 

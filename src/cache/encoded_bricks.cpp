@@ -22,7 +22,7 @@ BrickFile EncodedBricks::get(const StoreReader& store, const StoredBrick& brick,
   being_read_.erase(brick);
   if (bytes) keep(brick, bytes, likely);
   changed_.notify_all();
-  // Who waited for it finds out by itself.
+  // Waiting threads read again and get the failure, too.
   if (failure) std::rethrow_exception(failure);
   return {std::move(bytes), true};
 }

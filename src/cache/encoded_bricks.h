@@ -1,5 +1,5 @@
-// The files of bricks in memory, as they are on the disk, under a budget: each is read once for all who ask at the same
-// time, and again only when it had to make room. The least recently used goes first.
+// A cache of brick files, as on disk, under a memory budget.
+// Method. Concurrent requests for a brick share one read. The least recently used file is evicted first.
 #pragma once
 
 #include <condition_variable>
@@ -18,9 +18,9 @@ class EncodedBricks {
  public:
   explicit EncodedBricks(std::uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// From memory, else from `store`'s disk; it is kept where the budget has room for it. What has been handed out is
-  /// its holder's, and no longer in the budget when it has made room. What is not `likely` to be asked for again makes
-  /// room first. thread: safe. throws: as StoreReader::readFile.
+  /// Returns a file from memory, or reads and keeps the file if the budget has room. An evicted file stays valid for
+  /// all holders, outside the budget. Files not `likely` to be requested again are evicted first.
+  /// thread: safe. throws: as StoreReader::readFile.
   BrickFile get(const StoreReader& store, const StoredBrick& brick, bool likely = true);
 
  private:
@@ -29,10 +29,10 @@ class EncodedBricks {
   void keep(const StoredBrick& brick, Bytes bytes, bool likely);
 
   const std::uint64_t budget_bytes_;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0;
-  Recency recency_;  // most recent first, what is not likely last
+  Recency recency_;  // most recent first; unlikely files last
   std::map<StoredBrick, Recency::iterator> places_;
   std::set<StoredBrick> being_read_;
 };

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t kLargestManifest = 64ull << 20;
 
-// Whether a voxel of the type may have the value.
+// True if a voxel of the type may have the value.
 bool holds(VoxelType type, double value) {
   return withVoxelType(type, [&]<class T>(std::type_identity<T>) {
     if constexpr (std::is_floating_point_v<T>) return true;
@@ -30,7 +30,8 @@ bool holds(VoxelType type, double value) {
   });
 }
 
-// Finished, or begun by a conversion: a folder of slices may hold one file of such a name, too.
+// True for a finished or unfinished store. Two names are tested, because a folder of slices may hold one file of such a
+// name.
 bool holdsStore(const fs::path& folder) {
   std::error_code unknown;
   const auto holds_both = [&](const char* a, const char* b) {
@@ -49,7 +50,7 @@ File opened(const fs::path& path, std::uint64_t bytes) {
   }
 }
 
-// Reads a file and checks its bytes before anything interprets them, its size before memory is taken for it.
+// Reads a file, tests its size before allocating memory, and its checksum before returning the bytes.
 template <class Bytes>
 Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
   const File file = opened(path, bytes);
@@ -69,7 +70,7 @@ Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expe
   return data;
 }
 
-// A manifest may say more bricks than the file of its index has entries.
+// Counts are limited by the size of the index file, because a manifest may claim more bricks.
 void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, std::uint64_t held_bytes,
                         const fs::path& store) {
   const std::uint64_t entries = manifest.index_bytes / BrickIndex::fileBytes(0, 1, manifest.brick_size);
@@ -101,7 +102,7 @@ std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
   return largest;
 }
 
-// The manifest's path. throws: Error kNotFound, kFormat where `directory` is no store.
+// Returns the manifest's path. throws: Error kNotFound, kFormat if `directory` is no store.
 fs::path manifestOf(const fs::path& directory) {
   const fs::path path = directory / "manifest.json";
   if (!isThere(directory))
@@ -124,7 +125,7 @@ Manifest readManifest(const fs::path& directory) {
 
 StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, std::uint64_t held_bytes)
     : directory_(directory) {
-  // A store that was replaced between both files is opened anew; one that is replaced so often is read by nobody.
+  // A store replaced between reading its two files is opened again. After so many tries the error is reported.
   constexpr int kTries = 5;
   for (int i = 1;; ++i) {
     try {
@@ -168,7 +169,7 @@ Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const 
   try {
     return readChecked<Bytes>(path, bytes, checksum);
   } catch (const Error& error) {
-    // Files of another store under the names of this one are no damage.
+    // Files of a replacement store are no damage.
     if (error.code() == ErrorCode::kDamaged || error.code() == ErrorCode::kNotFound) requireUnchanged();
     throw;
   }
@@ -233,7 +234,7 @@ bool isStore(const fs::path& directory) { return isThere(directory) && isThere(d
 void requireOutsideStores(const fs::path& path, const std::string& option) {
   if (isWrittenInPlace(path)) return;
   std::error_code unknown;
-  // The folders that are there, of a name whose folders are still to be made.
+  // Only the existing folders, if some folders of the name are still to be made.
   fs::path folder = behindLinks(path.has_filename() ? path : path.parent_path()).parent_path();
   folder = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder, unknown), unknown);
   for (; !unknown && folder.has_relative_path(); folder = folder.parent_path()) {

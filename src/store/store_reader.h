@@ -1,4 +1,4 @@
-// Opens a store and reads its bricks, each checked against its checksum before a byte of it is interpreted.
+// Opens a store and reads its bricks. The checksum of a file is tested before any byte is interpreted.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,9 @@ namespace kiln {
 
 class StoreReader {
  public:
-  /// Opens the store of that name, also while a conversion puts a new store there. The index, and for a moment its
-  /// file, take memory out of `memory_bytes`, of which `held_bytes` are in use. throws: Error kNotFound, kFormat (no
-  /// manifest: an unfinished conversion, or no store), kDamaged; kBudget, before the index is read, with the memory
-  /// that reading takes.
+  /// Opens a store, even while a conversion replaces it. The index, and for a moment its file, must fit in
+  /// `memory_bytes`, of which `held_bytes` are in use. throws: Error kNotFound, kFormat (no manifest: an unfinished
+  /// conversion, or no store), kDamaged; kBudget, naming the needed memory, before the index is read.
   explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX,
                        std::uint64_t held_bytes = 0);
 
@@ -30,30 +29,30 @@ class StoreReader {
   /// reads from the store.
   void placeIn(const VolumeGeometry& world) { manifest_.placeIn(world); }
   const BrickIndex& index() const { return index_; }
-  /// throws: Error kUsage where the store has no such level.
+  /// throws: Error kUsage if the store has no such level.
   void requireLevel(int level) const;
   const LevelInfo& level(int level) const { return manifest_.levels[static_cast<std::size_t>(level)]; }
   BrickDesc frame(const BrickKey& key) const;
 
-  /// Reads, checks and decodes a brick; a constant one costs no I/O. thread: safe.
-  /// throws: Error kDamaged naming the file and both checksums, kNotFound, kIo; kReplaced as requireUnchanged, where a
-  /// file is missing or does not fit the index.
+  /// Reads, checks and decodes a brick; a constant brick needs no I/O. thread: safe.
+  /// throws: Error kDamaged, naming the file and both checksums, kNotFound, kIo; kReplaced, as requireUnchanged, if a
+  /// file is missing or does not match the index.
   BrickBlock read(const BrickKey& key) const;
-  /// The two halves of `read` of a brick that is not constant, for bytes that come another way: the file, checked, and
-  /// the brick that it is. requires: `file` has passed `check`. thread: safe. throws: as `read`.
+  /// The two steps of `read` for a brick that is not constant, for bytes that come from elsewhere: the checked file,
+  /// and its decoded brick. requires: `file` passes `check`. thread: safe. throws: as `read`.
   std::vector<std::byte> readFile(const BrickKey& key) const;
   BrickBlock decode(const BrickKey& key, std::span<const std::byte> file) const;
-  /// Whether bytes that this process has not read itself are those of the brick's file.
+  /// True if bytes that this process has not read itself equal the brick's file, by size and checksum.
   bool check(const BrickKey& key, std::span<const std::byte> file) const;
-  /// For files that are read by their names and without a check: that the store which was opened is still the one of
-  /// its name. throws: Error kReplaced, kIo.
+  /// Checks that the opened store still has its name, for files that are read by name without a checksum. throws: Error
+  /// kReplaced, kIo.
   void requireUnchanged() const;
-  /// The memory that `read` holds at its peak, the result included. unit: bytes.
+  /// Peak memory of `read`, including the result. unit: bytes.
   std::size_t readBytes(const BrickKey& key) const;
 
-  /// The most of these over all bricks: less memory than this reads no picture. unit: bytes.
+  /// The largest `readBytes` of all bricks: the least memory that can read a picture. unit: bytes.
   std::uint64_t largestReadBytes() const;
-  /// The largest brick file. unit: bytes.
+  /// Size of the largest brick file. unit: bytes.
   std::uint64_t largestFileBytes() const;
 
  private:
@@ -64,17 +63,16 @@ class StoreReader {
   Bytes bytesOfFile(const BrickKey& key) const;
 
   std::filesystem::path directory_;
-  std::optional<FileIdentity> opened_;  // of the manifest
+  std::optional<FileIdentity> opened_;  // identity of the manifest
   Manifest manifest_;
   BrickIndex index_;
 };
 
-/// Whether `directory` has a manifest, by which it is a store; whether that is whole is for StoreReader to see.
+/// True if `directory` has a manifest and thus is a store. StoreReader tests whether the store is intact.
 bool isStore(const std::filesystem::path& directory);
 
-/// Before something new of this name is made: that it will not be in the folder of a store, finished or not, which
-/// holds nothing but its own files. Links are followed. `option` is what named it, for the message. throws: Error
-/// kUsage.
+/// Refuses a new path inside the folder of a store, finished or not, which holds only its own files. Call before the
+/// path is made. Follows links. `option` names the path in the message. throws: Error kUsage.
 void requireOutsideStores(const std::filesystem::path& path, const std::string& option = "");
 
 }  // namespace kiln

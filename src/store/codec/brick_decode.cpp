@@ -1,5 +1,5 @@
-// A brick file, or the one value of a brick that has no file, to voxels. The file has passed its checksum, so what is
-// wrong with it is its writer's defect, and an error all the same.
+// Decodes a brick file, or makes a constant brick, which has no file.
+// The file matches its checksum, so a defect is the writer's, and nevertheless an error.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -26,7 +26,7 @@ namespace {
 class MemoryReader : public std::streambuf {
  public:
   explicit MemoryReader(std::span<const std::byte> data) {
-    // setg wants non-const; nothing writes through it.
+    // setg needs a non-const pointer; the buffer is never written.
     char* first = const_cast<char*>(reinterpret_cast<const char*>(data.data()));
     setg(first, first, first + data.size());
   }
@@ -46,10 +46,11 @@ class MemoryReader : public std::streambuf {
   }
 };
 
-// Reads the parts of a file one after the other, as Archive::readGrid does, without the trees.
+// Reads the parts of a file in order, as Archive::readGrid does, but without trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
-  // Calls take(grid) for each grid while the stream stands at the grid's topology; take moves it behind the last leaf.
+  // Calls take(grid) for each grid while the stream is at the grid's topology; `take` moves the stream behind the last
+  // leaf.
   template <class Take>
   void read(std::span<const std::byte> file, std::istream& in, const openvdb::MetaMap& expected,
             const std::filesystem::path& path, Take&& take) {
@@ -59,7 +60,7 @@ class ArchiveReader : public openvdb::io::Archive {
     const auto position = [&in] { return static_cast<std::uint64_t>(std::streamoff(in.tellg())); };
     lengths.fileHead(openvdb::OPENVDB_FILE_VERSION);
     readHeader(in);
-    // OpenVDB's own readers ask the stream for these.
+    // OpenVDB's readers get these values from the stream.
     auto versions = std::make_shared<openvdb::io::StreamMetadata>();
     openvdb::io::setStreamMetadataPtr(in, versions, /*transfer=*/false);
     setFormatVersion(in);
@@ -68,7 +69,7 @@ class ArchiveReader : public openvdb::io::Archive {
     openvdb::MetaMap found;
     found.readMeta(in);
     if (!(found == expected))
-      throw Error(ErrorCode::kDamaged, path, "metadata", "the file is another brick's; convert the source again");
+      throw Error(ErrorCode::kDamaged, path, "metadata", "the file belongs to another brick; convert the source again");
     const std::int32_t count = readGridCount(in);
     for (std::int32_t i = 0; i < count; ++i) {
       openvdb::io::GridDescriptor descriptor;
@@ -87,8 +88,8 @@ class ArchiveReader : public openvdb::io::Archive {
   }
 };
 
-// The values of a grid's leaves one after the other: a tree of all of them would take more memory than the brick, and
-// longer to make than all else.
+// Reads the values of a grid's leaves in order. A tree of all leaves would take more memory than the brick and more
+// time than all further work.
 template <class Grid>
 class LeafReader {
  public:
@@ -104,15 +105,15 @@ class LeafReader {
         in_(in),
         spare_(openvdb::PartialCreate(), grid.background()) {}
 
-  /// The frame of the next leaf's values, if it is as bricks' writer has it: the mask once more, and no other values
-  /// than those of active voxels. Then the next leaf is in turn. Else the result is empty, and `read` takes the leaf.
+  /// Returns the compressed values of the next leaf, and advances, if the leaf has the form of the brick writer: the
+  /// mask again, then only values of active voxels. Else returns an empty span, and the leaf must be read by `read`.
   std::span<const std::byte> frame(const Mask& active) {
     const std::span<const std::byte> out = packedBytes(active);
     if (out.empty() || !isLeafFrame(out, active.countOn() * storedBytes())) return {};
     buffer_.skip(kHead + out.size());
     return out;
   }
-  /// Whether `read` may have the next leaf: Blosc and OpenVDB believe what it says of its length.
+  /// True if `read` may read the next leaf: Blosc and OpenVDB do not check its length.
   bool isSound(const Mask& active) const {
     if (!packed_) return (compression_ & (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ZIP)) == 0;
     const std::size_t bytes = active.countOn() * storedBytes();
@@ -121,7 +122,7 @@ class LeafReader {
     std::size_t unpacked = 0;
     return blosc_cbuffer_validate(packed.data(), packed.size(), &unpacked) == 0 && unpacked == bytes;
   }
-  /// Calls f(leaf) with the next leaf's values in it. requires: its origin and mask.
+  /// Calls f(leaf) after reading the next leaf's values into it. requires: `leaf` has its origin and mask.
   template <class F>
   void read(Leaf& leaf, F&& f) {
     leaf.swap(spare_);
@@ -131,11 +132,11 @@ class LeafReader {
   }
 
  private:
-  // The mask, what of the others is there, and how many bytes follow; of values that are as they were, less than zero.
+  // Mask, kind of the inactive values, and length; the length is negative for uncompressed values.
   static constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
 
   std::size_t storedBytes() const { return half_ ? sizeof(openvdb::math::half) : sizeof(Value); }
-  // 0 where the next leaf is no such one.
+  // Returns 0 if the next leaf does not have the form of the brick writer.
   std::int64_t lengthOf(const Mask& active) const {
     const std::span<const std::byte> rest = buffer_.rest();
     if (!packed_ || rest.size() < kHead || std::memcmp(rest.data(), &active, sizeof(Mask)) != 0 ||
@@ -154,7 +155,7 @@ class LeafReader {
 
   const bool half_;
   const std::uint32_t compression_;
-  const bool packed_;  // as bricks' writer does it
+  const bool packed_;  // compressed as by the brick writer
   MemoryReader& buffer_;
   std::istream& in_;
   typename Leaf::Buffer spare_;
@@ -178,12 +179,12 @@ class Decoder {
     const auto known = std::find(kGrids.begin(), kGrids.end(), base.getName());
     if (known == kGrids.end()) fail(base.getName() + " is no grid of a brick");
     const auto which = static_cast<std::size_t>(known - kGrids.begin());
-    if (std::exchange(taken_[which], true)) fail(base.getName() + " is there twice");
+    if (std::exchange(taken_[which], true)) fail(base.getName() + " occurs twice");
     if (!takeAs<BrickGridFor<T>>(base, which) && !takeAs<GridFor<T>>(base, which))
       fail(base.getName() + " holds " + base.valueType());
   }
 
-  // To be called when all grids are taken.
+  // requires: all grids have been taken.
   void finish() {
     for (std::size_t i = 0; i < kGrids.size(); ++i) {
       if (!taken_[i]) fail("the grid " + std::string(kGrids[i]) + " is missing");
@@ -225,7 +226,7 @@ class Decoder {
       auto& frame = frames[lattice.indexOf(origin)];
       frame = reader.frame(place.active);
       if (!frame.empty()) continue;
-      if (!reader.isSound(place.active)) fail(grid.getName() + " has values that do not unpack");
+      if (!reader.isSound(place.active)) fail(grid.getName() + " has values that cannot be decompressed");
       Leaf leaf(openvdb::PartialCreate(), place.origin);
       leaf.setValueMask(place.active);
       reader.read(leaf, [&](const Leaf& whole) {
@@ -240,7 +241,7 @@ class Decoder {
       const Extent3 n = part.extent();
       const auto count = static_cast<std::size_t>(n.count());
       if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
-        fail(grid.getName() + " has values that do not unpack");
+        fail(grid.getName() + " has values that cannot be decompressed");
       copyLeaf(values, {n.y * n.z, n.z}, part);
     });
   }
@@ -253,7 +254,7 @@ class Decoder {
     return true;
   }
 
-  // A brick's grid has one topology, with which the file's is compared.
+  // Compares the topology of the file with the only topology that the brick's grid can have, and skips it.
   template <class Grid>
   void skipTopology(const Grid& grid, std::span<const PackedLeaves::Leaf> leaves) {
     const std::size_t bytes =
@@ -267,7 +268,7 @@ class Decoder {
     grid.readTopology(in_);
     LeafReader<Grid> leaves(grid, buffer_, in_);
     for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-      if (!leaves.isSound(leaf->valueMask())) fail(grid.getName() + " has values that do not unpack");
+      if (!leaves.isSound(leaf->valueMask())) fail(grid.getName() + " has values that cannot be decompressed");
       leaves.read(*leaf, [&](const auto& whole) {
         for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
           const openvdb::Coord c = voxel.getCoord();
@@ -275,7 +276,7 @@ class Decoder {
           const std::int64_t y = c.y() - core_.lo.y / kCellSize;
           const std::int64_t z = c.z() - core_.lo.z / kCellSize;
           if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
-            fail(grid.getName() + " has a cell outside of its place");
+            fail(grid.getName() + " has a cell outside the brick");
           ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
           (least ? range.lo : range.hi) = static_cast<double>(*voxel);
         }
@@ -283,7 +284,7 @@ class Decoder {
     }
   }
 
-  // Voxels of the extent that lie outside of the volume repeat the nearest one inside, axis by axis.
+  // Fills voxels of the extent outside the volume with the nearest voxel inside, axis by axis.
   void clampEdges() {
     T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
     const VoxelBox& all = block_.extent;
@@ -310,7 +311,7 @@ class Decoder {
     }
   }
 
-  // From z fastest to x fastest.
+  // Copies a leaf from z fastest to x fastest.
   template <class Value>
   void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part) {
     const Extent3 n = part.extent();
@@ -405,15 +406,15 @@ std::size_t blockBytes(const BrickDesc& frame) {
 }
 
 std::size_t decodeBytes(const BrickDesc& frame) {
-  // One grid's leaves and frames at a time, or the tree of its cells.
+  // Leaves and compressed values of one grid at a time, or the tree of its cells.
   const std::size_t leaves =
       LeafLattice(frame.stored()).count() * (sizeof(PackedLeaves::Leaf) + sizeof(std::span<const std::byte>));
   const std::size_t block = static_cast<std::size_t>(dilated(frame.core(), frame.apron).count()) * sizeOf(frame.type);
-  // Leaves of some 100 bytes, and two nodes above them: 8 bytes a child and two masks.
+  // Leaves of some 100 bytes, and two nodes above them: 8 bytes per child and two masks.
   const std::int64_t edge = frame.brick_size / kCellSize;
   const auto across = static_cast<std::size_t>((edge + kLeaf - 1) / kLeaf);
   const std::size_t cell_tree = across * across * across * 160 + (std::size_t{300} << 10);
-  // Both have gone when cells' supports are computed.
+  // Leaves and the cell tree are freed before the supports of the cells are computed.
   const std::size_t supports =
       CellSupports::bytesFor(edge) + CellSupports::scratchBytes(frame.brick_size, frame.apron, frame.type);
   return std::max({leaves, cell_tree, supports}) + CellSupports::bytesFor(edge) + block + (std::size_t{1} << 18);
