@@ -46,9 +46,10 @@ Conversion::Conversion(const Parts& parts, const ConversionIdentity& identity, b
   for (const LevelInfo& level : writer_.manifest().levels)
     finished_.emplace_back(static_cast<std::size_t>(level.bricks.count()));
   left_to_build_ = pyramid_.ownBricks();
-  if (resumes) forEachWholeBrick(parts.directory, ranks_, progress_, [&](const FinishedBrick& brick) { keep(brick); });
+  if (resumes)
+    forEachWholeBrick(parts.directory, ranks_, progress_, [&](const FinishedBrick& brick) { adoptFinished(brick); });
   known_ = finished_;
-  if (ranks_.first()) goOnWith(identity);
+  if (ranks_.first()) openJournal(identity);
   const bool in_order = parts.plan.window_slices > 0;
   shares_.emplace(ranks_, bricksToMake(in_order), writer_.manifest().brick_size, in_order);
   if (in_order)
@@ -57,7 +58,7 @@ Conversion::Conversion(const Parts& parts, const ConversionIdentity& identity, b
 }
 
 // Keeps a whole brick of an earlier conversion. A journal may contain a brick twice, or bricks outside the volume.
-void Conversion::keep(const FinishedBrick& brick) {
+void Conversion::adoptFinished(const FinishedBrick& brick) {
   if (!writer_.contains(brick.key)) return;
   if (std::exchange(finished_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 1) != 0) return;
   writer_.keep(brick.key, brick.entry);
@@ -67,7 +68,7 @@ void Conversion::keep(const FinishedBrick& brick) {
 }
 
 // Opens the journal: copies the records of the kept bricks, and counts their values.
-void Conversion::goOnWith(const ConversionIdentity& identity) {
+void Conversion::openJournal(const ConversionIdentity& identity) {
   std::vector<std::vector<char>> due = finished_;
   journal_.emplace(
       parts_.directory, identity,
@@ -102,8 +103,8 @@ std::size_t Conversion::placeOf(const BrickKey& key) const {
 void Conversion::run() {
   began_ = Clock::now();
   WriteBehind disk(parts_.plan.unwritten_bricks, [this](const UnwrittenBrick& brick) { write(brick); });
-  takeUp();
-  listen();
+  resumePyramid();
+  startExchange();
   parallelFor(counters_.size(), [&](std::size_t lane) { work(lane, disk); });
   disk.finish();
   if (!window_ || window_->readAll()) parts_.source.finish();
@@ -111,13 +112,13 @@ void Conversion::run() {
   report_.lanes = counters_.size();
   if (window_) waited_s_ += window_->waitedSeconds();
   report_.busy_s = std::max(secondsSince(began_) * static_cast<double>(report_.lanes) - waited_s_, 0.0);
-  putTogether();
+  collectResults();
 }
 
 // Resumes the coarser levels where the earlier conversion stopped.
-void Conversion::takeUp() {
+void Conversion::resumePyramid() {
   if (finished_bricks_ == 0) return;
-  addReady(pyramid_.takeUp([&](const BrickKey& key) { return isFinished(key); },
+  addReady(pyramid_.resume([&](const BrickKey& key) { return isFinished(key); },
                            [&](const BrickKey& key) {
                              progress_.throwIfCancelled("taking up the coarser levels");
                              const fs::path path = parts_.directory / brickPath(key);
@@ -129,15 +130,15 @@ void Conversion::takeUp() {
                            }));
 }
 
-// Starts the exchange of pieces, after takeUp: earlier arrivals would disturb takeUp.
-void Conversion::listen() {
+// Starts the exchange of pieces, after resumePyramid, which earlier arrivals would disturb.
+void Conversion::startExchange() {
   if (ranks_.alone()) return;
   exchange_.emplace(ranks_, parts_.plan.given_bytes,
                     RankExchange::Handlers{[this](const FinishedBrick& brick, std::optional<HalfBrick> piece) {
                                              known_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)] = 1;
                                              addReady(pyramid_.addGiven(brick.key, brick.entry, std::move(piece)));
                                            },
-                                           [this](const FinishedBrick& brick) { heard(brick); }});
+                                           [this](const FinishedBrick& brick) { onRemoteBrick(brick); }});
 }
 
 void Conversion::work(std::size_t lane, WriteBehind& disk) {
@@ -255,7 +256,7 @@ void Conversion::write(const UnwrittenBrick& unwritten) {
   if (ranks_.first())
     noteFinished(finished);
   else
-    exchange_->tellFinished(finished);
+    exchange_->sendFinished(finished);
 }
 
 void Conversion::noteFinished(const FinishedBrick& brick) {
@@ -268,7 +269,7 @@ void Conversion::noteFinished(const FinishedBrick& brick) {
                     static_cast<std::uint64_t>(parts_.source.info().geometry.dims.count()));
 }
 
-void Conversion::heard(const FinishedBrick& brick) {
+void Conversion::onRemoteBrick(const FinishedBrick& brick) {
   // An entry that came with a piece is being read by the builder of the parent.
   if (std::exchange(known_[static_cast<std::size_t>(brick.key.level)][placeOf(brick.key)], 1) == 0)
     writer_.keep(brick.key, brick.entry);
@@ -276,22 +277,22 @@ void Conversion::heard(const FinishedBrick& brick) {
 }
 
 // Collects the results of all ranks. The bricks of a rank must be on its disk before the first rank finishes the store.
-void Conversion::putTogether() {
+void Conversion::collectResults() {
   half_error_ = pyramid_.largestError();
   if (exchange_ && !ranks_.first()) {
     parts_.disk.syncAll(parts_.directory);
     report_.sent_bytes = ranks_.traffic().sent_bytes;
-    std::vector<std::byte> found;
-    appendValue(found, half_error_);
-    appendValue(found, report_);
+    std::vector<std::byte> results;
+    appendValue(results, half_error_);
+    appendValue(results, report_);
     // encoded as a record without a brick
     const std::vector<std::byte> counts = bytesOf(FinishedBrick{{}, {}, counters_[0].take()});
-    found.insert(found.end(), counts.begin(), counts.end());
-    exchange_->tellFound(found);
+    results.insert(results.end(), counts.begin(), counts.end());
+    exchange_->sendResults(results);
     return;
   }
   const std::vector<std::vector<std::byte>> all =
-      exchange_ ? exchange_->awaitFound() : std::vector<std::vector<std::byte>>(1);
+      exchange_ ? exchange_->awaitResults() : std::vector<std::vector<std::byte>>(1);
   report_.sent_bytes = ranks_.traffic().sent_bytes;
   reports_ = {report_};
   for (std::size_t rank = 1; rank < all.size(); ++rank) {

@@ -25,7 +25,7 @@ namespace kiln {
 
 class Conversion {
  public:
-  /// Inputs of a conversion, which must outlive the Conversion.
+  /// The inputs of a conversion. requires: all outlive it.
   struct Parts {
     VolumeSource& source;
     StoreWriter& writer;
@@ -54,10 +54,10 @@ class Conversion {
   std::uint64_t finishedBricks() const { return finished_bricks_; }
 
  private:
-  void keep(const FinishedBrick& brick);
-  void goOnWith(const ConversionIdentity& identity);
+  void adoptFinished(const FinishedBrick& brick);
+  void openJournal(const ConversionIdentity& identity);
   std::vector<std::int64_t> bricksToMake(bool in_order) const;
-  void takeUp();
+  void resumePyramid();
   void work(std::size_t lane, WriteBehind& disk);
   void makeBrick(std::int64_t i, std::size_t lane, WriteBehind& disk);
   std::vector<BrickKey> brick(const BrickKey& key, std::size_t lane, WriteBehind& disk);
@@ -68,9 +68,9 @@ class Conversion {
   void addReady(const std::vector<BrickKey>& ready);
   void write(const UnwrittenBrick& unwritten);
   void noteFinished(const FinishedBrick& brick);
-  void heard(const FinishedBrick& brick);
-  void listen();
-  void putTogether();
+  void onRemoteBrick(const FinishedBrick& brick);
+  void startExchange();
+  void collectResults();
   void throwIfStopped();
   bool isFinished(const BrickKey& key) const;
   std::size_t placeOf(const BrickKey& key) const;

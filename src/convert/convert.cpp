@@ -109,9 +109,9 @@ void tidyUp(OutputDirectory& destination, const std::exception& error, std::uint
 // Makes the bricks; on the first rank, also finishes the store.
 class Build {
  public:
-  Build(ResumeState& beginning, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
+  Build(ResumeState& resume_state, const Manifest& draft, const ConversionPlan& plan, const ConvertOptions& options,
         VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
-      : beginning_(beginning),
+      : resume_state_(resume_state),
         draft_(draft),
         plan_(plan),
         options_(options),
@@ -121,14 +121,14 @@ class Build {
         progress_(progress) {}
 
   void run(ConvertReport& report) {
-    StoreWriter& writer = writer_.emplace(beginning_.directory, draft_, disk_, plan_.sub_ranges_on_disk);
+    StoreWriter& writer = writer_.emplace(resume_state_.directory, draft_, disk_, plan_.sub_ranges_on_disk);
     Conversion& conversion = conversion_.emplace(
-        Conversion::Parts{source_, writer, beginning_.directory, plan_, options_.half, ranks_, disk_, progress_},
-        beginning_.identity, beginning_.noted > 0);
+        Conversion::Parts{source_, writer, resume_state_.directory, plan_, options_.half, ranks_, disk_, progress_},
+        resume_state_.identity, resume_state_.noted > 0);
     const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
     if (earlier > 0 && ranks_.first())
       progress_.note(
-          fmt::format("{}: {} of {} bricks are finished already", beginning_.directory.string(), earlier, bricks));
+          fmt::format("{}: {} of {} bricks are finished already", resume_state_.directory.string(), earlier, bricks));
     conversion.run();
     if (ranks_.first()) {
       requireUnchanged();
@@ -151,7 +151,7 @@ class Build {
   /// Returns the number of finished bricks on the disk after a failure. cost: frees the lanes' memory.
   std::uint64_t bricksLeft() {
     // Before the conversion has examined the bricks, the journal's number counts.
-    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : beginning_.noted;
+    const std::uint64_t out = conversion_ ? conversion_->finishedBricks() : resume_state_.noted;
     conversion_.reset();
     return out;
   }
@@ -167,7 +167,7 @@ class Build {
                 "no program writes to it");
   }
 
-  ResumeState& beginning_;
+  ResumeState& resume_state_;
   const Manifest& draft_;
   const ConversionPlan& plan_;
   const ConvertOptions& options_;
@@ -179,22 +179,21 @@ class Build {
   std::optional<Conversion> conversion_;
 };
 
-void runAlone(Build& making, OutputDirectory& destination, const ConvertOptions& options, Progress& progress,
+void runAlone(Build& build, OutputDirectory& destination, const ConvertOptions& options, Progress& progress,
               ConvertReport& report) {
   try {
-    making.run(report);
+    build.run(report);
     destination.commit();
   } catch (const std::exception& error) {
-    const std::uint64_t left = std::max(making.bricksLeft(), report.bricks);
-    tidyUp(destination, error, left, making.bricks(), options, progress);
+    const std::uint64_t left = std::max(build.bricksLeft(), report.bricks);
+    tidyUp(destination, error, left, build.bricks(), options, progress);
     throw;
   }
 }
 
-void runTogether(Build& making, OutputDirectory* destination, Ranks& ranks, const fs::path& out,
-                 ConvertReport& report) {
+void runTogether(Build& build, OutputDirectory* destination, Ranks& ranks, const fs::path& out, ConvertReport& report) {
   try {
-    making.run(report);
+    build.run(report);
     if (destination != nullptr) destination->commit();
   } catch (const Error& error) {
     throw Error(error.code(), std::string(error.what()) + "; the finished bricks of " + out.string() +
@@ -238,23 +237,23 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   Manifest draft = draftOf(info, options);
   requireSameSource(info, draft, ranks);
   std::optional<OutputDirectory> destination;
-  ResumeState beginning;
+  ResumeState resume_state;
   if (ranks.first()) {
     destination.emplace(out, options.overwrite, options.resume, disk, options.lock);
     if (!destination->lock().diskHasLocks())
       progress.note("the disk of " + out.string() + " has no locks; let one conversion at a time write there");
-    beginning = beginAt(*destination, draft, options, ranks, disk);
+    resume_state = beginAt(*destination, draft, options, ranks, disk);
   }
-  share(beginning, ranks);
-  draft.source.command = beginning.identity.command;
-  draft.source.time = beginning.identity.time;
-  Build making(beginning, draft, plan, options, source, ranks, disk, progress);
-  if (beginning.finished) {
+  share(resume_state, ranks);
+  draft.source.command = resume_state.identity.command;
+  draft.source.time = resume_state.identity.time;
+  Build build(resume_state, draft, plan, options, source, ranks, disk, progress);
+  if (resume_state.finished) {
     if (destination) finishEarlier(*destination, out, info, options, progress, report);
   } else if (ranks.alone()) {
-    runAlone(making, *destination, options, progress, report);
+    runAlone(build, *destination, options, progress, report);
   } else {
-    runTogether(making, destination ? &*destination : nullptr, ranks, out, report);
+    runTogether(build, destination ? &*destination : nullptr, ranks, out, report);
   }
   // A compressed stream adds notes when it ends.
   for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(namedNote(info, info.notes[notes]));

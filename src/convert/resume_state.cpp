@@ -48,19 +48,19 @@ void requireSameSource(const SourceInfo& info, const Manifest& draft, Ranks& ran
   requireAgreement(ranks, facts);
 }
 
-void share(ResumeState& beginning, Ranks& ranks) {
+void share(ResumeState& state, Ranks& ranks) {
   if (ranks.alone()) return;
   std::vector<std::byte> bytes;
-  appendValue(bytes, beginning.finished);
-  appendValue(bytes, beginning.noted);
-  ConversionIdentity& identity = beginning.identity;
-  for (const std::string& text : {beginning.directory.string(), identity.volume, identity.command, identity.time})
+  appendValue(bytes, state.finished);
+  appendValue(bytes, state.noted);
+  ConversionIdentity& identity = state.identity;
+  for (const std::string& text : {state.directory.string(), identity.volume, identity.command, identity.time})
     appendText(bytes, text);
   ranks.broadcast(bytes);
   ByteTaker taker{bytes};
-  beginning.finished = taker.take<bool>();
-  beginning.noted = taker.take<std::uint64_t>();
-  beginning.directory = taker.takeText();
+  state.finished = taker.take<bool>();
+  state.noted = taker.take<std::uint64_t>();
+  state.directory = taker.takeText();
   for (std::string* text : {&identity.volume, &identity.command, &identity.time}) *text = taker.takeText();
 }
 

@@ -31,6 +31,6 @@ ResumeState beginAt(OutputDirectory& destination, const Manifest& draft, const C
                     const Ranks& ranks, FileSystem& disk);
 
 /// Collective. Copies the first rank's state to all ranks.
-void share(ResumeState& beginning, Ranks& ranks);
+void share(ResumeState& state, Ranks& ranks);
 
 }  // namespace kiln

@@ -221,7 +221,7 @@ double PyramidBuilder::largestError() const {
   return largest_error_;
 }
 
-std::vector<BrickKey> PyramidBuilder::takeUp(const std::function<bool(const BrickKey&)>& finished,
+std::vector<BrickKey> PyramidBuilder::resume(const std::function<bool(const BrickKey&)>& finished,
                                              const std::function<void(const BrickKey&)>& again) {
   std::vector<BrickKey> ready;
   for (int level = 0; level < static_cast<int>(levels_.size()); ++level) {

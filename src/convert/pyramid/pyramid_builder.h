@@ -45,13 +45,13 @@ class PyramidBuilder {
   };
   /// The largest change of a mean by the rounding to half. unit: the volume's values.
   double largestError() const;
-  /// Builds and encodes a brick that `add` or `takeUp` returned. thread: safe for different keys.
+  /// Builds and encodes a brick that `add` or `resume` returned. thread: safe for different keys.
   Built build(const BrickKey& key);
 
   /// Resumes after an earlier conversion. `finished(key)` is true for every brick in the unfinished store. `again(key)`
   /// is called for each finished brick whose part is still needed, and must pass voxels and ranges to `addFinished`.
   /// Returns the bricks that can be built. requires: nothing was added yet.
-  std::vector<BrickKey> takeUp(const std::function<bool(const BrickKey&)>& finished,
+  std::vector<BrickKey> resume(const std::function<bool(const BrickKey&)>& finished,
                                const std::function<void(const BrickKey&)>& again);
   /// requires: called by `again`.
   void addFinished(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,

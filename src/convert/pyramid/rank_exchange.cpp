@@ -16,7 +16,7 @@ constexpr int kTag = 900;
 // Interval between polls of an empty mailbox.
 constexpr auto kPause = std::chrono::microseconds(300);
 
-enum class Kind : std::uint8_t { kPiece, kTaken, kFinished, kFound };
+enum class Kind : std::uint8_t { kPiece, kTaken, kFinished, kResults };
 
 std::span<const std::byte> bytesIn(const std::uint64_t& number) { return std::as_bytes(std::span(&number, 1)); }
 
@@ -44,7 +44,7 @@ RankExchange::RankExchange(Ranks& ranks, std::uint64_t most_bytes, Handlers hand
     : ranks_(ranks),
       most_bytes_(most_bytes),
       handlers_(std::move(handlers)),
-      found_(static_cast<std::size_t>(ranks.count())),
+      results_(static_cast<std::size_t>(ranks.count())),
       service_([this](const std::stop_token& stop) { serve(stop); }) {}
 
 // Waits for `ready`, or rethrows a handler's failure.
@@ -66,7 +66,7 @@ void RankExchange::give(int to, const BrickKey& key, const BrickEntry& entry, co
   ranks_.send(to, kTag, std::move(bytes));
 }
 
-void RankExchange::tellFinished(const FinishedBrick& brick) {
+void RankExchange::sendFinished(const FinishedBrick& brick) {
   ranks_.send(0, kTag, letter(Kind::kFinished, {bytesOf(brick)}));
 }
 
@@ -75,12 +75,14 @@ void RankExchange::throwIfFailed() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void RankExchange::tellFound(std::span<const std::byte> found) { ranks_.send(0, kTag, letter(Kind::kFound, {found})); }
+void RankExchange::sendResults(std::span<const std::byte> results) {
+  ranks_.send(0, kTag, letter(Kind::kResults, {results}));
+}
 
-std::vector<std::vector<std::byte>> RankExchange::awaitFound() {
+std::vector<std::vector<std::byte>> RankExchange::awaitResults() {
   std::unique_lock lock(mutex_);
-  await(lock, [&] { return finders_ == ranks_.count(); });
-  return found_;
+  await(lock, [&] { return reported_ranks_ == ranks_.count(); });
+  return results_;
 }
 
 void RankExchange::serve(const std::stop_token& stop) {
@@ -117,10 +119,10 @@ void RankExchange::handle(const RankMessage& message) {
     case Kind::kFinished:
       handlers_.finished(brickFrom(taker.left, message.from));
       return;
-    case Kind::kFound: {
+    case Kind::kResults: {
       const std::scoped_lock lock(mutex_);
-      found_[static_cast<std::size_t>(message.from)].assign(taker.left.begin(), taker.left.end());
-      ++finders_;
+      results_[static_cast<std::size_t>(message.from)].assign(taker.left.begin(), taker.left.end());
+      ++reported_ranks_;
       break;
     }
   }

@@ -1,5 +1,5 @@
 // Messages between the ranks of a conversion: pieces of bricks for the builders of parents; finished bricks for the
-// first rank, which keeps the journal; and final counts. A rank that fails ends the job (cluster/ranks.h), so no
+// first rank, which keeps the journal; and final results. A rank that fails ends the job (cluster/ranks.h), so no
 // timeout is needed.
 #pragma once
 
@@ -40,15 +40,16 @@ class RankExchange {
   /// exception of a handler.
   void give(int to, const BrickKey& key, const BrickEntry& entry, const HalfBrick* piece);
   /// Reports a brick on the disk to the first rank. requires: not the first rank.
-  void tellFinished(const FinishedBrick& brick);
+  void sendFinished(const FinishedBrick& brick);
   /// throws: the exception of a handler.
   void throwIfFailed();
 
-  /// Sends the final counts of this rank, after all its bricks are written and reported. requires: not the first rank.
-  void tellFound(std::span<const std::byte> found);
-  /// Waits for the final counts of all other ranks; by rank, empty for the first. requires: the first rank. throws: the
-  /// exception of a handler.
-  std::vector<std::vector<std::byte>> awaitFound();
+  /// Sends the results of this rank (errors, report, counts). requires: not the first rank; all its bricks are written
+  /// and reported.
+  void sendResults(std::span<const std::byte> results);
+  /// Waits for the results of all other ranks; by rank, empty for the first. requires: the first rank.
+  /// throws: the exception of a handler.
+  std::vector<std::vector<std::byte>> awaitResults();
 
  private:
   void serve(const std::stop_token& stop);
@@ -63,8 +64,8 @@ class RankExchange {
   std::condition_variable changed_;
   std::uint64_t given_bytes_ = 0;
   std::exception_ptr failure_;
-  std::vector<std::vector<std::byte>> found_;  // by rank
-  int finders_ = 1;                            // ranks whose counts have arrived, the first included
+  std::vector<std::vector<std::byte>> results_;  // by rank
+  int reported_ranks_ = 1;                       // ranks whose results have arrived, the first included
   std::jthread service_;
 };
 

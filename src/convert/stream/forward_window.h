@@ -39,7 +39,8 @@ class ForwardWindow {
   void work(const std::function<void(std::int64_t)>& brick);
   /// shape: as VolumeSource::read. requires: called by brick(i), with `box` inside its stored box. thread: safe.
   void copy(const VoxelBox& box, std::span<std::byte> out) const { ring_->copy(box, out); }
-  /// True if the source was read to the end, which is needed for the last layer of bricks.
+  /// True if the source was read to the end, which is needed for the last layer of bricks. requires: no call of `work`
+  /// is under way; `waitedSeconds`, the total waiting time of all calls, requires the same.
   bool readAll() const { return read_to_.z == source_.info().geometry.dims.z; }
   double waitedSeconds() const { return waited_s_; }
 
