@@ -75,9 +75,9 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
     if (!known.insert(found->label).second)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
                   fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
-    LabelStyle look{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
-    for (int c = 0; c < 3; ++c) look.color[c] = linearFromSrgb(found->channels[c] / 255);
-    out.labels.push_back(std::move(look));
+    LabelStyle style{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
+    for (int c = 0; c < 3; ++c) style.color[c] = linearFromSrgb(found->channels[c] / 255);
+    out.labels.push_back(std::move(style));
   }
   if (out.labels.empty()) throw Error(ErrorCode::kFormat, path, "", "describes no label; write a line for each");
   sortLabels(out.labels);
@@ -147,7 +147,7 @@ std::string unknownLabelsText(const std::vector<TransferFunction>& functions, co
   for (const LabelCount& count : *known) {
     const bool given = std::any_of(functions.begin(), functions.end(), [&](const TransferFunction& function) {
       return std::any_of(function.labels.begin(), function.labels.end(),
-                         [&](const LabelStyle& look) { return look.label == count.label; });
+                         [&](const LabelStyle& style) { return style.label == count.label; });
     });
     if (given || count.label == 0) continue;
     if (++unknown <= 8) list += fmt::format("{}{:.0f}", list.empty() ? "" : ", ", count.label);

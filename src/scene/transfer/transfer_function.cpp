@@ -12,23 +12,23 @@ namespace {
 
 auto firstFrom(const std::vector<LabelStyle>& labels, double value) {
   return std::lower_bound(labels.begin(), labels.end(), value,
-                          [](const LabelStyle& look, double v) { return look.label < v; });
+                          [](const LabelStyle& style, double v) { return style.label < v; });
 }
 
 }  // namespace
 
 bool TransferFunction::labelsShownIn(double lo, double hi) const {
-  for (auto look = firstFrom(labels, lo); look != labels.end() && look->label <= hi; ++look) {
-    if (look->opacity > 0) return true;
+  for (auto style = firstFrom(labels, lo); style != labels.end() && style->label <= hi; ++style) {
+    if (style->opacity > 0) return true;
   }
   return false;
 }
 
 Classified TransferFunction::at(double value) const {
   if (!labels.empty()) {
-    const auto look = firstFrom(labels, value);
-    if (look == labels.end() || look->label != value) return {glm::dvec3(0), 0};
-    return {look->color, look->opacity};
+    const auto style = firstFrom(labels, value);
+    if (style == labels.end() || style->label != value) return {glm::dvec3(0), 0};
+    return {style->color, style->opacity};
   }
   if (points.empty() || std::isnan(value)) return {glm::dvec3(0), 0};
   const auto upper = std::upper_bound(points.begin(), points.end(), value,

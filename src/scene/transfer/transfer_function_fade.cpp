@@ -43,7 +43,7 @@ bool same(const Classified& a, const Classified& b) { return a.color == b.color 
 // Fades each label separately; a label of only one function fades in or out.
 std::vector<LabelStyle> fadedLabels(const TransferFunction& a, const TransferFunction& b, double t) {
   std::vector<LabelStyle> out;
-  for (const double label : valuesOf(a.labels, b.labels, [](const LabelStyle& look) { return look.label; })) {
+  for (const double label : valuesOf(a.labels, b.labels, [](const LabelStyle& style) { return style.label; })) {
     Classified at_b = b.at(label);
     at_b.opacity = inUnit(at_b.opacity, b.unit, a.unit);
     const TransferPoint mixed = mixedPoint(label, a.at(label), at_b, t);
