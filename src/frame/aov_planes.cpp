@@ -18,7 +18,7 @@ constexpr const char* kDepthNames[] = {"Z", "depth.mean"};
 constexpr const char* kNormalNames[] = {"N.X", "N.Y", "N.Z"};
 constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
-// The sub-pixels of one pixel, together.
+// The sums of one pixel's sub-pixels.
 struct Gathered {
   float alpha = 0, first = kNothing, mean = 0;
   glm::vec3 normal{0};
@@ -31,7 +31,7 @@ struct Gathered {
     }
     for (int axis = 0; axis < 3 && from.normal[0] != nullptr; ++axis) normal[axis] += *from.normal[axis];
   }
-  // `origin_depth`: View's.
+  // requires: `origin_depth` is View's.
   void put(const glm::mat3& world_from_view, double origin_depth, const AovPixels& to) const {
     if (to.mean != nullptr) {
       *to.first = static_cast<float>(first + origin_depth);
@@ -44,7 +44,7 @@ struct Gathered {
   }
 };
 
-// Of the edge × edge sub-pixels from (x, y) on, those that have a value.
+// Averages the sub-pixels with a value among edge × edge from (x, y) on.
 float meanValue(const float* values, int width, int edge, int x, int y) {
   double sum = 0;
   int count = 0;

@@ -1,5 +1,5 @@
-// The planes of a picture beside its colours (job/render_job.h says what they hold): made empty, lent to those who
-// draw, and at the end made of sums what they are called.
+// Allocates the planes of a picture beside its colours (scene/render_options.h defines them), lends them to engines,
+// and converts their sums to values.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,28 @@
 
 namespace kiln {
 
-/// The planes and what drawing them takes. unit: bytes a pixel.
+/// Memory of the planes, and memory that drawing them takes. unit: bytes a pixel.
 std::uint64_t aovBytes(const Aovs& aovs);
 
-/// Appends the planes of `aovs` to a picture that has none. No pixel has been hit.
+/// Appends the planes of `aovs` to a picture that has none. No pixel is hit yet.
 void addAovPlanes(const Aovs& aovs, Image& image);
 
-/// Of the picture's planes, from pixel (x, y) on. requires: they are those of `aovs`.
+/// Returns the planes of the picture, from pixel (x, y) on. requires: the picture has the planes of `aovs`.
 AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y);
 
-/// The plane of values, or null where `aovs` has none. requires: as above.
+/// Returns the plane of values, or null where `aovs` has none. requires: as above.
 float* valuePlane(const Aovs& aovs, Image& image);
 
-/// Rows of pixels in an image of their sub-pixels: `rows` of them, the first one's edge × edge sub-pixels from (x, y)
+/// Rows of pixels in an image of their sub-pixels: `rows` rows, the first of them edge × edge sub-pixels from (x, y)
 /// on.
 struct SubPixels {
   Image& image;
   int edge, x, y, rows;
 };
 
-/// Writes into the image's rows from `row` on what the sums of each pixel's sub-pixels, alpha among them, come to.
-/// Theirs may be `image` itself where a pixel is one. requires: both have the planes of `aovs`; no background.
+/// Converts the sums of each pixel's sub-pixels, alpha included, and writes the values into the image's rows from `row`
+/// on. The sums may be in `image` itself where a pixel is one sample. requires: both have the planes of `aovs`; no
+/// background.
 void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& image, int row);
 
 }  // namespace kiln

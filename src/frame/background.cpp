@@ -9,11 +9,11 @@ namespace kiln {
 
 void layOverBackground(Image& image, int first_row, int rows, const Background& background) {
   if (background == Background{}) return;
-  constexpr int kRows = 16;  // at a time
+  constexpr int kRows = 16;  // rows per task
   parallelFor(static_cast<std::size_t>((image.height + kRows - 1) / kRows), [&](std::size_t chunk) {
     const int first = kRows * static_cast<int>(chunk);
     for (int y = first; y < std::min(first + kRows, image.height); ++y) {
-      // From the middle of the first row to that of the last.
+      // The gradient runs from the middle of the first row to the middle of the last.
       const double t = rows > 1 ? static_cast<double>(first_row + y) / (rows - 1) : 0;
       float row[4];
       for (std::size_t channel = 0; channel < 4; ++channel)

@@ -1,4 +1,4 @@
-// What a finished picture is laid over.
+// Composites a finished picture over its background.
 #pragma once
 
 #include "image/image.h"
@@ -6,7 +6,7 @@
 
 namespace kiln {
 
-/// `image` holds the rows from `first_row` on of a picture of `rows`.
+/// Lays `image`, the rows from `first_row` on of a picture of `rows` rows, over the background.
 void layOverBackground(Image& image, int first_row, int rows, const Background& background);
 
 }  // namespace kiln

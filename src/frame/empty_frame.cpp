@@ -47,7 +47,7 @@ constexpr float kFaintAlpha = 1.0f / 510;
 // A ball of 1/32 of a pixel covers 1/1304 of the pixel; 8 bits round alpha below 1/510 to 0. unit: pixels.
 constexpr double kSmallestBall = 1.0 / 32;
 
-// Whether the ball round the volume's box is smaller than kSmallestBall in the picture.
+// Returns whether the ball around the volume's box is smaller than kSmallestBall in the picture.
 bool isTooSmall(const VolumeGeometry& volume, const View& view) {
   const std::array<glm::dvec3, 8> corners = cornersInView(volume, view);
   const glm::dvec3 centre = (corners.front() + corners.back()) * 0.5;
@@ -59,7 +59,7 @@ bool isTooSmall(const VolumeGeometry& volume, const View& view) {
   return distance > 0 && 2 * radius * view.focal_px < kSmallestBall * distance;
 }
 
-// A panorama sees all round.
+// A panorama shows all directions.
 std::optional<EmptyFrame> outOfView(const VolumeGeometry& volume, const FrameRequest& request) {
   const View& view = request.view;
   if (view.projection == Projection::kEquirectangular) return std::nullopt;

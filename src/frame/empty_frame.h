@@ -11,10 +11,10 @@
 
 namespace kiln {
 
-/// Whether a pixel of an image without a background has an alpha that 8 bits do not round to 0.
+/// Returns whether 8 bits round the alpha of some pixel above 0. requires: an image without a background.
 bool isVisible(const Image& image);
 
-/// Whether all values of a volume lie beside a transfer function of several colours or opacities.
+/// Returns whether all values of a volume lie beside a transfer function of several colours or opacities.
 bool isOfOneColour(const FrameScene& scene, const std::vector<const Manifest*>& manifests);
 
 /// Returns the reason for an empty frame; kShows if visible samples were drawn. `request` is made of `scene`;

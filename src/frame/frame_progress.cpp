@@ -18,12 +18,12 @@ void PartProgress::reached(std::uint64_t done) {
 }
 
 void PartProgress::within(std::uint64_t count, std::uint64_t drawn, std::uint64_t of) {
-  // Whoever finds somebody telling has something better to do.
+  // A thread that finds another thread reporting continues with its work.
   const std::unique_lock lock(telling_, std::try_to_lock);
   if (lock) tell(reached_ + count * drawn / of);
 }
 
-// The end is told once, by `finish`.
+// `finish` alone reports the total.
 void PartProgress::tell(std::uint64_t done) {
   if (done <= told_ || done >= total_) return;
   told_ = done;

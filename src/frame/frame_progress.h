@@ -1,7 +1,6 @@
-// How far a frame is, as one count that grows from nothing to its total. The parts that it is drawn in one after the
-// other (bands of sub-pixels, faces of a panorama, eyes) each count what they draw: bricks in view, one that turns out
-// to be hidden as much as one that is drawn; of several volumes, which are swept at once, the tiles that each of their
-// bricks is drawn into.
+// The progress of a frame as one count that grows from 0 to its total. Parts that are drawn one after the other (bands
+// of sub-pixels, faces of a panorama, eyes) each count their bricks in view, hidden bricks included. With several
+// volumes, each tile that a brick is drawn into counts.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +11,15 @@
 
 namespace kiln {
 
-/// What one part tells: first that nothing is done of it, last and once that all is. A part of nothing tells nothing.
+/// The progress of one part: reported once at 0 and once at its total. An empty part reports nothing.
 class PartProgress {
  public:
   /// requires: `progress` and `unit` outlive this.
   PartProgress(Progress& progress, const char* unit, std::uint64_t total);
 
-  /// So much is done from the beginning. thread: the part's own.
+  /// Sets the count since the beginning. thread: the part's own.
   void reached(std::uint64_t done);
-  /// Of the next `count`, which are drawn together, `drawn` of `of` tiles are. thread: any, one of which tells.
+  /// Reports that `drawn` of `of` tiles of the next `count` bricks are done. thread: any; one of them reports.
   void within(std::uint64_t count, std::uint64_t drawn, std::uint64_t of);
   void finish();
 
@@ -34,10 +33,11 @@ class PartProgress {
   std::mutex telling_;
 };
 
-/// Tells the frame's progress what its parts tell theirs.
+/// Adds the progress of the parts to the frame's.
 class FrameProgress : public Progress {
  public:
-  /// `total` is of all parts; 0 where there is one, which knows its own. requires: `progress` outlives this.
+  /// `total` is the sum over all parts; 0 for a single part, which knows its own total. requires: `progress` outlives
+  /// this.
   FrameProgress(int frame, std::uint64_t total, Progress& progress);
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override { progress_.note(sentence); }
@@ -47,11 +47,11 @@ class FrameProgress : public Progress {
  private:
   const std::string step_;
   const std::uint64_t total_;
-  std::uint64_t before_ = 0;  // of the parts that are finished
+  std::uint64_t before_ = 0;  // count of the finished parts
   Progress& progress_;
 };
 
-/// Of work whose caller counts it in its own way: says what there is to say, but not how far it is.
+/// Passes on messages but no counts, for work whose caller counts.
 class UncountedProgress : public Progress {
  public:
   /// requires: `progress` outlives this.
@@ -64,7 +64,7 @@ class UncountedProgress : public Progress {
   Progress& progress_;
 };
 
-/// The step that a frame's progress has.
+/// The name of a frame's step of progress.
 std::string stepOfFrame(int frame);
 
 }  // namespace kiln

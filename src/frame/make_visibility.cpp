@@ -7,7 +7,7 @@
 namespace kiln {
 namespace {
 
-// What is at (x, y) in the frame is at (0, 0) inside.
+// Shifts coordinates: (x, y) of the frame is (0, 0) of the structure.
 class VisibilityOfRect final : public Visibility {
  public:
   VisibilityOfRect(int x, int y, std::unique_ptr<Visibility> inside) : x_(x), y_(y), inside_(std::move(inside)) {}
@@ -25,7 +25,7 @@ class VisibilityOfRect final : public Visibility {
 }  // namespace
 
 std::unique_ptr<Visibility> makeVisibilityOf(const PixelRect& rect, const VisibilityOptions& options, int tile_px) {
-  // Tiles begin where the frame's do.
+  // Tiles start at the frame's tiles.
   const int tile = std::max(tile_px, kVisibilityTile), x = rect.x0 / tile * tile, y = rect.y0 / tile * tile;
   std::unique_ptr<Visibility> inside = makeVisibility(options, {rect.x1 - x, rect.y1 - y}, tile_px);
   if (x == 0 && y == 0) return inside;

@@ -1,4 +1,4 @@
-// The image-space structure that a job's words name.
+// Makes the occlusion structure of a method.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace kiln {
 
-/// One structure for all bricks of a frame. requires: tile_px as SpeedOptions has it.
+/// Makes one structure for all bricks of a frame. requires: tile_px as SpeedOptions has it.
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px);
 
-/// The same of `rect` alone, which is asked about in pixels of the whole frame; what is beside it counts for nothing.
-/// requires: not empty.
+/// Makes the structure of `rect` alone, addressed in pixels of the whole frame; pixels outside are ignored. requires:
+/// `rect` is not empty.
 std::unique_ptr<Visibility> makeVisibilityOf(const PixelRect& rect, const VisibilityOptions& options, int tile_px);
 
-/// What `makeVisibility` takes, or a little more. unit: bytes.
+/// Upper bound for the memory of `makeVisibility`. unit: bytes.
 std::uint64_t visibilityBytes(VisibilityMethod method, const ImageSize& size);
 
 }  // namespace kiln

@@ -15,25 +15,24 @@
 namespace kiln {
 namespace {
 
-// Directions along a pixel's edge, and how much finer than the panorama a face is in its middle, where it is coarsest.
+// Directions along a pixel's edge; and the resolution of a face's middle, its coarsest place, over the panorama's.
 constexpr int kDirections = 2;
 constexpr double kFiner = 1.5;
-// A face fades into a neighbour where the cosines of the angles to their middles are less than this apart, some 3
-// degrees to either side: what slabs that stand at an angle make of the same voxels differs a little, which nobody sees
-// when it changes slowly.
+// Faces blend where the cosines of the angles to their middles differ by less than this, some 3 degrees to either side.
+// Slabs at different angles give slightly different values, which a slow change hides.
 constexpr double kFade = 0.05;
-// The slope at which no face counts any more: a corner is 37.4 degrees from the middle, and fades over 3.1.
+// Cosine at which the weight of a face becomes 0: a corner is 37.4 degrees from the middle and fades over 3.1.
 constexpr double kWidest = 0.86;
-constexpr double kLeastCosine = 0.758;  // of it
-// Pixels that the interpolation of a place takes beyond it.
+constexpr double kLeastCosine = 0.758;  // cosine of 40.7 degrees
+// Pixels that interpolation reads beyond a place.
 constexpr int kBeside = 2;
 
-// Where a face shows a direction.
+// A direction in a face.
 struct FacePlace {
-  double weight = 0;  // of those of all faces, which add up to 1; 0 where it does not
+  double weight = 0;  // of all faces together 1; 0 where the face does not show the direction
   glm::dvec2 pixel;
   double secant = 1;   // distance over depth
-  bool first = false;  // whether no other counts more
+  bool first = false;  // no other face has a larger weight
 };
 
 class Faces {
@@ -75,13 +74,13 @@ class Faces {
   std::array<glm::dvec3, kPanoramaFaces> ahead_;  // in the panorama's axes
 };
 
-// Catmull-Rom, the four weights of a place `t` behind the second pixel.
+// The four weights of Catmull-Rom at `t` behind the second pixel.
 std::array<float, 4> cubicWeights(float t) {
   const float t2 = t * t, t3 = t2 * t;
   return {0.5f * (2 * t2 - t - t3), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (4 * t2 + t - 3 * t3), 0.5f * (t3 - t2)};
 }
 
-// A face that is drawn in part, looked up between its pixels.
+// A partly drawn face with interpolated access.
 class DrawnFace {
  public:
   DrawnFace(const Image& image, const PixelRect& rect) : image_(image), rect_(rect) {}
@@ -112,11 +111,11 @@ class DrawnFace {
   const PixelRect rect_;
 };
 
-// Of the directions of some pixels' columns and rows.
+// Cosines and sines of the directions of a range of columns or rows.
 struct Angles {
   std::vector<double> sine, cosine;
 
-  // From pixel `first` on; `middle` is at 0.
+  // Starts at pixel `first`; `middle` has angle 0.
   Angles(int first, int count, double middle, double focal_px) {
     for (int i = kDirections * first; i < kDirections * (first + count); ++i) {
       const double angle = ((i + 0.5) / kDirections - middle) / focal_px;
@@ -126,7 +125,7 @@ struct Angles {
   }
 };
 
-// As panoramaDirection.
+// Returns the direction of a pixel, as panoramaDirection.
 glm::dvec3 directionOf(const Angles& columns, std::size_t column, const Angles& rows, std::size_t row) {
   const double level = rows.cosine[row];
   return {columns.sine[column] * level, rows.sine[row], columns.cosine[column] * level};
@@ -146,7 +145,7 @@ class Panorama {
     weights_.resize(aovs.any() ? image.rgba.size() / 4 : 0);
   }
 
-  // Adds what a face shows. Rows in parallel; faces one after the other, so that sums have one order.
+  // Adds the contribution of a face. Rows run in parallel; faces one after the other, so that sums have one order.
   void add(std::size_t face, const DrawnFace& drawn) {
     parallelFor(static_cast<std::size_t>(image.height), [&](std::size_t y) {
       for (int x = 0; x < image.width; ++x) {
@@ -183,7 +182,7 @@ class Panorama {
     if (!image.planes.empty()) addPlanes(drawn, place, share, std::ptrdiff_t{y} * image.width + x);
   }
 
-  // Of planes the nearest pixel of a face: between two, depths and normals are of nothing.
+  // Planes take the nearest pixel of a face, because interpolated depths and normals have no meaning.
   void addPlanes(const DrawnFace& drawn, const FacePlace& place, float share, std::ptrdiff_t pixel) {
     const std::ptrdiff_t from = drawn.nearest(place.pixel);
     const auto distance = static_cast<float>(place.secant);
@@ -223,7 +222,7 @@ class Panorama {
 
   const Faces faces_;
   const Angles columns_, rows_;
-  ZeroPages<float> weights_;  // of what planes are sums of
+  ZeroPages<float> weights_;  // sums of weights for the planes
 };
 
 }  // namespace
@@ -233,7 +232,7 @@ std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama) {
   const int half = static_cast<int>(std::ceil(focal_px * kWidest)) + kBeside + 1;
   std::array<View, kPanoramaFaces> out;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    // One ahead, one behind, and five round each of them.
+    // One face ahead, one behind, and five around each.
     const bool before = i < out.size() / 2;
     const std::size_t place = before ? i : i - out.size() / 2;
     const double from_axis = place == 0 ? 0 : std::atan(2.0);

@@ -1,8 +1,8 @@
-// A panorama: all directions round the eye. Slabs are planes, so it is drawn as the twelve faces of a dodecahedron, in
-// perspective, each a little larger than a face, and then resampled: every pixel is the mean of four directions, each
-// looked up in the faces that show it, which fade into one another at their edges. (Of a cube's faces the corners are
-// 55 degrees from the middle, where samples lie so far apart that a translucent medium has gaps: 4 % of its alpha, of
-// these 37 degrees and 1 %.)
+// Problem: draw all directions around the eye with slabs that are planes.
+// Method: draw the twelve faces of a dodecahedron in perspective, each a little larger than its face. A pixel is the
+// mean of four directions, each interpolated in the faces that show it; faces blend at their edges. Differs: a cube's
+// corners are 55 degrees from the middle of a face, where samples are too far apart and a translucent medium loses 4 %
+// of its alpha; a dodecahedron's are 37 degrees away and lose 1 %.
 #pragma once
 
 #include <array>
@@ -14,15 +14,15 @@ namespace kiln {
 
 inline constexpr std::size_t kPanoramaFaces = 12;
 
-/// The faces' views: cameras in the panorama's eye.
+/// Returns the views of the faces: cameras in the panorama's eye.
 std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama);
-/// What draws a face. Its pixels, of rays, too, are samples: the panorama's are means of several.
+/// Returns the options of a face. A face's pixels are samples of the panorama's pixels, without a pixel filter.
 FrameRequest faceOf(const FrameRequest& panorama, const View& face);
-/// Of each face, the pixels that the panorama's `pixels` are made of; may be empty.
+/// Returns, for each face, the pixels that the panorama's `pixels` are made of; may be empty.
 std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const PixelRect& pixels);
 
-/// As renderFrame, of an equirectangular view. Depths are distances from the eye. Statistics are sums over the faces;
-/// bricks in total and damaged ones count once. requires: one sample a pixel, nothing deep, no part.
+/// Draws an equirectangular view as renderFrame does. Depths are distances from the eye. Statistics are sums over
+/// faces; total and damaged bricks count once. requires: one sample a pixel, no deep image, no part.
 Image renderPanorama(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
                      FrameStatistics& statistics);
 

@@ -75,7 +75,7 @@ Image pixelsOf(Image& samples, const PictureOptions& picture, const Aovs& aovs) 
   const PixelRect pixels = drawnPixels(picture.size, picture.crop), drawn = sampleWindowOf(picture).samples;
   Image out = emptyPart(pixels, aovs);
   filter.put(samples, drawn, pixels, out, 0);
-  // Planes are in the world already: a view without turn or origin keeps them.
+  // The planes are in the world already, so a view without rotation and origin leaves them unchanged.
   const int edge = filter.edge();
   putAovs(aovs, View(), {samples, edge, edge * pixels.x0 - drawn.x0, edge * pixels.y0 - drawn.y0, out.height}, out, 0);
   return out;

@@ -20,7 +20,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// to[i] = the sum of weights[k] times what is `stride` k floats on.
+// Computes to[i] as the sum over k of weights[k] times the float `stride` k behind.
 template <class D>
 HWY_INLINE void weigh(D d, const float* const* from, const float* weights, int taps, float* to) {
   auto sum = hn::Mul(hn::LoadU(d, from[0]), hn::Set(d, weights[0]));
@@ -28,7 +28,7 @@ HWY_INLINE void weigh(D d, const float* const* from, const float* weights, int t
   hn::StoreU(sum, d, to);
 }
 
-// Rows of samples to one, a float of each at a time. requires: `floats` a multiple of four.
+// Adds rows of samples into one row. requires: `floats` is a multiple of four.
 void weighRows(const float* const* rows, const float* weights, int taps, std::size_t floats, float* line) {
   const hn::CappedTag<float, 16> d;
   const hn::CappedTag<float, 4> d4;
@@ -43,7 +43,7 @@ void weighRows(const float* const* rows, const float* weights, int taps, std::si
   while (i < floats) step(d4);
 }
 
-// A row of samples to one of pixels, which are `edge` samples apart; the first one's first is at `line`.
+// Filters a row of samples into a row of pixels, `edge` samples apart; `line` is the first sample of the first pixel.
 void weighColumns(const float* line, const float* weights, int taps, int edge, std::size_t pixels, float* to) {
   const hn::CappedTag<float, 16> d;
   const hn::CappedTag<float, 4> d4;
@@ -51,19 +51,19 @@ void weighColumns(const float* line, const float* weights, int taps, int edge, s
   std::size_t i = 0;
   const std::size_t floats = 4 * pixels;
   const auto step = [&](auto tag) {
-    // Of a pixel's first channel, and from there on.
+    // Offset from a pixel's first channel.
     const float* const first = line + static_cast<std::size_t>(edge) * (i / 4 * 4) + i % 4;
     for (int k = 0; k < taps; ++k) from[k] = first + 4 * k;
     weigh(tag, from, weights, taps, to + i);
     i += hn::Lanes(tag);
   };
-  // Pixels beside each other are so in memory only where each is a sample.
+  // Pixels are contiguous in memory only where each is one sample.
   while (edge == 1 && i + hn::Lanes(d) <= floats) step(d);
   while (i < floats) step(d4);
 }
 
-// Pixels of rays in quincunx: of each one's 4 x 4 sub-pixels, the first of which is at rows[..], those with rays, but
-// for two corners that are farther than a pixel.
+// Filters pixels of rays in quincunx: of the 4 × 4 sub-pixels of each, starting in rows[..], those with rays, without
+// the two corners that are farther than a pixel.
 void weighQuincunx(const float* const* rows, std::size_t pixels, float* to) {
   const hn::CappedTag<float, 4> d;
   const auto near = hn::Set(d, 10 / 32.0f), far = hn::Set(d, 3 / 32.0f);
@@ -89,8 +89,8 @@ HWY_EXPORT(weighRows);
 HWY_EXPORT(weighColumns);
 HWY_EXPORT(weighQuincunx);
 
-// Gaussians of 0.48, 0.46 and 0.3 pixels, in parts of a power of two: their sums are 1 in floats, whatever their order.
-// Of 16 rays a pixel the mean is as good.
+// Gaussians of 0.48, 0.46 and 0.3 pixel in fractions of a power of two: sums are exactly 1 in any order. For 16 rays a
+// pixel the mean is as good (figures: engine/pixel/decisions/pixels.md).
 PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(samples)) {
   if (of_rays && samples == 1) {
     reach_ = 1;
@@ -120,19 +120,19 @@ PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size)
 
 namespace {
 
-// A sample beyond the picture's edge is the one as far within it.
+// Mirrors a sample beyond the picture's edge.
 int mirrored(int i, int samples) { return i < 0 ? -i : i < samples ? i : 2 * samples - 2 - i; }
 
 }  // namespace
 
-// Makes rows of pixels, with a line of its own.
+// Filters rows of pixels with scratch memory of its own.
 class PixelFilter::Rows {
  public:
-  /// `beside` samples of a row are before the first pixel's own.
+  /// `beside` samples of a row precede the first pixel's own samples.
   Rows(const PixelFilter& filter, int samples, int beside)
       : f_(filter), samples_(samples), beside_(beside), line_(4 * static_cast<std::size_t>(samples + 2 * f_.reach_)) {}
 
-  /// rows: the taps'.
+  /// requires: `rows` has the rows of all taps.
   void make(const float* const* rows, int pixels, float* to) {
     if (f_.quincunx_) return makeQuincunx(rows, pixels, to);
     const auto reach = static_cast<std::size_t>(f_.reach_);
@@ -150,7 +150,7 @@ class PixelFilter::Rows {
 
  private:
   void makeQuincunx(const float* const* rows, int pixels, float* to) const {
-    // Pixels at the picture's sides have samples mirrored into it, so that those with rays stay those.
+    // Mirroring at the sides keeps the pattern of sub-pixels with rays.
     const auto make = [&](int first, int count) {
       const float* from[kMostTaps];
       for (int k = 0; k < kMostTaps; ++k) from[k] = rows[k] + 4 * (2 * first + beside_ - 1);
@@ -174,7 +174,7 @@ class PixelFilter::Rows {
 
   const PixelFilter& f_;
   const int samples_, beside_;
-  std::vector<float> line_;  // a row of samples, at both ends once more as far as a pixel reaches
+  std::vector<float> line_;  // a row of samples, with mirrored samples at both ends
 };
 
 void PixelFilter::put(const Image& samples, const PixelRect& shown, const PixelRect& pixels, Image& image,
@@ -182,12 +182,12 @@ void PixelFilter::put(const Image& samples, const PixelRect& shown, const PixelR
   const ProfileScope span(Activity::kFinish);
   if (shown.empty()) return;
   const int left = std::min(edge_ * pixels.x0, reach_), top = std::min(edge_ * pixels.y0, reach_);
-  constexpr int kRows = 16;  // at a time
+  constexpr int kRows = 16;  // rows per task
   parallelFor(static_cast<std::size_t>((pixels.height() + kRows - 1) / kRows), [&](std::size_t chunk) {
     Rows rows(*this, samples.width, left);
     const int first = kRows * static_cast<int>(chunk);
     for (int y = first; y < std::min(first + kRows, pixels.height()); ++y) {
-      const int own = edge_ * (pixels.y0 + y);  // its first row of samples
+      const int own = edge_ * (pixels.y0 + y);  // first row of samples of the pixel
       if (own + edge_ + reach_ <= shown.y0 || own - reach_ >= shown.y1) continue;
       const float* from[kMostTaps];
       for (int k = 0; k < taps(); ++k) {
@@ -207,14 +207,14 @@ int PixelFilter::rowsTogether(int height) {
 std::uint64_t PixelFilter::copiedBytes(const ImageSize& size) {
   const int rows = rowsTogether(size.height);
   const auto chunks = static_cast<std::uint64_t>((size.height + rows - 1) / rows);
-  // Each has two rows of its neighbours', and while it goes on three more.
+  // A task keeps two rows of each neighbour, and three more while it runs.
   return 5 * chunks * 16 * static_cast<std::uint64_t>(size.width);
 }
 
 void PixelFilter::apply(Image& image, const PixelRect& shown) const {
   const ProfileScope span(Activity::kFinish);
   if (shown.empty()) return;
-  // Around it samples are zero, or there are none.
+  // Outside this rectangle samples are zero or absent.
   const PixelRect made =
       intersection(PixelRect{shown.x0 - reach_, shown.y0 - reach_, shown.x1 + reach_, shown.y1 + reach_},
                    {0, 0, image.width, image.height});
@@ -223,7 +223,7 @@ void PixelFilter::apply(Image& image, const PixelRect& shown) const {
   const int chunks = (made.height() + kept - 1) / kept;
   const auto floats = 4 * static_cast<std::size_t>(made.width());
   const auto at = [&](std::vector<float>& rows, int i) { return rows.data() + static_cast<std::size_t>(i) * floats; };
-  // What a chunk changes that the next one, and the one before, still need.
+  // Copies the rows that the neighbouring tasks still need.
   std::vector<float> last(floats * static_cast<std::size_t>(chunks)), first(last.size());
   for (int i = 0; i < chunks; ++i) {
     std::copy_n(rowOf(kept * i), floats, at(first, i));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kLargestSide = 65535;
 
-// The value below which `part` of all voxels lie.
+// Returns the value below which the share `part` of all voxels lies.
 double quantile(const ValueHistogram& histogram, double part) {
   double total = 0;
   for (const std::uint64_t count : histogram.counts) total += static_cast<double>(count);
@@ -36,7 +36,7 @@ Window defaultWindow(const ValueHistogram& histogram) {
   return {(lo + hi) / 2, hi > lo ? hi - lo : 1};
 }
 
-// Which axes of the volume run along the picture's columns and rows.
+// The axes of the volume along the picture's columns and rows.
 struct Layout {
   int axis, right, down;
   bool flip_rows;
@@ -60,16 +60,16 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
   return out;
 }
 
-// The voxel of each of a line of pixels.
+// Returns the voxel of each pixel of a line.
 std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pixel, std::int64_t voxels) {
   std::vector<std::int64_t> out;
   for (std::int64_t i = 0; i < pixels; ++i)
-    // Of a side that is rounded up, the last pixel's middle may be beyond.
+    // A side is rounded up, so the middle of the last pixel may lie outside.
     out.push_back(std::min(static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * voxels_per_pixel), voxels - 1));
   return out;
 }
 
-// Those of a line whose voxels are in [lo, hi).
+// The pixels of a line whose voxels are in [lo, hi).
 struct Pixels {
   std::int64_t begin, end;
 };
@@ -97,7 +97,7 @@ void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<
         if (std::isnan(value)) continue;
         const double grey = std::clamp((value - window.centre) / window.width + 0.5, 0.0, 1.0);
         float* const pixel = image.pixel(static_cast<int>(x), y);
-        // The grey is meant as display value; pictures in memory are linear light.
+        // The grey is a display value; pictures in memory are linear light.
         pixel[0] = pixel[1] = pixel[2] = static_cast<float>(linearFromSrgb(grey));
         pixel[3] = 1;
       }

@@ -1,4 +1,4 @@
-// One slice of the volume as a grey picture: the first look after converting. Reads only the bricks that it crosses.
+// Draws one slice of the volume as a grey picture, from the bricks that the slice crosses.
 #pragma once
 
 #include <optional>
@@ -13,14 +13,14 @@ namespace kiln {
 struct SliceRequest {
   int axis = 2;                       // 0 x, 1 y, 2 z
   int level = 0;                      // 0 is finest
-  std::optional<std::int64_t> index;  // in voxels of the level; the middle where not given
-  std::optional<Window> window;       // black to white; the middle 99 % of the values where not given
+  std::optional<std::int64_t> index;  // in voxels of the level; else the middle
+  std::optional<Window> window;       // from black to white; else the middle 99 % of the values
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
-/// A pixel is as wide as the smaller of the two spacings, so that the picture has the world's proportions. A slice
-/// along z has y down; the others have z up. NaN is transparent. memory: 16 bytes a pixel and one brick. throws: Error
-/// kUsage (axis, level, index, window), kBudget, and what StoreReader::read throws.
+/// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
+/// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
+/// throws: Error kUsage (axis, level, index, window), kBudget; as StoreReader::read.
 Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
 
 }  // namespace kiln

@@ -18,7 +18,7 @@ nlohmann::ordered_json levelsOf(const FrameStatistics& frame) {
   return out;
 }
 
-// 1 is a frame from nothing that reads what it draws; null where nothing was drawn from a file.
+// Returns bytes read over bytes of contributing bricks: 1 is ideal for a cold frame; null where no file contributed.
 nlohmann::ordered_json readToContributing(const FrameStatistics& frame) {
   if (frame.bricks_contributing_bytes == 0) return nullptr;
   return static_cast<double>(frame.bricks_read_bytes) / static_cast<double>(frame.bricks_contributing_bytes);
@@ -78,7 +78,7 @@ nlohmann::ordered_json ranksOf(const RenderStatistics& s) {
   return out;
 }
 
-// The greatest busy time over the mean: 1 is even.
+// Returns the greatest busy time over the mean: 1 is even.
 double imbalanceOf(const std::vector<RankStatistics>& ranks) {
   double sum = 0, greatest = 0;
   for (const RankStatistics& rank : ranks) {

@@ -1,4 +1,4 @@
-// What a render cost, as `--stats` writes it.
+// The cost of a render, as `--stats` writes it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace kiln {
 
-/// What a frame drew of one level; `add` is told of each brick.
+/// The part of a frame that was drawn at one level; `add` counts one brick.
 struct LevelStatistics {
   std::uint64_t bricks = 0, voxels_visited = 0, voxels_splats = 0;
   void add(std::uint64_t visited, std::uint64_t splats) {
@@ -22,16 +22,16 @@ struct LevelStatistics {
   }
 };
 
-/// Why a frame shows nothing.
+/// The reason why a frame shows nothing.
 /// - kOpacity: the transfer function is transparent everywhere.
-/// - kValues: the values that the function shows are none of the volume's.
+/// - kValues: no value of the volume is shown by the function.
 /// - kClipped: the region, the box of the world or the planes leave nothing.
 /// - kBehind: the volume is behind the eye.
 /// - kOutOfView: the volume is beside the picture, or beside its crop.
 /// - kTooSmall: the volume covers so little of a pixel that 8 bits round its alpha to 0.
 /// - kThin: the region, the box of the world or the planes leave so little that 8 bits round its alpha to 0.
 /// - kFaint: 8 bits round the alpha of each pixel to 0.
-/// - kCombined: none of these by itself: what the function shows is clipped away, out of view or in no voxel.
+/// - kCombined: none of these alone: the visible values are clipped away, out of view or in no voxel.
 enum class EmptyFrame : std::uint8_t {
   kShows,
   kOpacity,
@@ -45,85 +45,84 @@ enum class EmptyFrame : std::uint8_t {
   kCombined
 };
 
-/// Bricks are those of the levels that the view asks for: `BrickWalkCounts` says which count. Where a pixel is several
-/// samples, the sub-pixels' picture is what is counted, and it is drawn in bands of rows, as a crop of rays is: voxels,
-/// nodes, bricks hidden and what levels say are sums over the bands, so that a brick in two of them counts in both;
-/// bricks read are, where the cache had no room to keep them. Bricks in total, interesting, contributing and damaged
-/// count once.
+/// Counts of one frame. Bricks are those of the levels that the view selects (BrickWalkCounts). With several samples a
+/// pixel, the counts are of the picture of sub-pixels, which is drawn in bands of rows. Voxels, nodes, hidden bricks
+/// and levels are sums over bands, so a brick in two bands counts twice; bricks read count twice if the cache could not
+/// keep them. Total, interesting, contributing and damaged bricks count once.
 struct FrameStatistics {
-  int frame = 1;         // its number
-  unsigned samples = 1;  // a pixel
+  int frame = 1;         // number of the frame
+  unsigned samples = 1;  // per pixel
   EmptyFrame empty = EmptyFrame::kShows;
-  bool visible = false;     // before the background, an alpha is above those that 8 bits round to 0
+  bool visible = false;     // 8 bits round the alpha of some pixel above 0, before the background
   bool one_colour = false;  // all values of a volume lie beside its transfer function
   double wall_s = 0, load_s = 0, output_s = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
-  /// Of several ranks: bricks whose files were in the memory of one when another, or it again, needed them.
+  /// With several ranks: bricks needed by two ranks, or twice by one, whose files were in a rank's memory.
   std::uint64_t bricks_shared = 0, bricks_shared_bytes = 0;
-  /// Bricks without which a pixel would be another, and the bytes of their files: the least that a frame has to read.
+  /// Bricks that change a pixel, and the size of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
-  std::uint64_t slab_bytes = 0;                            // that the threads drew with, at the most
-  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and those before it
-  std::vector<LevelStatistics> levels;                     // of the store, 0 first
-  unsigned threads = 1;  // that draw; as many read beside them, where there are several
-  BusyTimes busy;        // of what was done within wall_s
-  /// The part of the drawing threads' time for which there was work, above 1 where readers have cores of their own.
+  std::uint64_t slab_bytes = 0;                            // peak of the memory that threads draw with
+  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and earlier frames
+  std::vector<LevelStatistics> levels;                     // by level of the store, 0 first
+  unsigned threads = 1;                                    // threads that draw; with several, as many more read
+  BusyTimes busy;                                          // processor times within wall_s
+  /// Busy time over the drawing threads' time; above 1 where readers have cores of their own.
   double utilisation() const { return wall_s > 0 ? busy.total() / (wall_s * threads) : 0; }
-  std::map<StoredBrick, std::uint64_t> contributing;  // the bytes of their files
+  std::map<StoredBrick, std::uint64_t> contributing;  // size of their files
   std::set<StoredBrick> damaged;
   void addContributing(const StoredBrick& brick, std::uint64_t file_bytes);
-  /// Adds what was drawn of the same frame elsewhere. Not: when it was begun, wall_s and output_s.
+  /// Adds the parts of the same frame drawn elsewhere, except its start, wall_s and output_s.
   void merge(const FrameStatistics& other);
-  /// Adds what another view of the frame has cost, one after the other.
+  /// Adds another view of the frame, drawn after this one.
   void addView(const FrameStatistics& view);
 };
 
-/// Brick files of one rank, and their bytes.
+/// Brick files of one rank and their sizes.
 struct SharedReadCounts {
-  std::uint64_t read = 0, read_bytes = 0;          // from the disk, for itself and for others
+  std::uint64_t read = 0, read_bytes = 0;          // from the disk, for this rank and others
   std::uint64_t received = 0, received_bytes = 0;  // from other ranks
   std::uint64_t sent = 0, sent_bytes = 0;          // to other ranks
 };
 
-/// What a rank did for a job. `busy_s` is all time but that in which it waited for others.
+/// The work of one rank. `busy_s` excludes time spent waiting for other ranks.
 struct RankStatistics {
   int rank = 0;
   double busy_s = 0, idle_s = 0;
   std::uint64_t tiles = 0, frames_written = 0;
   std::uint64_t sent_bytes = 0, received_bytes = 0;
-  /// Bricks that it read from the disk; files of bricks that others sent to it, and it to them.
+  /// Bricks read from the disk, received from other ranks and sent to them.
   std::uint64_t bricks_read = 0, bricks_read_bytes = 0;
   std::uint64_t bricks_received = 0, bricks_received_bytes = 0, bricks_sent = 0, bricks_sent_bytes = 0;
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
-  /// Where ranks share what they read: these are the bricks that it read, also for others, and no longer its frames'.
+  /// Where ranks share reads, counts the bricks that this rank read for all ranks instead of those of its frames.
   void setReads(const SharedReadCounts& shared);
 };
 
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
-  std::uint64_t budget_bytes = 0;  // of it cache_bytes for bricks, the rest for image, visibility, index and slabs
+  std::uint64_t budget_bytes = 0;  // cache_bytes of it for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0,
                 files_bytes = 0, threads_bytes = 0;
-  std::uint64_t shared_reads_bytes = 0;  // of brick files that ranks send one another
-  std::uint64_t trace_bytes = 0;         // of the trace, where one is kept
+  std::uint64_t shared_reads_bytes = 0;  // for brick files that ranks exchange
+  std::uint64_t trace_bytes = 0;         // for the trace, if there is one
   std::uint64_t slabs_bytes = 0,
-                peak_slabs_bytes = 0;  // to draw with (slabs, tiles of voxels): what is set aside, and what was needed
+                peak_slabs_bytes = 0;  // memory to draw with (slabs, tiles of voxels): planned, and peak
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
-  std::vector<RankStatistics> ranks;  // where there are several
-  std::string shared_by;              // what was handed out to them: "tiles", "frames", "bricks"
+  std::vector<RankStatistics> ranks;  // empty for one process
+  std::string shared_by;              // the unit that ranks share: "tiles", "frames", "bricks"
   std::vector<int> kept, failed;      // frames of a sequence that are not in `frames`
-  /// Puts a frame behind the others, and into the sums.
+  /// Appends a frame and adds it to the sums.
   void add(const FrameStatistics& frame);
 };
 
-/// JSON. The keys are a contract (DESIGN §10): frames[].wall_s, frames[].voxels.visited, …, and the totals of the last
-/// frame at the top level. unit: _s seconds, _bytes bytes, the rest counts.
+/// Returns JSON. The keys are a contract with scripts: frames[].wall_s, frames[].voxels.visited, …, and the totals of
+/// the last frame at the top level. unit: _s seconds, _bytes bytes, all other keys counts.
 std::string statisticsText(const RenderStatistics& statistics);
 
 }  // namespace kiln

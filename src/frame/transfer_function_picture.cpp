@@ -13,20 +13,20 @@ namespace kiln {
 namespace {
 
 constexpr int kWidth = 960, kHeight = 420;
-// The plot, and the band of colours below it. unit: pixels.
+// The plot and the band of colours below. unit: pixels.
 constexpr int kLeft = 56, kRight = 936, kTop = 24, kBottom = 330, kBandTop = 342, kBandBottom = 374;
 constexpr double kOpacityTick = 0.25;
 
 const glm::dvec3 kPaper{0.97, 0.97, 0.96}, kGrid{0.88, 0.88, 0.87}, kBar{0.72, 0.76, 0.80}, kInk{0.12, 0.12, 0.13},
     kCurve{0.80, 0.20, 0.10};
 
-// What numbers are written with: 3 × 5 pixels a character, rows from the top, the left pixel highest.
+// Glyphs of numbers: 3 × 5 pixels a character, rows from the top, the left pixel in the highest bit.
 constexpr std::string_view kCharacters = "0123456789-+.e";
 constexpr std::array<std::uint16_t, 14> kGlyphs = {
     0b111101101101111, 0b010110010010111, 0b111001111100111, 0b111001111001111, 0b101101111001001,
     0b111100111001111, 0b111100111101111, 0b111001001010010, 0b111101111101111, 0b111101111001111,
     0b000000111000000, 0b000010111010000, 0b000000000000010, 0b000111111100111};
-constexpr int kPixel = 2;  // of a glyph, in pixels of the picture
+constexpr int kPixel = 2;  // size of a glyph's pixel. unit: pixels of the picture
 
 class Canvas {
  public:
@@ -66,7 +66,7 @@ double valueAt(const ValueRange& range, double x) {
 
 int rowOf(double opacity) { return static_cast<int>(std::lround(std::lerp(kBottom - 1.0, double{kTop}, opacity))); }
 
-// 1, 2 or 5 times a power of ten, so that there are some eight of them in the range.
+// Returns 1, 2 or 5 times a power of ten, for about eight steps over the range.
 double tickStep(double range) {
   const double rough = range / 8;
   const double power = std::pow(10, std::floor(std::log10(rough)));
@@ -116,7 +116,7 @@ void drawBand(Canvas& canvas, const TransferFunction& function, const ValueRange
     const Classified c = function.at(valueAt(range, x + 0.5));
     for (int channel = 0; channel < 3; ++channel) {
       for (int y = kBandTop; y < kBandBottom; ++y) {
-        // The upper half is the colour itself, the lower what of it covers a checkerboard.
+        // The upper half shows the colour, the lower half the colour by its opacity over a checkerboard.
         const bool upper = 2 * y < kBandTop + kBandBottom;
         const double behind = (x / 8 + y / 8) % 2 == 0 ? 0.35 : 0.6;
         const double cover = upper ? 1 : c.opacity;

@@ -1,4 +1,4 @@
-// A transfer function as a picture over the histogram of a volume: what a person looks at before drawing.
+// Draws a transfer function over the histogram of a volume.
 #pragma once
 
 #include "image/image.h"
@@ -7,12 +7,12 @@
 
 namespace kiln {
 
-/// Bars are counts of voxels on a logarithmic scale, the line is opacity from 0 at the bottom to 1 at the top, the band
-/// below has the colours, brighter where they are more opaque over a checkerboard; numbers are the volume's values and
-/// the opacity. The histogram may be empty. shape: 960 × 420 pixels.
+/// Bars are counts of voxels on a logarithmic scale. The line is opacity, from 0 at the bottom to 1 at the top. The
+/// band below shows the colours, in its lower half over a checkerboard by opacity. Numbers are values and opacities.
+/// The histogram may be empty. shape: 960 × 420 pixels.
 Image transferFunctionPicture(const TransferFunction& function, const ValueHistogram& histogram);
 
-/// The values that the picture spans: the function's points and the histogram, a little wider.
+/// Returns the values that the picture spans: the function's points and the histogram, slightly widened.
 ValueRange pictureRange(const TransferFunction& function, const ValueHistogram& histogram);
 
 }  // namespace kiln
