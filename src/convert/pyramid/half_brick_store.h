@@ -1,7 +1,7 @@
-// Holds the parts of bricks until their parents are built. A part is cut into pieces, one for each parent, so that most
-// of a part is freed with its main parent and only a few voxels wait for the neighbours. Pieces lie in memory up to a
-// limit, then in a folder of the unfinished store, one file per part. The files do not outlive the process: a resumed
-// conversion makes the needed parts anew.
+// Holds the parts of bricks until their parents are built. Each part is cut into a piece per parent: most of it is
+// freed with the main parent, and only a few voxels wait for the neighbours. Pieces lie in memory up to a limit, then
+// in a folder of the unfinished store, one file per part. The files do not outlive the process: a resumed conversion
+// makes the needed parts anew.
 #pragma once
 
 #include <filesystem>

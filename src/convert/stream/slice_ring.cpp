@@ -59,8 +59,8 @@ class RingInMemory : public SliceRing {
   UnsetBytes bytes_;
 };
 
-// A slice in the file is stored in columns as wide as a usual brick, row after row, so a box is read in a few long
-// runs. One read per short row would take longer than encoding.
+// In the file, a slice is stored in columns as wide as a usual brick, row after row. So a box is read in a few long
+// runs; one read per short row would take longer than encoding.
 class RingOnDisk : public SliceRing {
  public:
   RingOnDisk(const SourceInfo& info, std::int64_t slices, const std::filesystem::path& directory, FileSystem& disk)

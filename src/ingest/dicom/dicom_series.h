@@ -20,9 +20,9 @@ struct DicomSlice {
 std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions& options,
                                     std::vector<std::string>& notes);
 
-/// Sorts the slices of a series by their positions along the normal and returns the exact affine from the first slice
-/// to the last, sheared if the slices are tilted. Slices without positions are sorted by instance number. `notes`
-/// lists the choices made.
+/// Sorts the slices of a series by their positions along the normal. Returns the exact affine from the first slice to
+/// the last, sheared if the slices are tilted. Slices without positions are sorted by instance number. `notes` lists
+/// the choices made.
 /// throws: Error kFormat naming the slices if they are tilted, missing or unequally spaced and `options` does not
 /// allow it; if they are not parallel, have different pixels, or lie at equal places; kUsage if --spacing is
 /// given for files that have a spacing.

@@ -48,8 +48,8 @@ class VolumeSource {
   virtual ReadOrder order() const = 0;
   /// Fills `out` with the voxels of `box`.
   /// shape: x fastest, then y, then z, densely packed, in `info().type` and the machine's byte order.
-  /// requires: box inside the volume; for kForward whole slices, or whole rows of one slice, that start if the last
-  /// read ended.
+  /// requires: box inside the volume; for kForward whole slices, or whole rows of one slice, that begin at the end
+  /// of the last read.
   /// throws: Error kFormat (truncated or corrupt data, with the byte or slice), kIo.
   virtual void read(const VoxelBox& box, std::span<std::byte> out) = 0;
   /// Called after the last voxel. throws: Error if a stream's checksum or length contradicts the voxels read.

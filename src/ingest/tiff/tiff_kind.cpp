@@ -1,5 +1,5 @@
 // Supported pages have one value per pixel of 8 to 64 bits, in a common codec of libtiff. Values are taken as stored,
-// even if zero is white: here they are measurements, not greys, and a note reports the fact.
+// even if zero means white: here they are measurements, not greys, and a note reports the fact.
 #include "ingest/tiff/tiff_kind.h"
 
 #include <fmt/format.h>
