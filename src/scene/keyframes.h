@@ -1,6 +1,5 @@
-// Interpolates keyframes by cubic splines through numbers, points and orientations. Source for orientations: M.-J. Kim,
-// M.-S. Kim and S. Y. Shin, "A General Construction Scheme for Unit Quaternion Curves with Simple High Order
-// Derivatives", 1995 (cumulative Hermite form).
+// Interpolates keyframes by cubic splines through numbers, points and orientations. Source for orientations: Kim et al.
+// 1995 (cumulative Hermite form).
 #pragma once
 
 #include <cstddef>

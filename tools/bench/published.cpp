@@ -1,5 +1,5 @@
-// Source: R. K. Lee and I. Ihm, "On Enhancing the Speed of Splatting Using Both Object- and Image-Space Coherence", §3.
-// Ratios and speed-ups are stored as printed, not computed, so that a test can compare them with the times.
+// Source: Lee and Ihm, §3. Ratios and speed-ups are stored as printed, not computed, so that a test can compare them
+// with the times.
 #include "bench/published.h"
 
 #include <algorithm>

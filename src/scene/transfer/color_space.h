@@ -1,6 +1,5 @@
 // Colour spaces for interpolating colour maps, with VTK's constants, so that a map looks as in VTK. Source: VTK,
-// vtkMath and vtkColorTransferFunction; K. Moreland, Diverging Color Maps for Scientific Visualization, 2009, for Msh
-// (a polar CIELAB with white in the middle).
+// vtkMath and vtkColorTransferFunction; Moreland 2009 for Msh (a polar CIELAB with white in the middle).
 #pragma once
 
 #include <glm/vec3.hpp>
