@@ -42,8 +42,8 @@ TEST(Help, EveryOptionOfRenderIsUsedByATest) {
   }
 }
 
-// A validator of somebody else's reads the README's jobs by our schema.
-TEST(Help, TheReadmesJobsAreOfTheSchema) {
+// Known from another validator: the jobs of README and manual follow the printed schema.
+TEST(Help, JobsOfReadmeAndManual_followTheSchema) {
   const std::string python = pythonWith("jsonschema");
   if (python.empty()) GTEST_SKIP() << "python3-jsonschema is not installed";
   const fs::path directory = freshDirectory("help_schema");
@@ -57,10 +57,14 @@ jobs = re.findall(r'```json\n(\{ "kiln": 1.*?)```', open(sys.argv[2]).read(), re
 for job in jobs: check.validate(json.loads(re.sub(r'//.*', '', job)))
 wrong = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
          {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"}]
-assert len(jobs) >= 2 and not any(check.is_valid(job) for job in wrong)
+assert len(jobs) >= 5 and not any(check.is_valid(job) for job in wrong)
 )");
+  std::string documents = readTextFile(fs::path(KILN_SOURCE_DIR) / "README.md");
+  for (const auto& page : fs::directory_iterator(fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual"))
+    documents += readTextFile(page.path());
+  writeText(directory / "documents.md", documents);
   const std::string command = python + " " + (directory / "check.py").string() + " " +
-                              (directory / "schema.json").string() + " " + KILN_SOURCE_DIR + "/README.md";
+                              (directory / "schema.json").string() + " " + (directory / "documents.md").string();
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
