@@ -19,10 +19,11 @@
 namespace kiln {
 namespace {
 
-// Which voxels of a row are found, in which order: a row is one look-up. By the voxel that is first from front to back
-// (from it those below it descend, then those above it ascend) and by the bits of those that show something.
+// Look-up table that orders the visible voxels of a row. Indices: the frontmost voxel of the row, and a mask of visible
+// voxels. From the frontmost voxel, lower positions come first in descending order, then higher positions in ascending
+// order.
 struct RowOrders {
-  alignas(16) std::int32_t voxels[kSplatCellSize][1 << kSplatCellSize][kSplatCellSize];  // then 0
+  alignas(16) std::int32_t voxels[kSplatCellSize][1 << kSplatCellSize][kSplatCellSize];  // padded with zeros
 };
 constexpr RowOrders kRowOrders = [] {
   RowOrders out{};
@@ -51,7 +52,7 @@ namespace {
 constexpr std::size_t kRow = kSplatCellSize;
 using DR = hn::CappedTag<std::int32_t, kRow>;
 using DRF = hn::RebindToFloat<DR>;
-// Whether a whole row is a vector: of values that an int holds, where there are vectors.
+// True if a row fits one vector: integers of up to 16 bits, on an instruction set with vectors of four.
 template <class T>
 constexpr bool kIsVector = sizeof(T) <= 2 && hn::MaxLanes(DR()) == kRow;
 
@@ -61,7 +62,7 @@ HWY_INLINE hn::Vec<DR> loadRow(const T* at) {
   return hn::PromoteTo(d, hn::LoadU(hn::Rebind<T, DR>(), at));
 }
 
-// Bits of a row's voxels that show something.
+// Returns a mask of the visible voxels in a row.
 template <class T>
 class RowTest {
  public:
@@ -124,11 +125,12 @@ void findVoxelsOn(const Classifier& classifier, const VisitingOrder& order, cons
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) { findIn<T>(classifier, order, block, cell, out); });
 }
 
-// Rows that have voxels in a batch; the first and the last of them may have some in others, so that there is room for a
-// row before and behind a batch's numbers.
+// Gathers the voxels of one batch, row by row. The first and the last row may extend into neighbouring batches, so
+// scratch arrays have room for a row before and after the batch.
 template <class T>
 class BatchTaker {
-  static constexpr std::ptrdiff_t kBefore = 16;  // of the first number, which stays aligned
+  static constexpr std::ptrdiff_t kBefore = 16;  // offset of the first number in a scratch array; a multiple of 16
+                                                 // keeps the number aligned
 
  public:
   BatchTaker(const Classifier& classifier, const BrickBlock& block, const FoundVoxels& found, int first,
@@ -167,7 +169,7 @@ class BatchTaker {
   }
 
  private:
-  // f(row, where in the batch its first voxel is, bits of its drawn voxels).
+  // Calls f(row, position of the row's first voxel in the batch, mask of the row's drawn voxels).
   template <class F>
   HWY_INLINE void forEachRow(F f) const {
     for (int r = 0; r < found_.row_count; ++r) {
@@ -191,8 +193,8 @@ class BatchTaker {
     });
   }
 
-  // All of a row at once, in the order of its voxels. Of a cell that the brick's end cuts off, the row goes on in the
-  // apron, and behind that there is another row of the apron.
+  // Computes the gradients of a whole row at once, in the order of its voxels. If the brick ends inside the cell, the
+  // row continues in the apron. Reads beyond the row are safe: another apron row follows.
   void slopesOfRows() {
     const DR d;
     const DRF df;

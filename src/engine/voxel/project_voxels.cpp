@@ -59,7 +59,7 @@ class VoxelProjector {
     }
     const V at_x = hn::Add(hn::Set(d, w_.centre.x), hn::Mul(scale, px));
     const V at_y = hn::Add(hn::Set(d, w_.centre.y), hn::Mul(scale, py));
-    // Far outside, where numbers of pixels would leave the range of int, nothing reaches an image.
+    // Positions far outside the image would overflow a 32-bit pixel number; such voxels touch no image.
     const V far = hn::Set(d, 1e8);
     drawn = hn::And(drawn,
                     hn::And(hn::Lt(hn::Add(hn::Abs(at_x), half_x), far), hn::Lt(hn::Add(hn::Abs(at_y), half_y), far)));
@@ -69,7 +69,8 @@ class VoxelProjector {
     out_.inside |= bitsOf(D(), hn::And(within(at_x, tile_.x0, tile_.x1), within(at_y, tile_.y0, tile_.y1))) << n;
   }
 
-  // J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the projection's derivative, and what a pixel adds: where its bounds are.
+  // Computes the footprint's variances and half extents: J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the derivative of the
+  // projection, plus the pixel filter's variance. Equation (2).
   HWY_INLINE void sizes(std::size_t n, V u, V v, V r, V& half_x, V& half_y) {
     const D d;
     const DF df;
@@ -92,8 +93,8 @@ class VoxelProjector {
     hn::Store(yy, df, out_.yy + n);
   }
 
-  // The pixels whose centres are within `half` of `at`; whether some are in the tile. Pixel c has its centre at c +
-  // 1/2.
+  // Stores the pixels whose centres lie within `half` of `at`; pixel c has its centre at c + 1/2. Returns a mask of the
+  // voxels with a pixel in the tile.
   HWY_INLINE M span(V at, V half, M drawn, int tile_first, int tile_end, std::int32_t* first, std::int32_t* end,
                     float* from_centre) {
     const D d;

@@ -36,7 +36,7 @@ class FootprintRasterizer {
   }
 
  private:
-  // In a pixel, voxels are blended one after the other.
+  // Blends the voxels of a pixel in order, front to back.
   template <bool kOfTable>
   HWY_INLINE void runOf(std::uint32_t drawn) {
     if constexpr (!kOfTable) v_.weigh(drawn);
@@ -49,8 +49,8 @@ class FootprintRasterizer {
     if constexpr (kOfTable) v_.weighByTable(drawn);
     forEachBit(drawn, [&](std::size_t n) { lay<kOfTable>(n); });
   }
-  // Whether so many of a batch touch each row, and so few pixels of it, that it is worth being read and written but
-  // once for all of them. Without a table opacities have been found before, and each row looks for its part of them.
+  // Returns true if many voxels of the batch share few pixels per row, so that a row is better loaded and stored once
+  // for all of them. Without a table opacities are already computed, and each row selects its part.
   template <bool kOfTable>
   bool sharesRows(std::uint32_t drawn) const {
     constexpr int kMostColumns = kOfTable ? 6 : 4, kLeastVoxels = 12;
@@ -58,7 +58,7 @@ class FootprintRasterizer {
            p_.width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
   }
 
-  // kOfTable: rows are eight pixels, those beyond the footprint with an opacity of zero.
+  // Draws footprint n. With kOfTable rows have eight pixels; pixels beyond the footprint have an opacity of zero.
   template <bool kOfTable>
   HWY_INLINE void lay(std::size_t n) {
     const PixelRect within = intersection(p_.rect(n), planes_.rect());
@@ -79,9 +79,9 @@ class FootprintRasterizer {
     }
   }
 
-  // Neighbours' footprints overlap: row by row of all that they touch, pixels stay in registers while one voxel after
-  // the other is blended into them. Voxel by voxel each would wait for the row to be written by the one before, and
-  // most of the work would be to read and to write.
+  // Draws a batch of overlapping footprints row by row. Pixels of a row stay in registers while voxel after voxel is
+  // blended into them. Drawing voxel by voxel would spend most time on loads and stores, each waiting for the store
+  // before it.
   template <bool kOfTable>
   HWY_INLINE void layTogether(std::uint32_t drawn) {
     const PixelRect all = intersection(rectAround(p_, drawn), planes_.rect());
@@ -100,18 +100,18 @@ class FootprintRasterizer {
     }
   }
 
-  // A vector of a row's pixels. A closed one has an alpha of one, and nothing is added to it.
+  // A vector of pixels in a row. A closed pixel has an alpha of one, so that blending adds nothing.
   struct Pixels {
     V8 red, green, blue, alpha;
   };
-  // What all pixels of a footprint share.
+  // Colour of a footprint, equal for all its pixels.
   struct Brush {
     Brush(const WeighedVoxels& v, std::size_t n)
         : red(hn::Set(D8(), v.light(0, n))), green(hn::Set(D8(), v.light(1, n))), blue(hn::Set(D8(), v.light(2, n))) {}
     V8 red, green, blue;
   };
-  // A pixel that reaches the threshold takes nothing of the voxels behind; what it has is divided by its alpha at the
-  // row's end, so that no branch hangs on which of them it was.
+  // Blends the voxels of one row. A pixel that reaches the threshold takes nothing from later voxels. Its division by
+  // alpha happens at the end of the row, so that the loop has no branch per pixel.
   template <bool kOfTable, bool kIsThin>
   HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
     const D8 d;
@@ -156,7 +156,7 @@ class FootprintRasterizer {
     to.blue = fused(added, brush.blue, to.blue);
   }
 
-  // Bits of the voxels that reach into [begin, end), by where their footprints begin and end.
+  // Returns a mask of the voxels whose interval [first, last) intersects [begin, end).
   HWY_INLINE static std::uint32_t reaching(const std::int32_t* first, const std::int32_t* last, int begin, int end) {
     const DB d;
     std::uint32_t out = 0;
@@ -168,7 +168,7 @@ class FootprintRasterizer {
     return out;
   }
 
-  // Sixteen pixels of a row at a time.
+  // Draws a footprint with more pixels, sixteen pixels of a row at a time.
   HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
     alignas(64) float chunk[kChunk];
     constexpr int kColumns = static_cast<int>(kChunk);
@@ -190,7 +190,8 @@ class FootprintRasterizer {
     }
   }
 
-  // Eight pixels, kPart: the first `count` of them; a bit for each that reaches the threshold.
+  // Blends eight pixels, or with kPart the first `count` of them. Returns a mask of the pixels that reach the
+  // threshold.
   template <bool kPart>
   HWY_INLINE unsigned blendEight(const Brush& brush, V8 opaque, const float* opacities, int count, float* at) const {
     const D8 d;
@@ -211,7 +212,7 @@ class FootprintRasterizer {
     return closing;
   }
 
-  // Those of the pixels from (x, y) on that have their bit set are divided by their alpha, and take nothing more.
+  // Closes the pixels from (x, y) on whose bit is set: divides them by their alpha and sets alpha to one. Equation (7).
   HWY_INLINE void close(int x, int y, unsigned closing) {
     for (; closing != 0; closing &= closing - 1) closeOne(x + std::countr_zero(closing), y);
   }
@@ -224,8 +225,7 @@ class FootprintRasterizer {
     visibility_.close(x, y);
   }
 
-  // The same one by one, for what is told beside colours. Pixels beside the tile are left out: they are another
-  // thread's.
+  // Blends a row pixel by pixel and adds AOVs. Skips pixels outside the tile, which belong to another thread.
   HWY_NOINLINE void blendRow(std::size_t n, const float* opacities, int x, int columns, int y) {
     const int end = std::min(planes_.rect().x1 - x, columns);
     const std::ptrdiff_t plane = planes_.plane();
@@ -242,7 +242,7 @@ class FootprintRasterizer {
     }
   }
 
-  // A pixel's alpha was `before` and is more by `added`, not closed yet.
+  // Adds AOVs of a pixel whose alpha rose from `before` by `added` and is not closed yet.
   void addAovs(const VoxelAov& voxel, std::ptrdiff_t at, float before, float added, bool closes) const {
     const AovPixels& aovs = planes_.aovs();
     const float after = before + added;

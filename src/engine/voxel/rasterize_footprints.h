@@ -1,9 +1,11 @@
-// Footprints of voxels over the pixels of a tile, one after the other, front to back: light, weights, opacities,
-// blending; the last of the kernels of `--lattice voxel`. A footprint's weights sum to one over all of its
-// pixels, in the tile or not: they are those of a table (engine/voxel/voxel_footprint.h) where there is one, else found
-// pixel by pixel and divided by their sum. Eight or sixteen pixels are a vector when weights and opacities are found,
-// eight of a row when they are blended. One implementation in Highway, without approximate operations, fused where it
-// says so, sums in an order that no vector's length changes: all instruction sets give the same bits.
+// Rasterizes the footprints of a batch of voxels into a tile, front to back: light, weights, opacities, blending.
+// Method. README.md, equations (3) to (7). A footprint's weights come from a table (engine/voxel/voxel_footprint.h) if
+// one exists, otherwise they are computed per pixel and divided by their sum. Weights and opacities are computed for
+// eight or sixteen pixels at a time, blending takes eight pixels of a row.
+// Invariant. A footprint's weights sum to one over all its pixels, inside and outside the tile. One Highway
+// implementation without approximate operations, with explicit fused operations and a fixed order of sums, returns
+// equal bits on all instruction sets.
+// Source: Westover 1990. Differs: footprints are normalised by their sum.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +18,22 @@
 
 namespace kiln {
 
-/// What a voxel tells beside its colour.
+/// Depth and normal that a voxel contributes to AOVs.
 struct VoxelAov {
-  float depth;       // unit: world
+  float depth;       // view space, unit length or 0
   glm::vec3 normal;  // in view space, of unit length or 0
 };
 
-/// A batch of voxels whose places are known. shape: a number a voxel.
+/// Materials and gradients of a batch of projected voxels. shape: one number per voxel.
 struct ShadedVoxels {
-  alignas(64) float material[4 * kVoxelBatch];  // r, g, b and extinction of each, less where it exists in part
-  alignas(64) float slope[3][kVoxelBatch];  // value's gradient in index space; 0: the material's colour is the voxel's
-  VoxelAov aov[kVoxelBatch];                // where the tile has AOVs
+  alignas(64) float material[4 * kVoxelBatch];  // r, g, b, extinction; extinction is scaled if a voxel exists in part
+  alignas(64) float slope[3][kVoxelBatch];      // gradient in index space; 0: the material's colour is used unlit
+  VoxelAov aov[kVoxelBatch];                    // only if the tile has AOVs
 };
 
-/// Draws those of the voxels that have their bit in `drawn` into what `planes` holds. A pixel that reaches the alpha
-/// `opaque_at`, above 0, is divided by it and closed, so that its alpha of one lets nothing more in, whatever the
-/// visibility method. A pixel's result does not depend on the tile's rectangle.
+/// Draws the voxels whose bit is set in `drawn` into `planes`. A pixel whose alpha reaches `opaque_at` (above 0) is
+/// divided by its alpha and closed. Its alpha of one then blocks all later voxels under every visibility method. A
+/// pixel's result does not depend on the tile's rectangle.
 void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
                          std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
 

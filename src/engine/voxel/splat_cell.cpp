@@ -12,9 +12,9 @@
 namespace kiln {
 namespace {
 
-// The voxels of a cell that are not transparent are found first, front to back, and then go through the kernels batch
-// by batch. Between the kernels each of them is asked about, so that what is hidden costs neither gradient nor light;
-// what a batch's own voxels close of each other is asked of the next one.
+// Finds the visible voxels of a cell, front to back, and passes them through the kernels batch by batch. Visibility is
+// tested between projection and gathering, so that hidden voxels cost neither gradient nor light. Pixels closed by a
+// batch take effect from the next batch on.
 class CellSplatter {
  public:
   CellSplatter(const SplatContext& frame, const BrickBlock& block, TilePlanes& planes, DrawCounts& counts)
@@ -57,8 +57,8 @@ class CellSplatter {
     rasterizeFootprints(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
   }
 
-  // Those of `asked` that have an open pixel. All of a batch are nearly as large, and where that is large, the
-  // structure knows it in fewer words.
+  // Returns a mask of the voxels of `asked` that have an open pixel. Footprints of a batch have nearly equal sizes; for
+  // large footprints the visibility structure reads fewer words than the planes.
   std::uint32_t openOf(const ProjectedVoxels& projected, std::uint32_t asked) const {
     constexpr std::uint64_t kLarge = 1024;  // unit: pixels
     if (projected.rect(static_cast<std::size_t>(std::countr_zero(asked))).count() <= kLarge)
@@ -76,11 +76,11 @@ class CellSplatter {
     for (; drawn != 0; drawn &= drawn - 1) f(static_cast<std::size_t>(std::countr_zero(drawn)));
   }
 
-  // What of voxel n is beyond the kernels: colours of other lights and of cuts, opacity by gradient, AOVs, and
-  // voxels that exist in part.
+  // Handles voxel n beyond the kernels: other lights, cut faces, opacity by gradient, AOVs, and voxels that exist in
+  // part.
   void takeMore(std::int32_t code, std::size_t n, ShadedVoxels& shaded) const {
     const glm::vec3 measured(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);
-    // Beside a NaN or an infinity there is no slope to shade by.
+    // A NaN or infinite neighbour leaves no usable gradient.
     const glm::vec3 slope = std::isfinite(measured.x + measured.y + measured.z) ? measured : glm::vec3(0);
     const Shader& shader = frame_.shader;
     const glm::dvec3 p = frame_.projector->viewOf(voxelAt(lo_, code));
@@ -109,11 +109,11 @@ class CellSplatter {
   const BrickBlock& block_;
   TilePlanes& planes_;
   DrawCounts& counts_;
-  // The cell in turn.
+  // State of the current cell.
   VoxelCoord lo_;
   bool cut_ = false;   // by the clip region
-  bool ends_ = false;  // whether some of its voxels exist in part
-  bool more_ = false;  // whether voxels need more than the kernels know
+  bool ends_ = false;  // some voxels exist in part
+  bool more_ = false;  // some voxels need takeMore
   FoundVoxels found_;
 };
 

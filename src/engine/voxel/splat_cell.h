@@ -1,5 +1,7 @@
-// The kernel of `--lattice voxel`: the voxels of one cell, each once, front to back, as footprints into one tile. This
-// is Lee and Ihm's algorithm to the letter: classify, test, shade, project, accumulate, update.
+// Splats the voxels of one cell into one tile, front to back.
+// Problem. Voxels behind closed pixels must cost neither gradient nor light.
+// Method. Per voxel: classify, project, test visibility, shade, accumulate, close pixels.
+// Source: Lee and Ihm §2.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +20,24 @@
 
 namespace kiln {
 
-/// What all cells of a brick share.
+/// Parameters that all cells of a brick share.
 struct SplatContext {
-  const Projector* projector = nullptr;         // of the brick's level
-  EndVoxels ends;                               // the same
-  Shader shader;                                // the same
-  bool light_is_plain = true;                   // what `view` has; else colours are the shader's
-  VoxelView view;                               // the same
-  GradientOpacity gradient_opacity;             // the same
-  const ClipRegion* clip = nullptr;             // the same
-  VoxelBox part = ClipRegion::Part().voxels();  // voxels that are drawn, of the level
+  const Projector* projector = nullptr;         // belongs to the brick's level
+  EndVoxels ends;                               // belongs to the brick's level
+  Shader shader;                                // belongs to the brick's level
+  bool light_is_plain = true;                   // the light of `view` suffices; otherwise `shader` computes colours
+  VoxelView view;                               // belongs to the brick's level
+  GradientOpacity gradient_opacity;             // belongs to the brick's level
+  const ClipRegion* clip = nullptr;             // belongs to the brick's level
+  VoxelBox part = ClipRegion::Part().voxels();  // voxels of the level that are drawn
   const Classifier* classifier = nullptr;
   float opaque_at = 1;  // alpha at which a pixel is closed
   Visibility* visibility = nullptr;
-  bool test_samples = false;  // leave out samples all of whose pixels are closed, before they are shaded
+  bool test_samples = false;  // skip voxels whose pixels are all closed, before shading
 };
 
-/// Splats the voxels of `cell` into the tile. requires: cell inside block.core, at most kSplatCellSize voxels along an
-/// axis. Voxels outside of the frame's part are not drawn.
-/// The result for a pixel does not depend on the tile's rectangle.
+/// Splats the voxels of `cell` that lie in the frame's part into the tile. A pixel's result does not depend on the
+/// tile's rectangle. requires: cell inside block.core, at most kSplatCellSize voxels along an axis.
 void splatCell(const SplatContext& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
                DrawCounts& counts) noexcept;
 

@@ -17,7 +17,7 @@ namespace {
 
 using D8 = hn::CappedTag<float, 8>;
 
-// A row of `count` pixels, RGBA by RGBA, and the same in planes.
+// Copies a row of `count` RGBA pixels into planes; joinRow copies it back.
 void splitRow(const float* rgba, std::ptrdiff_t count, float* red, std::ptrdiff_t plane) {
   const D8 d;
   const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
@@ -48,8 +48,8 @@ void joinRow(const float* red, std::ptrdiff_t plane, std::ptrdiff_t count, float
   }
 }
 
-// Whether one of `columns` times `rows` pixels is open; `alpha` is that of the first, rows are `stride` apart, and a
-// whole vector may be read where columns are left.
+// Returns true if one of `columns` × `rows` pixels is open. `alpha` points to the first pixel, rows are `stride` floats
+// apart. A whole vector may be read beyond the last column.
 bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
   const D8 d;
   const auto one = hn::Set(d, 1.0f);
@@ -63,8 +63,8 @@ bool anyOpen(const float* alpha, int columns, int rows, std::ptrdiff_t stride) {
   return false;
 }
 
-// Of a batch of footprints those that have an open pixel. `alpha` is that of the tile's first pixel, rows are `stride`
-// apart.
+// Finds the footprints of a batch that have an open pixel. `alpha` points to the tile's first pixel; rows are `stride`
+// floats apart.
 class OpenFootprints {
   using VI = hn::Vec<DB>;
   static constexpr int kMost = 31;  // columns and rows
@@ -74,8 +74,8 @@ class OpenFootprints {
                  std::ptrdiff_t stride)
       : p_(voxels), asked_(asked), tile_(tile), alpha_(alpha), stride_(stride) {}
 
-  // Neighbours' footprints overlap: a pixel is asked once for all of them, and its row is a word in which each
-  // footprint finds its columns.
+  // Neighbouring footprints overlap, so each pixel is tested once for all footprints. A row of pixels becomes a mask,
+  // and each footprint tests its columns of the mask.
   std::uint32_t find() {
     const PixelRect all = intersection(rectAround(p_, asked_), tile_);
     if (all.width() > kMost || all.height() > kMost) return findEach();
@@ -92,7 +92,7 @@ class OpenFootprints {
         const VI row = hn::Set(d, y);
         open = hn::Or(open, hn::IfThenElseZero(hn::AndNot(hn::Gt(y0, row), hn::Gt(y1, row)), hn::Set(d, rows[y])));
       }
-      // Of those that nobody asks about, columns may be anywhere.
+      // Voxels outside `asked` may have arbitrary columns.
       const auto column = [&](const std::int32_t* x) {
         return hn::Min(hn::Max(hn::Sub(hn::Load(d, x + n), hn::Set(d, all.x0)), hn::Zero(d)), most);
       };
@@ -103,7 +103,7 @@ class OpenFootprints {
   }
 
  private:
-  // A bit for each open pixel; of those behind the last one, too.
+  // Returns a mask of open pixels. Bits beyond `columns` are undefined.
   std::int32_t openOfRow(int x, int y, int columns) const {
     const D8 d;
     const float* const row = at(x, y);
@@ -152,7 +152,7 @@ void TilePlanes::reserve(const PixelRect& tile) {
   const std::size_t needed =
       bytesFor(static_cast<std::size_t>(tile.width()), static_cast<std::size_t>(tile.height())) / sizeof(float);
   if (values_.size() >= needed) return;
-  // Not beside what there was, nor with room for more: it is charged.
+  // Free the old memory before allocating, and allocate exactly `needed`: the memory is charged to the budget.
   values_ = {};
   values_ = std::vector<float>(needed);
 }

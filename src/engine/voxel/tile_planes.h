@@ -1,6 +1,6 @@
-// A tile as the kernel of the voxel lattice draws into it: channel by channel, so that eight pixels of a row are a
-// vector of each channel. Invariant: pixels beside the tile, kBeside on either side of a row, are closed, so that a
-// footprint that reaches over its edge needs no other code and changes nothing there.
+// Copy of a tile in planes, one per channel, for the voxel engine: eight pixels of a row are one vector per channel.
+// Invariant. The kBeside pixels on either side of a row count as closed. A footprint that crosses the tile's edge needs
+// no special code and changes nothing there.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,27 @@ namespace kiln {
 
 class TilePlanes {
  public:
-  /// Pixels that are read and written at a time, whichever of them a footprint has.
+  /// Pixels of a row that are read and written together.
   static constexpr int kWide = 8;
   static constexpr int kBeside = kWide;
 
-  /// Has room for any part of a tile of this size, and for no more than the largest asked for. throws: std::bad_alloc.
+  /// Makes room for any part of a tile of this size. Memory is bounded by the largest requested tile. throws:
+  /// std::bad_alloc.
   void reserve(const PixelRect& tile);
-  /// Holds the pixels of `tile` from now on, which nobody else may draw into. requires: room for it.
+  /// Copies the pixels of `tile`; until putBack() no other code may draw into them. requires: room for the tile.
   void take(const TilePixels& tile) noexcept;
-  /// Puts them back where they are from.
+  /// Copies the planes back into the tile's pixels.
   void putBack() const;
 
-  /// Bits of those voxels of `asked` that have an open pixel in the tile: what an exact method of visibility would say.
-  /// requires: all of them touch the tile.
+  /// Returns a mask of the voxels of `asked` that have an open pixel in the tile; equals an exact visibility test.
+  /// requires: every voxel of `asked` touches the tile.
   std::uint32_t open(const ProjectedVoxels& voxels, std::uint32_t asked) const;
 
   const PixelRect& rect() const { return tile_.rect; }
   const AovPixels& aovs() const { return tile_.aovs; }
   std::ptrdiff_t placeOf(int x, int y) const { return tile_.placeOf(x, y); }
-  /// Red of a pixel; green, blue and alpha are `plane` floats apart, rows four times as many. requires: y in the tile,
-  /// x at most kBeside to the left of it and kBeside - kWide beyond its end, where eight pixels from there on are used.
+  /// Red of pixel (x, y). Green, blue and alpha follow at distances of plane(); rows are 4 plane() apart. requires: y
+  /// in the tile, x0 - kBeside <= x <= x1 + kBeside - kWide, as eight pixels from x on are accessed.
   float* at(int x, int y) { return values_.data() + offsetOf(x, y); }
   std::ptrdiff_t plane() const { return plane_; }
   /// unit: bytes.

@@ -5,7 +5,7 @@
 namespace kiln {
 namespace {
 
-// Visibility is asked once more for each eighth of a cell, by the cell's own order.
+// Visibility is tested once more for each eighth of a cell; the eighths are visited in the cell's own order.
 static_assert(kCellSize / 2 == kSplatCellSize);
 
 struct Walk {
@@ -18,7 +18,7 @@ struct Walk {
   const PixelRect brick_rect = frame.projector->bounds(block.core);
   bool taken = false;  // the planes hold the tile's pixels
 
-  // The node of `level` that covers `box`: 0 is a cell, depth-1 the brick.
+  // Visits the node of `level` that covers `box`: level 0 is a cell, depth - 1 the brick.
   void node(int level, const VoxelBox& box, const PixelRect& rect) noexcept {
     const auto at = [&](int axis) {
       return static_cast<int>(((box.lo[axis] - block.core.lo[axis]) >> level) / kCellSize);
@@ -42,7 +42,8 @@ struct Walk {
     }
   }
 
-  // Asks for all rows of a cell at once: each of them is a line of its own, and in front of it one would wait for it.
+  // Prefetches all rows of a cell. Each row has its own cache line; without the prefetch the loop would wait for each
+  // row in turn.
   void fetch(const VoxelBox& box) const noexcept {
     const std::size_t voxel = sizeOf(block.type);
     const std::byte* const first = block.voxels.data() + static_cast<std::size_t>(block.offsetOf(box.lo)) * voxel;
@@ -58,8 +59,8 @@ struct Walk {
     if (taken || takePixels()) splatCell(frame, block, box, planes, counts);
   }
 
-  // Takes all that the brick's footprints can touch; whether they touch the tile at all. A node's spheres may reach
-  // farther than they do.
+  // Copies all pixels of the tile that the brick's footprints can touch into the planes. Returns false if there are
+  // none: the bounding spheres of a node can reach farther than the footprints.
   bool takePixels() noexcept {
     const PixelRect touched = intersection(brick_rect, tile.rect);
     if (touched.empty()) return false;
@@ -67,7 +68,7 @@ struct Walk {
     return taken = true;
   }
 
-  // Whether nothing of `box`, which is seen within `bounds`, can be seen in this tile.
+  // Returns true if no voxel of `box`, whose projection lies in `bounds`, can be visible in this tile.
   bool skipped(const VoxelBox& box, const PixelRect& bounds, int level) noexcept {
     if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
     const PixelRect rect = intersection(bounds, tile.rect);

@@ -1,5 +1,6 @@
-// The lower part of the one octree, for one tile of the image: from a brick down to its cells, front to back, each cell
-// splatted into the tile.
+// Traversal of one brick's min-max octree for one image tile, from the brick down to its cells, front to back. Every
+// visible cell is splatted into the tile.
+// Source: Lee and Ihm §2.4.
 #pragma once
 
 #include "engine/shared/draw_counts.h"
@@ -8,9 +9,11 @@
 
 namespace kiln {
 
-/// Splats by way of `planes`, whoever's pixels they held before. requires: `planes` has room for the tile. thread:
-/// tiles of one brick run at the same time; each touches its own pixels and planes only. `log` may be null; not null,
-/// it is told of every node asked about, and one tile runs at a time.
+/// Splats the brick `block` into `tile`; overwrites `planes`, which serve as scratch memory. `log` may be null;
+/// otherwise every tested node is added to it.
+/// requires: `planes` has room for the tile.
+/// thread: tiles of one brick may run in parallel, each with its own pixels and planes; with a log only one tile runs
+/// at a time.
 void walkTile(const SplatContext& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
               DrawCounts& counts, NodeLog* log) noexcept;
 

@@ -1,4 +1,5 @@
-// What kernels ask of a batch of footprints together. Compiled once for each instruction set; hence no #pragma once.
+// Helpers shared by the kernels that handle a batch of footprints. Compiled once for each instruction set; hence no
+// #pragma once.
 #if defined(KILN_SPLAT_VOXEL_BATCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_VOXEL_BATCH_INL_H
 #undef KILN_SPLAT_VOXEL_BATCH_INL_H
@@ -23,13 +24,13 @@ namespace {
 
 using DB = hn::CappedTag<std::int32_t, kVoxelBatch>;
 
-// f(n) for each bit n.
+// Calls f(n) for each set bit n.
 template <class F>
 HWY_INLINE void forEachBit(std::uint32_t bits, F f) {
   for (; bits != 0; bits &= bits - 1) f(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
-// The rectangle around those of a batch that have their bit.
+// Returns the bounding rectangle of the footprints whose bit is set.
 HWY_INLINE PixelRect rectAround(const ProjectedVoxels& voxels, std::uint32_t of) {
   const DB d;
   const auto none = hn::Set(d, std::numeric_limits<std::int32_t>::max());

@@ -6,11 +6,11 @@
 namespace kiln {
 namespace {
 
-// Rounding must not put a pixel into a phase that the footprint does not reach: it would be drawn without having been
-// asked about. unit: pixels.
+// Margin at the footprint's end. Without it, rounding could give weight to a pixel outside the footprint's rectangle,
+// whose visibility was not tested. unit: pixels.
 constexpr double kRounding = 1e-4;
 
-// shape: for each phase, `pixels` and as many zeros as are `beside`, which are before the first phase, too.
+// Tabulates the weights along one axis. shape: `beside` zeros, then for each phase `pixels` weights and `beside` zeros.
 std::vector<float> weightsAlong(double half, int pixels, int beside) {
   const double sigma = half / kFootprintRadius;
   const auto zeros = static_cast<std::size_t>(beside);
@@ -24,7 +24,7 @@ std::vector<float> weightsAlong(double half, int pixels, int beside) {
     };
     double sum = 0;
     for (int i = 0; i < pixels; ++i) sum += weightOf(i);
-    // One that lies between two pixels' centres and reaches neither shows nothing.
+    // A footprint between two pixel centres that reaches neither contributes nothing.
     for (int i = 0; i < pixels; ++i) out.push_back(static_cast<float>(sum > 0 ? weightOf(i) / sum : 0));
     out.resize(out.size() + zeros);
   }
@@ -34,9 +34,9 @@ std::vector<float> weightsAlong(double half, int pixels, int beside) {
 }  // namespace
 
 bool VoxelFootprint::fits(const Ellipse& ellipse) {
-  // Of a product of Gaussians a mixed part as small as this changes nothing in single precision.
+  // A mixed term this small does not change a product of Gaussians in single precision.
   const bool straight = std::abs(ellipse.b) <= 1e-6f * std::sqrt(ellipse.a * ellipse.c);
-  // Of a width below n pixels, at most n have their centres within it.
+  // An interval shorter than n pixels contains at most n pixel centres.
   return straight && 2 * ellipse.half_x < kColumns && 2 * ellipse.half_y < kRows;
 }
 

@@ -1,7 +1,10 @@
-// The footprint of a voxel where it is the same all over the picture, but for where in a pixel it lies, and its axes
-// are the picture's: in orthographic views of cubic voxels, or along an axis of any. It is a row of weights times a
-// column of weights, each of them read from a table of phases: what Lee and Ihm call a footprint table. Weights are
-// those of the middle of a phase, and sum to one whatever the phase.
+// Footprint table for orthographic views in which all footprints have equal, axis-aligned ellipses: cubic voxels, or
+// any voxels seen along an axis.
+// Method. A Gaussian is separable, so a footprint is a row of weights times a column of weights. Both are read from
+// tables indexed by phase, the position of the footprint's centre inside a pixel. Weights are computed for the middle
+// of a phase.
+// Invariant. The weights of every phase sum to one.
+// Source: Lee and Ihm (footprint table); Westover 1990.
 #pragma once
 
 #include <vector>
@@ -12,30 +15,31 @@ namespace kiln {
 
 class VoxelFootprint {
  public:
-  /// Parts of a pixel that are told from one another: a weight is off by up to half a hundredth of the largest.
+  /// Phases per pixel. The quantization error of a weight is at most 0.5 % of the largest weight.
   static constexpr int kPhases = 128;
-  /// The most pixels along each axis.
+  /// Largest footprint along each axis. unit: pixels.
   static constexpr int kColumns = 8, kRows = 16;
-  /// A vector of pixels may begin before a footprint, and end behind it.
+  /// Zeros around a row of weights: a vector of pixels may begin before a footprint and end behind it.
   static constexpr int kBeside = 8;
 
-  /// Whether it is the footprint of all voxels of an orthographic view whose ellipse this is.
+  /// Returns true if one table serves all voxels of an orthographic view with this ellipse.
   static bool fits(const Ellipse& ellipse);
-  /// requires: it fits.
+  /// requires: fits(ellipse).
   explicit VoxelFootprint(const Ellipse& ellipse);
 
-  /// The phase of a footprint whose first pixel is so far from its centre, along the axis with this half width.
+  /// Returns the phase of a footprint. `from_centre` is the offset from the centre to the first pixel's centre, `half`
+  /// the half width along the axis. unit: pixels.
   static int phaseOf(float from_centre, float half) {
     const int phase = static_cast<int>((from_centre + half) * static_cast<float>(kPhases));
     return phase < 0 ? 0 : phase < kPhases ? phase : kPhases - 1;
   }
-  /// Weights from the footprint's first pixel on, then zeros; none but zeros beyond the pixels whose centres are within
-  /// the half width. shape: kColumns, and kBeside zeros before and behind them; kRows.
+  /// Weights from the footprint's first pixel on, then zeros. Pixels whose centres lie beyond the half width have a
+  /// weight of zero. shape: kColumns, with kBeside zeros before and after them; kRows.
   const float* columns(int phase) const {
     return &columns_[static_cast<std::size_t>(kBeside + phase * (kColumns + kBeside))];
   }
   const float* rows(int phase) const { return &rows_[static_cast<std::size_t>(phase * kRows)]; }
-  /// No product of a row's weight and a column's is above this.
+  /// Upper bound of the product of a row weight and a column weight.
   float most() const { return most_; }
 
  private:

@@ -1,4 +1,4 @@
-// What footprints of voxels put over pixels: light, weights and opacities of a batch. Compiled once for each
+// Light, pixel weights and opacities of a batch of footprints; README.md, equations (2) to (5). Compiled once for each
 // instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_VOXEL_WEIGHTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_VOXEL_WEIGHTS_INL_H
@@ -22,13 +22,13 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t kChunk = 16;  // pixels whose weights are found together
-// A footprint of up to this many pixels is normalised by the sum of its weights; beyond, the sum is its integral to
-// within 1e-3.
+constexpr std::size_t kChunk = 16;  // pixels weighted together
+// Largest footprint that is normalised by the sum of its weights. Beyond it the integral replaces the sum, with a
+// relative error of at most 1e-3. unit: pixels.
 constexpr int kSmall = 256;
 
-// Columns and rows of the pixels of footprints of up to eight columns, one row after the other without gaps: with gaps
-// a footprint of five columns and rows would take three vectors, and so it takes two.
+// Column and row of each pixel in a footprint of up to eight columns, stored row by row without gaps. Without gaps a
+// footprint of 5×5 pixels takes two vectors instead of three.
 constexpr int kPacked = 8, kPackedRows = 16;
 struct PackedPixels {
   alignas(64) float column[kPacked][kPacked * kPackedRows], row[kPacked][kPacked * kPackedRows];
@@ -43,15 +43,16 @@ constexpr PackedPixels kPixels = [] {
   }
   return out;
 }();
-// Of a row, so many pixels are blended together; rows of footprint tables are as long.
+// Pixels of a row that are blended together; also the length of a row in the footprint tables.
 constexpr int kWide = TilePlanes::kWide;
 static_assert(VoxelFootprint::kColumns == kWide && VoxelFootprint::kRows <= kPackedRows);
 using D8 = hn::CappedTag<float, static_cast<std::size_t>(kWide)>;
 using V8 = hn::Vec<D8>;
 using M8 = hn::Mask<D8>;
 
-// A batch, step by step for all of it, so that no voxel's sums and quotients keep the next one waiting. Where weights
-// are of a table (`kOfTable`), opacities are found row by row, or those of a whole footprint.
+// Light, weights and opacities of a batch. Each step handles all voxels before the next step begins, so that sums and
+// quotients of different voxels overlap in the pipeline. With a table (`kOfTable`) opacities are computed either row by
+// row or for a whole footprint.
 class WeighedVoxels {
  public:
   WeighedVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded)
@@ -64,26 +65,28 @@ class WeighedVoxels {
     }
   }
 
-  // Of each its weights, or where they are too many their sum; then opacities.
+  // Computes weights, or only their sum if a footprint has too many pixels, and then opacities.
   void weigh(std::uint32_t drawn) {
     float* to = weights_ + kBeside;
     forEachBit(drawn, [&](std::size_t n) { to = weighOne(n, to); });
     forEachBit(drawn, [&](std::size_t n) { makeOpaque(n); });
   }
-  // The same out of the table: eight opacities a row.
+  // Computes opacities from the table, eight per row.
   void weighByTable(std::uint32_t drawn) {
     float* to = weights_ + kBeside;
     forEachBit(drawn, [&](std::size_t n) { to = makeOpaqueOfTable(n, to); });
   }
 
-  // Whether all of them are so thin that opacityOfThin is theirs, where weights are of the table.
+  // Returns true if all drawn voxels are thin enough for opacityOfThin. Only meaningful with a table.
   bool areThin(std::uint32_t drawn) const { return (drawn & ~thin_) == 0; }
-  // Whether opacities of some are not kept but found row by row; those of voxel n that are, and null.
+  // Returns true if opacities of some footprint are not stored but computed row by row; opacities(n) is null for such a
+  // voxel.
   bool anyLarge() const { return any_large_; }
   const float* opacities(std::size_t n) const { return q_.weights[n]; }
   float light(std::size_t channel, std::size_t n) const { return q_.light[channel][n]; }
 
-  // Those of a voxel over the pixels from (x, y) on, zero beside its footprint. requires: row y has some of it.
+  // Opacities of voxel n at the pixels from (x, y) on, zero outside its footprint. requires: row y intersects the
+  // footprint.
   template <bool kOfTable, bool kIsThin>
   HWY_INLINE V8 opacities(std::size_t n, int x, int y) const {
     const D8 d;
@@ -101,29 +104,29 @@ class WeighedVoxels {
     }
   }
 
-  // Sixteen of a row from a column of the footprint on.
+  // Computes sixteen opacities of a row, starting at column `first` of the footprint.
   HWY_INLINE void opacitiesOfChunk(std::size_t n, int first, int row, float* to) const {
     weighChunk(n, first, row, to);
     makeOpaque(n, to, kChunk);
   }
 
  private:
-  // Of each voxel: the logarithm of a weight, to base 2, is xx dx² + xy dx dy + yy dy².
+  // Intermediate results per voxel. The base-2 logarithm of a weight is xx dx² + xy dx dy + yy dy².
   struct Prepared {
     alignas(64) float xx[kVoxelBatch], xy[kVoxelBatch], yy[kVoxelBatch];
     alignas(64) std::int32_t column[kVoxelBatch], row[kVoxelBatch];  // phases of the footprint table
     alignas(64) float depth[kVoxelBatch];                            // optical depth times pixels
     alignas(64) float light[3][kVoxelBatch];
-    float sum[kVoxelBatch];       // of weights
-    float* weights[kVoxelBatch];  // then opacities; null where they are found row by row
+    float sum[kVoxelBatch];       // sum of the weights
+    float* weights[kVoxelBatch];  // weights, later opacities; null if computed row by row
   };
 
   static constexpr float kMostDepth = 1e30f;
-  static constexpr float kHalfLog = -0.72134752f;  // of e, to base 2
-  // The logarithm at the footprint's end.
+  static constexpr float kHalfLog = -0.72134752f;  // -1/2 log2(e)
+  // Base-2 logarithm of the weight at the footprint's end.
   static constexpr float kLeastLog = kHalfLog * static_cast<float>(kFootprintRadius * kFootprintRadius);
 
-  // A vector of voxels.
+  // Prepares one vector of voxels.
   HWY_INLINE void prepareVector(std::size_t n) {
     const D d;
     const V one = hn::Set(d, 1.0f);
@@ -145,7 +148,7 @@ class WeighedVoxels {
     }
     V red, green, blue, tau;
     hn::LoadInterleaved4(d, s_.material + 4 * n, red, green, blue, tau);
-    // Where it is infinite, pixels beside the footprint, with a weight of zero, would be more than clear.
+    // With infinite depth, a pixel outside the footprint (weight 0) would get an opacity of NaN.
     depth = hn::Min(hn::Mul(tau, depth), hn::Set(d, kMostDepth));
     hn::Store(depth, d, q_.depth + n);
     if (w_.footprint != nullptr)
@@ -162,7 +165,7 @@ class WeighedVoxels {
     hn::Store(blue, d, q_.light[2] + n);
   }
 
-  // VoxelFootprint::phaseOf.
+  // Vector form of VoxelFootprint::phaseOf.
   HWY_INLINE static void phases(const float* from_centre, float half, std::int32_t* to) {
     const D d;
     const DI di;
@@ -185,7 +188,7 @@ class WeighedVoxels {
     hn::Store(hn::Mul(scale, xx), d, q_.yy + n);
   }
 
-  // The weights of pixels by column and row.
+  // Weights of the pixels at `column` and `row` of the footprint. Equation (3).
   HWY_INLINE V weightsOf(std::size_t n, V column, V row, M in_footprint) const {
     const D d;
     const V dx = hn::Add(hn::Set(d, p_.dx[n]), column), dy = hn::Add(hn::Set(d, p_.dy[n]), row);
@@ -195,7 +198,8 @@ class WeighedVoxels {
                               exp2Of(d, hn::Min(log, hn::Zero(d))));
   }
 
-  // Finds the weights of a voxel and their sum; where they are few enough they are kept at `to`. The next one's place.
+  // Computes the weights of a voxel and their sum. Stores small sets of weights at `to`. Returns the next free
+  // position.
   HWY_INLINE float* weighOne(std::size_t n, float* to) {
     const int columns = p_.width(n), rows = p_.height(n);
     if (HWY_LIKELY(columns <= kPacked && rows <= kPackedRows)) return weighPacked(n, to);
@@ -226,7 +230,7 @@ class WeighedVoxels {
     return to + (pixels + kChunk - 1) / kChunk * kChunk;
   }
 
-  // Of larger ones weights are found row by row, twice: for their sum, and when they are drawn.
+  // Footprints with more pixels compute their weights twice, row by row: for the sum, and again when they are drawn.
   HWY_NOINLINE float sumOfRows(std::size_t n) const {
     const D d;
     alignas(64) float sums[kChunk] = {}, chunk[kChunk];
@@ -248,7 +252,7 @@ class WeighedVoxels {
     }
   }
 
-  // Of every sixteenth weight to that of all: halves are added until one is left.
+  // Adds sixteen partial sums by halving, in a fixed order.
   HWY_INLINE static float sumOf(const float* sums) {
     const D8 d8;
     const hn::CappedTag<float, 4> d4;
@@ -261,20 +265,20 @@ class WeighedVoxels {
     return (four[0] + four[2]) + (four[1] + four[3]);
   }
 
-  // The footprint's integral over the plane, cut off at the radius: 2 pi (1 - exp(-radius² / 2)) over the root of the
-  // quadratic form's determinant.
+  // Integral of the footprint over the plane, cut off at the radius: 2 π (1 - exp(-radius² / 2)) / sqrt(determinant of
+  // the quadratic form).
   float areaOf(std::size_t n) const {
     const float a = q_.xx[n] / kHalfLog, b = q_.xy[n] / (2 * kHalfLog), c = q_.yy[n] / kHalfLog;
     return 6.21338519f / std::sqrt(a * c - b * b);
   }
 
-  // From weights to opacities.
+  // Replaces weights by opacities. Equations (4) and (5).
   HWY_INLINE void makeOpaque(std::size_t n) const {
     if (q_.weights[n] != nullptr) makeOpaque(n, q_.weights[n], static_cast<std::size_t>(p_.width(n) * p_.height(n)));
   }
   HWY_INLINE void makeOpaque(std::size_t n, float* weights, std::size_t count) const {
     const D d;
-    // No weight is above one.
+    // No weight exceeds one, so this is an upper bound of the optical depth.
     const float most = q_.sum[n] > 0 ? q_.depth[n] / q_.sum[n] : 0.0f;
     const V scale = hn::Set(d, most);
     if (most <= kThin) {
@@ -286,7 +290,7 @@ class WeighedVoxels {
       hn::Store(opacityOf(d, hn::Mul(hn::Load(d, weights + i), scale)), d, weights + i);
   }
 
-  // The opacities of a footprint out of the table, at `to`: eight a row. The next one's place.
+  // Stores the opacities of a footprint from the table at `to`, eight per row. Returns the next free position.
   HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) {
     q_.weights[n] = to;
     return (thin_ >> n & 1) != 0 ? makeOpaqueOfTable<true>(n, to) : makeOpaqueOfTable<false>(n, to);
@@ -310,9 +314,9 @@ class WeighedVoxels {
   const ProjectedVoxels& p_;
   const ShadedVoxels& s_;
   Prepared q_;
-  std::uint32_t thin_ = 0;  // bits of those whose opacities are opacityOfThin's, where weights are of a table
-  bool any_large_ = false;  // whether weights of one are found row by row
-  // A vector of pixels may begin before a footprint's row, and end behind it.
+  std::uint32_t thin_ = 0;  // with a table: mask of the voxels that use opacityOfThin
+  bool any_large_ = false;  // some footprint computes its weights row by row
+  // Margin: a vector of pixels may begin before a footprint's row and end behind it.
   static constexpr std::size_t kBeside = kChunk;
   alignas(64) float weights_[kBeside + kVoxelBatch * kPacked * kPackedRows + kBeside];
 };
