@@ -1,6 +1,6 @@
-// What a picture tells of its pixels beside colour, while they are drawn: sums over what a pixel shows, each part of it
-// weighted by the opacity that it adds, as its premultiplied colour is. A pixel that is closed is divided by its alpha,
-// so that sums over alpha are means all the way.
+// AOV planes of a tile while it is drawn: sums of depth and normal, each contribution weighted by the opacity it adds,
+// like premultiplied colour.
+// Invariant. A closed pixel's sums are divided by its alpha, as its colour is, so that sum / alpha is always the mean.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace kiln {
 
-/// A pixel's first hit is where its alpha passes this.
+/// Alpha at which a pixel has its first hit.
 inline constexpr float kHitAlpha = 0.5f;
 
-/// The planes of a tile; null where nobody asked. shape: each points at the tile's first pixel, a float a pixel, rows
-/// as far apart as the tile's, which is `stride` / 4 floats.
+/// AOV planes of a tile; null if not requested. shape: pointers to the tile's first pixel, one float per pixel, rows
+/// `stride` / 4 floats apart (the tile's stride).
 struct AovPixels {
-  float* first = nullptr;  // depth of the first hit; anything where alpha is less than kHitAlpha. unit: world
+  float* first = nullptr;  // depth of the first hit; undefined while alpha < kHitAlpha. unit: world
   float* mean = nullptr;   // sum of depths. unit: world
   float* normal[3]{};      // sum of unit vectors in view space
 
@@ -23,7 +23,7 @@ struct AovPixels {
     const auto at = [&](float* plane) { return plane == nullptr ? nullptr : plane + pixels; };
     return {at(first), at(mean), {at(normal[0]), at(normal[1]), at(normal[2])}};
   }
-  /// `pixel` becomes more by what adds `depth` and `normal`, both premultiplied, and is then scaled.
+  /// Adds premultiplied depth and normal to a pixel, then multiplies the pixel's sums by `scale`.
   void add(std::ptrdiff_t pixel, float depth, const glm::vec3& unit, float scale) const {
     if (mean != nullptr) mean[pixel] = scale * (mean[pixel] + depth);
     if (normal[0] == nullptr) return;

@@ -1,5 +1,5 @@
-// Classification as the kernel asks for it: colour and extinction of a value, by one table look-up for 8 and 16 bits
-// and by segment for wider types; and whether a range of values holds anything at all, for the octree. Both are exact.
+// Classification: colour and extinction of a value, and whether a range of values contains a visible value (for the
+// octree). Values of 8 and 16 bits take one table look-up, wider types a search for the segment. Both are exact.
 #pragma once
 
 #include <cmath>
@@ -21,10 +21,10 @@ struct Material {
 
 class Classifier {
  public:
-  /// `unit` is the length that opacities are per. `range` bounds the values that will be asked for.
+  /// `unit` is the length that opacities refer to. `range` bounds the values of later calls.
   Classifier(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
-  /// requires: `value` inside the range given.
+  /// Material of a value. requires: `value` inside the range given to the constructor.
   template <class T>
   Material at(T value) const {
     if constexpr (sizeof(T) <= 2) {
@@ -34,8 +34,8 @@ class Classifier {
     }
   }
 
-  /// Whether a value has an opacity above zero, which NaN has not, as a function that a loop may keep. requires: values
-  /// inside the range given, or NaN; that this outlives it.
+  /// Returns a predicate that a loop may keep: the value's opacity is above zero; false for NaN. requires: values
+  /// inside the constructor's range, or NaN; the classifier outlives the predicate.
   template <class T>
   auto shows() const {
     if constexpr (sizeof(T) <= 2) {
@@ -50,17 +50,17 @@ class Classifier {
     }
   }
 
-  /// The values of types of up to 16 bits that show something, where all between two do and no other.
+  /// Interval of visible values, if a type has up to 16 bits and its visible values are contiguous.
   struct Interval {
     int lo, hi;
   };
   const std::optional<Interval>& shownInterval() const { return shown_interval_; }
 
-  /// Whether some value of the range may have an opacity above zero. Conservative only at a step of the function.
-  /// cost: a binary search over the function's points.
+  /// Returns true if a value of `range` may have an opacity above zero. Exact, except conservative at a step of the
+  /// function. cost: a binary search over the function's points.
   bool interesting(const ValueRange& range) const;
 
-  /// Whether values are labels, whose gradients are of their opacities.
+  /// Returns true for label volumes, whose gradients are gradients of opacity.
   bool ofLabels() const { return !function_.labels.empty(); }
   float opacityOf(double label) const { return static_cast<float>(function_.at(label).opacity); }
 
@@ -69,10 +69,10 @@ class Classifier {
 
   TransferFunction function_;
   double unit_;
-  std::vector<std::size_t> opaque_points_before_;  // prefix sums of points with an opacity above zero
+  std::vector<std::size_t> opaque_points_before_;  // prefix sums: points with an opacity above zero
   int first_ = 0;
   std::vector<Material> table_;
-  std::vector<std::uint8_t> shown_;  // of the table's entries: what fits a cache where those do not
+  std::vector<std::uint8_t> shown_;  // visible entries of the table, small enough for the cache
   std::optional<Interval> shown_interval_;
 };
 

@@ -1,5 +1,5 @@
-// Weights of the four voxels at -1, 0, 1 and 2 around a place t, 0 <= t < 1, of the cubic filters.
-// Source: Catmull and Rom, A class of local interpolating splines, 1974.
+// Weights of cubic filters for the four voxels at -1, 0, 1 and 2 around a position t, 0 <= t < 1. Source: Catmull and
+// Rom 1974.
 #pragma once
 
 #include <array>

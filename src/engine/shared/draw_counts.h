@@ -6,10 +6,10 @@
 namespace kiln {
 
 struct DrawCounts {
-  std::uint64_t visited = 0;  // interesting voxels, or samples, with their centre in the tile
-  std::uint64_t splats = 0;   // those of them that were drawn
+  std::uint64_t visited = 0;  // interesting voxels or samples with their centre in the tile
+  std::uint64_t splats = 0;   // visited voxels or samples that were drawn
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
-  bool changed = false;  // whether a pixel may be another than before
+  bool changed = false;  // a pixel may have changed
   void add(const DrawCounts& other) {
     visited += other.visited;
     splats += other.splats;

@@ -1,4 +1,4 @@
-// The last voxels of a coarser level, which the volume fills only in part.
+// Last voxels of a coarser level, which the volume fills only in part.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// Where a coarser level ends: the last voxel along an axis covers only a part of its length where the volume's extent
-/// is no multiple of a coarse voxel, and holds so much less material.
+/// Fraction of the last voxel that the volume fills, per axis. Below 1 if the volume's extent is no multiple of a
+/// coarse voxel; the voxel's material is scaled by the fraction.
 struct EndVoxels {
   VoxelCoord last{-1, -1, -1};
   glm::dvec3 part{1};

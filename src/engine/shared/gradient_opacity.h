@@ -1,5 +1,5 @@
-// Opacity that depends on how fast the values change: the transfer function's factor over the length of the gradient,
-// prepared once for each level of a frame.
+// Opacity by gradient length: the transfer function's factor for the length of a sample's gradient. Prepared once for
+// each level of a frame.
 #pragma once
 
 #include <cmath>
@@ -13,9 +13,9 @@ namespace kiln {
 
 class GradientOpacity {
  public:
-  /// Leaves every opacity as it is.
+  /// Leaves opacities unchanged.
   GradientOpacity() = default;
-  /// `unit` is the length that opacities are per. requires: the function outlives this.
+  /// `unit` is the length that opacities refer to. requires: `function` outlives the object.
   GradientOpacity(const TransferFunction& function, double unit, const Projector& level)
       : function_(function.gradient_opacity.empty() ? nullptr : &function),
         unit_(unit),
@@ -23,8 +23,8 @@ class GradientOpacity {
 
   bool active() const { return function_ != nullptr; }
 
-  /// The extinction of a sample whose value has extinction `tau`: its opacity per unit times the factor. never above
-  /// tau. unit: 1 / world; the gradient value per voxel of the level.
+  /// Extinction of a sample: opacity per unit length times the factor, never above `tau`. unit: 1 / world; gradient:
+  /// value per voxel of the level.
   float operator()(float tau, const glm::vec3& index_gradient) const {
     const double factor =
         function_->gradientFactor(glm::length(view_from_index_gradient_ * glm::dvec3(index_gradient)));

@@ -1,7 +1,8 @@
-// Lanes of vectors as bits, and moved about where Highway's own words for it are slow: under AVX2 a gather is as slow
-// as eight loads, and Compress of Highway 1.0.3, which Debian 12 has, copies its table to the stack at each call, which
-// with AVX2's of 1 KiB took a quarter of a frame of the pixel lattice. Compiled once for each
-// instruction set; hence no #pragma once.
+// Masks as integers, lane packing and table look-up, for cases in which Highway's own operations are slow. Compiled
+// once for each instruction set; hence no #pragma once.
+// AVX2: a gather is as slow as eight loads.
+// Highway 1.0.3 (Debian 12): Compress copies its table to the stack at each call; with AVX2's table of 1 KiB this took
+// a quarter of a frame of the pixel lattice.
 #if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_LANES_INL_H
 #undef KILN_SPLAT_LANES_INL_H
@@ -20,7 +21,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A bit a lane. requires: at most 16 lanes.
+// Returns the mask as an integer, one bit per lane. requires: at most 16 lanes.
 template <class Tag>
 HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
   std::uint8_t bytes[8] = {};
@@ -30,7 +31,7 @@ HWY_INLINE std::uint32_t bitsOf(Tag d, hn::Mask<Tag> mask) {
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
 
-// Of each set of eight lanes, or of four, their numbers one after the other.
+// For each set of up to eight lanes, the lane numbers in ascending order.
 struct LaneOrders {
   alignas(64) std::uint8_t of[256][8];
 };
@@ -45,7 +46,8 @@ constexpr LaneOrders kLaneOrders = [] {
   return out;
 }();
 
-// The lanes that a mask has, moved to the front of any number of vectors. What is behind them is anything.
+// Moves the lanes of a mask to the front of a vector; lanes behind them are undefined. Reusable for any number of
+// vectors.
 class Packing {
  public:
   HWY_INLINE explicit Packing(M lanes) {
@@ -73,7 +75,7 @@ class Packing {
 
 #endif
 
-// Entries of a table of sixteen, all of which can be read. requires: 0 <= index < 16.
+// Looks up entries of a table of sixteen readable entries. requires: 0 <= index < 16.
 template <class DT>
 HWY_INLINE hn::Vec<DT> lookUp(DT d, const hn::TFromD<DT>* HWY_RESTRICT table, VI index) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86

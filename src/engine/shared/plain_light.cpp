@@ -7,13 +7,13 @@ namespace kiln {
 
 namespace {
 
-// The power of two that brings a size near one.
+// Returns the power of two that brings `size` near one.
 float factorToOne(float size) { return std::ldexp(1.0f, -std::clamp(std::ilogb(size), -120, 120)); }
 
 }  // namespace
 
 GradientScale::GradientScale(float noise) {
-  // As it is where squares are far from a float's ends.
+  // Keep a factor of 1 unless squares come near the limits of a float.
   if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
   const float scaled = noise * factor;
   least_squared = scaled * scaled;

@@ -1,5 +1,5 @@
-// The light of most pictures, one white headlight, as kernels take it that go by vectors. Other lights are the
-// Shader's, a sample at a time.
+// Light of most pictures, a single white headlight, in the form that vector kernels need. `Shader` computes all other
+// lights, one sample at a time.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -9,29 +9,30 @@
 
 namespace kiln {
 
-/// Gradients are multiplied by a power of two before they are squared, whose squares floats hold of values from 1e-30
-/// to 1e30 a voxel; and the square, so multiplied, below which one has no direction.
+/// Scale and noise threshold of gradients. Gradients are multiplied by `factor`, a power of two, so that their squares
+/// fit floats for values from 1e-30 to 1e30 per voxel. A scaled square of at most `least_squared` has no direction.
 struct GradientScale {
   float factor = 1, least_squared = 0;
   GradientScale() = default;
-  /// `noise`: the length below which a gradient has no direction. unit: value per voxel.
+  /// `noise`: length below which a gradient has no direction. unit: value per voxel.
   explicit GradientScale(float noise);
 };
 
-/// Of equal directions, so that squares of its coordinates are what floats hold, too.
+/// Returns `m` scaled by a power of two so that its largest entry is near one and squares of products with it fit
+/// floats.
 glm::mat3 withoutLength(const glm::mat3& m);
 
 struct PlainLight {
   bool phong = false;
   float ambient = 0, diffuse = 0, specular = 0, power = 0;
   GradientScale gradient;
-  glm::mat3 view_from_index_gradient{1};  // its length says nothing
+  glm::mat3 view_from_index_gradient{1};  // directions only; scaled by withoutLength
 };
 
-/// Whether nothing of `shading` is more than a PlainLight.
+/// Returns true if PlainLight can represent `shading`.
 bool isPlain(const Shading& shading);
 
-/// Of a level; without phong where that is not all. `gradient_noise` as Shader has it.
+/// Light for one level; without phong if `shading` is not plain. `gradient_noise`: see Shader.
 PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level);
 
 }  // namespace kiln

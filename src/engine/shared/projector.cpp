@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// Rectangles are widened by this, so that rounding in a footprint's own arithmetic never leaves them. unit: pixels.
+// Margin of rectangles for rounding errors in a footprint's own arithmetic. unit: pixels.
 constexpr double kRounding = 0.01;
 
 Ellipse ellipseOf(double xx, double xy, double yy) {
@@ -41,8 +41,8 @@ VisitingOrder orderOf(const VolumeGeometry& volume, const View& view) {
   return VisitingOrder::parallel(glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0.0)), spacing);
 }
 
-// The first pixel whose centre is at `v` or beyond, and the one after the last whose centre is not beyond it: no other
-// takes light from a footprint up to there. Every node asks for it, and without SSE4.1 std::floor is a call.
+// Range of pixels whose centres lie in [v0, v1]; other pixels take no light from a footprint with this extent. floorOf
+// replaces std::floor, which is a call without SSE4.1; every tested node needs it.
 int floorOf(double v) {
   const int towards_zero = static_cast<int>(v);
   return towards_zero - (v < towards_zero ? 1 : 0);
@@ -56,8 +56,8 @@ PixelRect rectOf(double x0, double y0, double x1, double y1) {
 constexpr PixelRect kEverywhere = {-static_cast<int>(kFar_px), -static_cast<int>(kFar_px), static_cast<int>(kFar_px),
                                    static_cast<int>(kFar_px)};
 
-// What a ball's projection spans along one axis of the image, as slopes: the two tangents through the eye to a circle
-// of `radius` around (x, z). requires: z > radius.
+// Interval of slopes that a ball projects to along one image axis: the two tangents through the eye to the circle of
+// `radius` around (x, z). requires: z > radius.
 struct Slopes {
   double lo, hi;
 };
@@ -67,12 +67,12 @@ Slopes tangents(double x, double z, double radius) {
   return {(x * z - root) * scale, (x * z + root) * scale};
 }
 
-// A footprint's variance along an image axis is s² (C_aa - 2 u C_az + u² C_zz), s = f/z: convex in the slope u, so
-// largest at an end of its interval, and largest at the nearest depth.
+// Variance of a footprint along an image axis: s² (C_aa - 2 u C_az + u² C_zz) with s = f/z. The variance is convex in
+// the slope u, so its maximum is at an end of the slope interval and at the nearest depth.
 struct AxisVariance {
   double own, mixed, depth;  // C_aa, C_az, C_zz
   double at(double u) const { return own + u * (u * depth - 2 * mixed); }
-  // Of a footprint between two slopes. unit: pixels.
+  // Upper bound of the half width of footprints between two slopes. unit: pixels.
   double halfWidth(double s, double u0, double u1) const {
     const double first = at(u0), last = at(u1), most = first > last ? first : last;
     return kFootprintRadius * std::sqrt(s * s * most + kPixelSigma * kPixelSigma) + kRounding;
@@ -81,23 +81,23 @@ struct AxisVariance {
 
 AxisVariance varianceAlong(const glm::dmat3& c, int axis) { return {c[axis][axis], c[2][axis], c[2][2]}; }
 
-// Boxes side by side, so that each step is a vector of them.
+// Eight boxes in structure-of-arrays form: each step is a vector operation over all boxes.
 constexpr int kBoxes = std::tuple_size_v<Projector::Boxes>;
 using Lanes = double[kBoxes];
 
-// What eight boxes of voxels are under a perspective: their corners' slopes x/z and y/z, widened by a footprint.
+// Extents of eight boxes of voxels in perspective: slopes x/z and y/z of their corners, widened by a footprint.
 struct BoxSpans {
   Lanes lo[2], hi[2];  // unit: pixels from the centre
   Lanes nearest, farthest;
 };
 struct CornerInput {
   glm::dvec3 origin, axis[3];  // Projector::viewOf
-  Lanes first[3], edge[3];     // voxels; from the first to the last one
+  Lanes first[3], edge[3];     // first voxel; distance from the first to the last voxel
   double focal;
   AxisVariance variance[2];
 };
 KILN_VECTORS void spanBoxes(const CornerInput& in, BoxSpans& out) noexcept {
-  Lanes corner[3][8];  // corner k has the far end of axis a where bit a of k is set
+  Lanes corner[3][8];  // bit a of the corner's number selects the far end of axis a
   const auto lanes = [](auto f) {
     for (int i = 0; i < kBoxes; ++i) f(i);
   };
@@ -164,7 +164,7 @@ Projector::Projector(const VolumeGeometry& volume, const View& view, ProjectedAr
 
 Ellipse Projector::ellipseAt(const glm::dvec3& p) const {
   if (!perspective_) return parallel_ellipse_;
-  // J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the projection's derivative at p.
+  // J C Jᵀ with J = f/z [1 0 -u; 0 1 -v], the derivative of the projection at p.
   const double s = focal_px_ / p.z * (focal_px_ / p.z);
   const double u = p.x / p.z;
   const double v = p.y / p.z;
@@ -206,9 +206,9 @@ double Projector::longestDiagonal(const glm::dvec3& edges) const {
   return std::max({glm::length(x + y + z), glm::length(x + y - z), glm::length(x - y + z), glm::length(x - y - z)});
 }
 
-// Lee and Ihm §2.2.3: the box around the projection of the sphere through the corners of the node's cube. That sphere
-// need not hold the footprints of voxels at the corners, so a second one is taken around the voxels' centres, its
-// rectangle is widened by a footprint, and the larger of the two counts: the answer is conservative.
+// Bounding rectangle of the sphere through the corners of the node's cube (Lee and Ihm §2.2.3). This sphere need not
+// contain the footprints of corner voxels. Therefore a second sphere around the voxel centres is projected and widened
+// by a footprint, and the larger rectangle is returned.
 PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
   const glm::dvec3 edges(box.extent().x, box.extent().y, box.extent().z);
   const glm::dvec3 centre = 0.5 * (viewOf(box.lo) + viewOf({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1}));
@@ -236,7 +236,7 @@ PixelRect Projector::boundsOfSphere(const VoxelBox& box) const {
   return rectOf(x.lo, y.lo, x.hi, y.hi);
 }
 
-// Along each axis of the image, edges of the box that go its way lead from the least to the greatest.
+// Along each image axis the box's extent is the sum of its projected edges, positive and negative edges separately.
 PixelRect Projector::boundsInParallel(const VoxelBox& box) const {
   glm::dvec2 lo(viewOf(box.lo)), hi = lo;
   const auto reach = [&](const glm::dvec3& axis, std::int64_t voxels) {
@@ -252,7 +252,7 @@ PixelRect Projector::boundsInParallel(const VoxelBox& box) const {
   return rectOf(lo.x, lo.y, hi.x, hi.y);
 }
 
-// Slopes say nothing where a depth is not above zero.
+// Slopes are undefined for depths of zero or less; boxes that reach in front of the near depth get the whole plane.
 Projector::Rects Projector::boundsInPerspective(const Boxes& boxes) const {
   CornerInput in{origin_, {axis_x_, axis_y_, axis_z_}, {}, {}, focal_px_, {}};
   for (int i = 0; i < kBoxes; ++i) {

@@ -1,6 +1,6 @@
-// What kernels of all lattices compute of their samples, a vector of them at a time: exponentials, and the light of a
-// headlight. Without approximate operations, and fused where it says so: every instruction set gives the same bits.
-// Compiled once for each instruction set; hence no #pragma once.
+// Vector functions of samples for all engines: exponentials, logarithm, and the light of a headlight. No approximate
+// operations, fused only where written: every instruction set returns equal bits. Compiled once for each instruction
+// set; hence no #pragma once.
 #if defined(KILN_SPLAT_SAMPLE_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_SAMPLE_MATH_INL_H
 #undef KILN_SPLAT_SAMPLE_MATH_INL_H
@@ -31,7 +31,7 @@ struct Vector {
   V x, y, z;
 };
 
-// a b + c, rounded once, as std::fma is; also where the processor cannot.
+// Returns a b + c, rounded once like std::fma, also on processors without the instruction.
 HWY_INLINE float fused(float a, float b, float c) {
 #if HWY_NATIVE_FMA
   return std::fma(a, b, c);
@@ -40,7 +40,7 @@ HWY_INLINE float fused(float a, float b, float c) {
 #endif
 }
 #if !HWY_NATIVE_FMA && HWY_TARGET != HWY_SCALAR
-// Of half a vector's floats, a b + c in doubles, and whether one of these is halfway between two floats.
+// a b + c of half a vector's floats in double precision, and a mask of sums halfway between two floats.
 template <class DD>
 struct SumsInDoubles {
   hn::Vec<DD> sum;
@@ -61,7 +61,7 @@ HWY_INLINE Floats fused(Floats a, Floats b, Floats c) {
 #else
   const hn::DFromV<Floats> d;
 #if HWY_TARGET != HWY_SCALAR
-  // fusedInDoubles, but for those that it rounds in another way.
+  // Vector form of fusedInDoubles; vectors with a case of double rounding take the scalar path below.
   const hn::Half<decltype(d)> half;
   const hn::Rebind<double, decltype(half)> dd;
   const auto lower = sumsInDoubles(dd, hn::LowerHalf(half, a), hn::LowerHalf(half, b), hn::LowerHalf(half, c));
@@ -76,7 +76,7 @@ HWY_INLINE Floats fused(Floats a, Floats b, Floats c) {
   return hn::Load(d, of_c);
 #endif
 }
-// c - a b; fused() of -a, as changing a sign rounds nothing.
+// Returns c - a b, rounded once. Negating `a` is exact.
 template <class Floats>
 HWY_INLINE Floats fusedLess(Floats a, Floats b, Floats c) {
 #if HWY_NATIVE_FMA
@@ -86,13 +86,13 @@ HWY_INLINE Floats fusedLess(Floats a, Floats b, Floats c) {
 #endif
 }
 
-// From a, where t is 0, to b, where it is 1.
+// Linear interpolation from a (t = 0) to b (t = 1).
 template <class Floats>
 HWY_INLINE Floats between(Floats a, Floats b, Floats t) {
   return fused(t, hn::Sub(b, a), a);
 }
 
-// 2^x = whole + whole · rest, `whole` a power of two, for -126 <= x <= 0; to 2e-6 of its value.
+// 2^x = whole + whole · rest for -126 <= x <= 0, `whole` a power of two. Relative error 2e-6.
 template <class DF>
 struct Power {
   hn::Vec<DF> whole, rest;
@@ -101,7 +101,7 @@ template <class DF>
 HWY_INLINE Power<DF> powerOf(DF d, hn::Vec<DF> x) {
   using F = hn::Vec<DF>;
   const hn::RebindToSigned<DF> di;
-  // Added, it leaves the nearest whole number in the last bits.
+  // Adding 3 · 2^22 leaves the nearest integer in the last bits.
   const F rounder = hn::Set(d, 12582912.0f);  // 3 · 2^22
   const F rounded = hn::Add(x, rounder);
   const F f = hn::Sub(x, hn::Sub(rounded, rounder));
@@ -120,11 +120,11 @@ HWY_INLINE hn::Vec<DF> exp2Of(DF d, hn::Vec<DF> x) {
   return fused(p.whole, p.rest, p.whole);
 }
 
-// log2 of 0 < x <= 1, to 2e-6.
+// log2(x) for 0 < x <= 1. Error 2e-6.
 HWY_INLINE V log2Of(D d, V x) {
   const DI di;
   const VI bits = hn::BitCast(di, x);
-  // The mantissa in [sqrt(1/2), sqrt(2)).
+  // Split off the exponent so that the mantissa is in [sqrt(1/2), sqrt(2)).
   const VI e = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3f3504f3)));
   const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(e)));
   const V s = hn::Div(hn::Sub(m, hn::Set(d, 1.0f)), hn::Add(m, hn::Set(d, 1.0f)));
@@ -136,15 +136,15 @@ HWY_INLINE V log2Of(D d, V x) {
   return fused(s, p, hn::ConvertTo(d, e));
 }
 
-// 1 - exp(-x) for x >= 0. Where exp(-x) is nearer to one than to a half it is `rest` alone, so that thin media keep
-// their digits.
+// 1 - exp(-x) for x >= 0. If exp(-x) is nearer to 1 than to 1/2, the result is `rest` alone, so that thin media keep
+// their precision.
 template <class DF>
 HWY_INLINE hn::Vec<DF> opacityOf(DF d, hn::Vec<DF> x) {
   const Power<DF> p = powerOf(d, hn::Max(hn::Mul(x, hn::Set(d, -1.44269504f)), hn::Set(d, -120.0f)));
   return fusedLess(p.whole, p.rest, hn::Sub(hn::Set(d, 1.0f), p.whole));
 }
 
-// The same for x up to kThin, in half of the operations; to 1e-6 of its value.
+// 1 - exp(-x) for 0 <= x <= kThin, with half the operations of opacityOf. Relative error 1e-6.
 constexpr float kThin = 0.35f;
 template <class DF>
 HWY_INLINE hn::Vec<DF> opacityOfThin(DF d, hn::Vec<DF> x) {
@@ -157,19 +157,20 @@ HWY_INLINE hn::Vec<DF> opacityOfThin(DF d, hn::Vec<DF> x) {
   return hn::Mul(x, p);
 }
 
-// Where samples are seen: across, over depth in perspective, and how long a ray is to there per depth.
+// View direction of samples: u = x/z, v = y/z, and oblique = 1 / cos θ, the length of a ray per unit of depth.
+// Orthographic: 0, 0, 1.
 struct Sight {
   V u, v, oblique;
 };
 
-// What a colour is multiplied by, and what is added to it, where the gradient says how it is lit; where it does not,
-// `matte` and `gloss` stay.
+// Phong light of a headlight: colour · matte + gloss. Samples whose gradient has no direction keep their `matte` and
+// `gloss`. Source: Blinn 1977.
 HWY_INLINE void lightOn(D d, const PlainLight& light, bool perspective, const Vector& slope, const Sight& sight,
                         V& matte, V& gloss) {
   const V factor = hn::Set(d, light.gradient.factor);
   const V gx = hn::Mul(slope.x, factor), gy = hn::Mul(slope.y, factor), gz = hn::Mul(slope.z, factor);
   const auto squared = [](V a, V c, V e) { return fused(a, a, fused(c, c, hn::Mul(e, e))); };
-  // False where it is NaN, too.
+  // False for NaN, too.
   const M lit = hn::And(hn::Gt(squared(gx, gy, gz), hn::Set(d, light.gradient.least_squared)),
                         hn::Lt(squared(gx, gy, gz), hn::Set(d, 1e38f)));
   const glm::mat3& m = light.view_from_index_gradient;

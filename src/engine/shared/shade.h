@@ -1,6 +1,6 @@
-// Shading, the same for every kernel: what scene/shading.h says. All that no sample changes is prepared once for each
-// level of a frame; what is left is inline and does not fail. A headlight, which most pictures have alone, costs one
-// product and one power.
+// Phong shading of a sample, as scene/shading.h defines it, shared by all engines. Parameters that are constant over
+// samples are computed once for each level of a frame; the inline rest cannot fail. A single headlight, the common
+// case, costs one product and one power. Source: Blinn 1977. Differs: normals turn towards the eye.
 #pragma once
 
 #include <algorithm>
@@ -20,17 +20,18 @@
 
 namespace kiln {
 
-/// A gradient shorter than this part of the values that are told apart per voxel is noise: such a sample is not shaded.
+/// Noise threshold of gradients, as a fraction of the classified range per voxel. Samples with shorter gradients are
+/// not shaded.
 inline constexpr double kGradientNoise = 1e-5;
-/// That of a volume of such values. unit: value per voxel.
+/// Noise threshold of a volume. unit: value per voxel.
 inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& function) {
-  // Of labels it is the gradient of their opacity.
+  // Gradients of labels are gradients of opacity, whose range is 1.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
   const ValueRange range = classifiedRange(function, manifest.range);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 
-/// Linear light.
+/// unit: linear light.
 struct Color {
   float r, g, b;
 };
@@ -38,26 +39,25 @@ struct Color {
 class Shader {
  public:
   Shader() = default;
-  /// `gradient_noise` is the length below which a gradient has no direction. unit: value per voxel of `level`.
+  /// `gradient_noise`: length below which a gradient has no direction. unit: value per voxel of `level`.
   Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level);
 
-  /// The light that a sample of `material` sends to the eye. `index_gradient` is along the axes of the level,
-  /// `view_point` where the sample is. unit: value per voxel; world, in view space.
+  /// Light that a sample of `material` at `view_point` sends to the eye. `index_gradient` is along the axes of the
+  /// level. unit: gradient: value per voxel; view_point: world, in view space.
   Color operator()(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
     const glm::vec3 scaled = gradient_.factor * index_gradient;
     if (!phong_ || !(glm::dot(scaled, scaled) > gradient_.least_squared)) return {material.r, material.g, material.b};
     return lit(material, scaled, view_point);
   }
 
-  /// The same where `index_normal` is no measured gradient but has a direction for certain: a clip plane's. requires: a
-  /// length above zero.
+  /// Light of a sample on a cut face. `index_normal` is the clip plane's normal, so no noise threshold applies.
+  /// requires: a length above zero.
   Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     if (!phong_) return {material.r, material.g, material.b};
     return lit(material, index_normal, view_point);
   }
 
-  /// The normal that such a sample is lit by, turned towards the eye, of unit length, in view space; 0 where it is not
-  /// shaded for want of a direction.
+  /// Unit normal in view space, turned towards the eye; 0 if the gradient has no direction.
   glm::vec3 normal(const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
     const glm::vec3 scaled = gradient_.factor * index_gradient;
     if (!(glm::dot(scaled, scaled) > gradient_.least_squared)) return glm::vec3(0);
@@ -71,7 +71,7 @@ class Shader {
  private:
   struct ViewLight {
     bool point;
-    glm::vec3 place;  // towards it, of unit length, or where it is
+    glm::vec3 place;  // unit vector towards the light (directional) or position (point)
     glm::vec3 color;
   };
 
@@ -105,7 +105,7 @@ class Shader {
   float ambient_ = 0, diffuse_ = 0, specular_ = 0, power_ = 0;
   GradientScale gradient_;
   glm::mat3 view_from_index_gradient_{1};
-  glm::vec3 headlight_{0};  // the sum of all at the eye
+  glm::vec3 headlight_{0};  // sum of all headlights
   std::vector<ViewLight> lights_;
 };
 

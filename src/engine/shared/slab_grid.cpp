@@ -9,25 +9,25 @@
 namespace kiln {
 namespace {
 
-// Slabs are no thinner, and by default no thicker where voxels are small. unit: pixels.
+// Limits of the slab thickness at the default sample distance; kThickest applies to small voxels. unit: pixels.
 constexpr double kThinnest = 0.5, kThickest = 1;
-// The same of the smallest sub-pixels, which may be larger than voxels.
+// Least thickness for the finest sub-pixels, which may be larger than voxels. unit: pixels.
 constexpr double kThinnestOfFinest = 0.25;
-// From which edge of a voxel on they may be thicker: there is no detail left that they could miss. unit: pixels.
+// Voxel edge from which slabs may be thicker than kThickest: there is no finer detail to miss. unit: pixels.
 constexpr double kMagnified = 4;
-// From which edge of a coarser level's voxel on a sample is a point: below, it stands for all values that the voxel may
-// hide (the interval that the kernel classifies). unit: pixels.
+// Voxel edge of a coarser level from which a sample is a point. Below, a sample stands for all values that the voxel
+// may hide (the kernel classifies an interval). unit: pixels.
 constexpr double kPointEdge = 1;
 constexpr int kZonesOfOctave = 8;
 
-// Around each slope there is a rim as wide as a slab, which shows where it is wider than a pixel and than a part of a
-// voxel. unit: pixels.
+// Returns the slab thickness for a voxel edge. An edge in the picture has a rim as wide as a slab; the rim is visible
+// if it is wider than a pixel and than a fraction of a voxel. unit: pixels.
 double spacingFor(double edge_px, double distance) {
   const double most = std::max(kThickest, edge_px / kMagnified) * (distance / kSampleDistance);
   return std::min(edge_px * distance, most);
 }
 
-// Depths that the volume spans, its voxels' cubes included.
+// Returns the least and the greatest depth of the volume, with whole voxel cubes.
 std::array<double, 2> depthsOf(const VolumeGeometry& geometry, const View& view) {
   std::array<double, 2> out = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const glm::dvec3& corner : geometry.corners()) {
@@ -38,9 +38,9 @@ std::array<double, 2> depthsOf(const VolumeGeometry& geometry, const View& view)
   return out;
 }
 
-// Slabs of a parallel view that hold the depths from `nearest` to `farthest`, two more in front and behind. Borders of
-// slabs are multiples of the thickness from the view's origin, which turns about the volume's centre (nearVolume): so a
-// turned picture has its samples where the one before had them, and flickers least.
+// Slabs of a parallel view that contain the depths [nearest, farthest], plus two slabs on either side. Slab borders are
+// multiples of the thickness from the view's origin, which turns about the volume's centre (nearVolume). A turned view
+// therefore keeps its sample positions and flickers least.
 struct ParallelSlabs {
   double near;
   int count;
@@ -50,7 +50,7 @@ ParallelSlabs parallelSlabs(double nearest, double farthest, double thickness) {
   return {near, static_cast<int>(std::ceil((farthest - near) / thickness)) + 2};
 }
 
-// Level and thickness where a world length of 1 is at most `scale` pixels.
+// Level and thickness at a scale of at most `scale` pixels per world unit.
 SlabZone slabsAt(double scale, const ZonedVolume& zoned, std::optional<int> level) {
   const Manifest& volume = *zoned.manifest;
   SlabZone out;
@@ -63,7 +63,7 @@ SlabZone slabsAt(double scale, const ZonedVolume& zoned, std::optional<int> leve
   return out;
 }
 
-// As many slabs of about this thickness as fill a zone.
+// Number of slabs of about `thickness` that fill a zone.
 int slabsIn(double width, double thickness) {
   return std::max(1, static_cast<int>(std::lround(std::min(width / thickness, double{kMostRaySlabs}))));
 }
@@ -74,7 +74,7 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
   const std::array<double, 2> depths = depthsOf(volume.manifest->geometry(), view);
   if (view.projection == Projection::kOrthographic) {
     SlabZone zone = slabsAt(view.focal_px, volume, level);
-    // Up to six more are beside it.
+    // parallelSlabs adds up to six slabs.
     zone.thickness = std::max(zone.thickness, (depths[1] - depths[0]) / (kMostRaySlabs - 6));
     const ParallelSlabs slabs = parallelSlabs(depths[0], depths[1], zone.thickness);
     zone.near = slabs.near;
@@ -90,7 +90,8 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
       const double width = std::ldexp(1.0, exponent) / kZonesOfOctave;
       const double near = std::ldexp(1.0, exponent) + eighth * width;
       if (near + width <= volume.near_depth || near > depths[1] * 1.1) continue;
-      // In front of the volume by more than slabs reach. (A level that is asked for may have voxels of any size.)
+      // Zones more than a quarter of their depth in front of the volume hold no samples. Does not apply to a given
+      // level, whose voxels may have any size.
       if (!level && (near + width) * 1.25 < depths[0]) continue;
       SlabZone zone = slabsAt(view.focal_px / near, volume, level);
       zone.near = near;
@@ -109,7 +110,7 @@ struct Depths {
   double near, far;
 };
 
-// Where the volumes' samples may be. unit: world, along the view.
+// Depths that samples of each volume may have. unit: world, along the view.
 std::vector<Depths> drawnDepths(std::span<const ZonedVolume> volumes, const View& view) {
   std::vector<Depths> out;
   for (const ZonedVolume& volume : volumes) {
@@ -120,12 +121,12 @@ std::vector<Depths> drawnDepths(std::span<const ZonedVolume> volumes, const View
   return out;
 }
 
-// The slabs of the volumes that reach into depths [near, far), a slab of theirs more on either side; they are as thick
-// as the thinnest.
+// Slabs of the volumes that reach into the depths [near, far), extended by two of their own slabs on either side. All
+// have the thickness of the thinnest.
 struct SharedSlabs {
   std::vector<SlabZone> volumes;
   std::vector<bool> reaches;
-  double thickness = std::numeric_limits<double>::infinity();  // infinite where no volume reaches
+  double thickness = std::numeric_limits<double>::infinity();  // infinite if no volume reaches into the depths
 };
 SharedSlabs sharedSlabs(double scale, double near, double far, std::span<const ZonedVolume> volumes,
                         std::span<const Depths> depths, std::optional<int> level) {
@@ -140,7 +141,7 @@ SharedSlabs sharedSlabs(double scale, double near, double far, std::span<const Z
   return out;
 }
 
-// Appends [near, near + slabs · thickness) as zones of at most kMostSharedSlabs.
+// Appends [near, near + slabs · thickness) as zones of at most kMostSharedSlabs slabs.
 void addShared(const SharedSlabs& shared, double near, double thickness, int slabs,
                std::vector<std::vector<SlabZone>>& out) {
   const int parts = (slabs + kMostSharedSlabs - 1) / kMostSharedSlabs;

@@ -1,8 +1,10 @@
-// The slabs of a frame: image-parallel layers half a pixel thick or more (of sub-pixels a quarter), the same for all
-// bricks and tiles, in whose middles rays have samples. Their thickness and the pyramid's level follow depth by zones.
-// An orthographic view has one zone; in perspective a zone is an eighth of an octave of depth, so that the zone of a
-// depth is read off its bits, and within a zone all is uniform. Levels are thus decided by depth alone: where two of
-// them meet, they meet in a plane between two slabs, whatever the bricks, tiles or crop.
+// Slabs of a frame: layers parallel to the picture; a ray has one sample in the middle of each slab.
+// Problem. Sample positions and pyramid levels must not depend on bricks, tiles or the crop.
+// Method. Slabs are at least half a pixel thick (a quarter for sub-pixels). Slab thickness and level depend on depth
+// alone and are constant within a zone. An orthographic view has one zone. In perspective a zone is an eighth of an
+// octave of depth, so that a depth's exponent and first bits select its zone.
+// Invariant. Two levels meet in a plane between two slabs.
+// Source: Mueller and Crawfis 1998 (image-parallel slabs). Differs: one sample per pixel and slab, on the pixel's ray.
 #pragma once
 
 #include <array>
@@ -18,13 +20,13 @@ namespace kiln {
 
 struct SlabZone {
   double near = 0, far = 0;  // depths [near, far). unit: world, along the view
-  double thickness = 1;      // of a slab: slab s of the zone is near + [s, s + 1) * thickness
+  double thickness = 1;      // thickness of a slab: slab s covers near + [s, s + 1) * thickness
   int slabs = 0;
-  int level = 0;  // of the pyramid
-  /// Whether samples stand for the values of a voxel that is smaller than a pixel and hides finer ones.
+  int level = 0;  // pyramid level
+  /// A sample stands for all values of a voxel that is smaller than a pixel and hides finer voxels.
   bool intervals = false;
 
-  /// The first slab of the zone with its centre at `depth` or beyond; 0 and `slabs` where there is none.
+  /// First slab of the zone whose centre is at `depth` or beyond, clamped to [0, slabs].
   int slabFrom(double depth) const {
     const double s = (depth - near) / thickness - 0.5;
     return s <= 0      ? 0
@@ -33,24 +35,24 @@ struct SlabZone {
   }
 };
 
-/// Slabs of a zone, at the most: in views of larger volumes they are thicker.
+/// Most slabs in a zone; in views of larger volumes slabs are thicker.
 inline constexpr int kMostRaySlabs = 1 << 17;
 
-/// A volume, and what decides its slabs.
+/// A volume and the parameters of its slabs.
 struct ZonedVolume {
   const Manifest* manifest = nullptr;
-  double near_depth = 0;                     // what is nearer is not drawn
-  double sample_distance = kSampleDistance;  // Sampling's
-  bool quincunx = false, finest = false;     // the same
+  double near_depth = 0;                     // nearest depth that is drawn
+  double sample_distance = kSampleDistance;  // from Sampling
+  bool quincunx = false, finest = false;     // from Sampling
 };
 
-/// The zones from the nearest to the farthest; levels do not fall on the way. requires: `level`, if given, is one of
-/// the volume's.
+/// Zones from the nearest to the farthest; levels never decrease along the way. requires: `level`, if given, is a level
+/// of the volume.
 std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std::optional<int> level);
 
-/// The same slabs for several volumes. shape: a list for each zone, with one for each volume; where the volume does not
-/// reach, it has no slabs. All others of a zone have the same slabs, as thick as the volume with the thinnest has them,
-/// and kMostSharedSlabs at most.
+/// Slabs shared by several volumes. shape: a list for each zone, with one entry for each volume.
+/// A volume that does not reach into a zone has no slabs in it. All other volumes of a zone have equal slabs: as thick
+/// as the thinnest of their own, at most kMostSharedSlabs per zone.
 std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volumes, const View& view,
                                                std::optional<int> level);
 inline constexpr int kMostSharedSlabs = 32;

@@ -1,4 +1,4 @@
-// A tile of the picture, as the kernels of all lattices draw into it.
+// A tile of the picture as all engines draw it.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,20 @@
 
 namespace kiln {
 
-/// The edge of what one thread draws of a tile at a time, at most: a row is a word. unit: pixels.
+/// Largest edge of the square that a thread draws at a time: a row of pixels fits a 64-bit word. unit: pixels.
 inline constexpr int kSquareEdge = 64;
 
-/// The pixels of one tile. shape: `rgba` points at pixel (rect.x0, rect.y0), rows `stride` floats apart.
+/// Pixels of one tile. shape: `rgba` points to pixel (rect.x0, rect.y0), rows are `stride` floats apart.
 struct TilePixels {
   PixelRect rect;
   float* rgba = nullptr;
   std::ptrdiff_t stride = 0;
   AovPixels aovs;
-  DeepSamples* deep = nullptr;  // of the whole picture's pixels; null where nobody asked
+  DeepSamples* deep = nullptr;  // samples of the whole picture's pixels; null if not requested
 
-  /// Of pixel (x, y), counted from the first one. requires: in `rect`.
+  /// Index of pixel (x, y), counted from the tile's first pixel. requires: (x, y) in `rect`.
   std::ptrdiff_t placeOf(int x, int y) const { return (y - rect.y0) * (stride / 4) + (x - rect.x0); }
-  /// Those of `part` alone. requires: inside of `rect`.
+  /// Returns the tile restricted to `part`. requires: `part` inside `rect`.
   TilePixels of(const PixelRect& part) const {
     const std::ptrdiff_t first = placeOf(part.x0, part.y0);
     return {part, rgba + 4 * first, stride, aovs.from(first), deep};

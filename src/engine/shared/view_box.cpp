@@ -6,7 +6,7 @@
 namespace kiln {
 namespace {
 
-// Places on the view, of which the middle is the last to be added: it is the same for all.
+// Bounding rectangle of projected points. The picture's centre is added at the end, since all points share the offset.
 class Seen {
  public:
   explicit Seen(const Projector& projector) : focal_(projector.focal()), centre_(projector.centre()) {}
@@ -51,7 +51,7 @@ ViewExtent ViewBox::extent() const {
   return seen.all();
 }
 
-// The corners of what two planes leave of a box lie on its edges.
+// Clips the box's twelve edges against both depth planes: the corners of the clipped box lie on the box's edges.
 ViewExtent ViewBox::extentBetween(double near, double far) const {
   Seen seen(projector_);
   for (int axis = 0; axis < 3; ++axis) {

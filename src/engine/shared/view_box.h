@@ -1,4 +1,4 @@
-// A box of voxels in view space, and where it is seen.
+// A box of voxels in view space and its bounding rectangle in the picture.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -8,21 +8,21 @@
 
 namespace kiln {
 
-/// unit: pixels of the image. Of nothing, x1 < x0.
+/// Bounding rectangle. unit: pixels of the image. Empty: x1 < x0.
 struct ViewExtent {
   double x0 = kFar_px, y0 = kFar_px, x1 = -kFar_px, y1 = -kFar_px;
 };
 
-/// The cubes of a box's voxels. unit: world.
+/// Box around the cubes of all voxels of a VoxelBox. unit: world.
 struct ViewBox {
   glm::dvec3 corner, edge[3];
-  double nearest, farthest;  // along the view
+  double nearest, farthest;  // depths along the view
 
-  /// requires: `projector` outlives this.
+  /// requires: `projector` outlives the box.
   ViewBox(const Projector& projector, const VoxelBox& box);
-  /// requires: in perspective nothing of it is behind the eye.
+  /// Bounding rectangle of the whole box. requires: in perspective the box lies in front of the eye.
   ViewExtent extent() const;
-  /// Of what lies in [near, far]. requires: perspective; near > 0.
+  /// Bounding rectangle of the part with depths in [near, far]. requires: perspective; near > 0.
   ViewExtent extentBetween(double near, double far) const;
 
  private:
