@@ -1,6 +1,7 @@
-// One pixel's ray through a level's lattice, and which slabs of a zone lie where on it: a slab is where the ray meets
-// its middle. Whoever asks about a plane of the lattice asks in the same words, whatever brick or part of the volume
-// lies beside it, so that every slab of a pixel is on one side of it.
+// A pixel's ray through a level's lattice, and the slabs of a zone that lie on one side of a lattice plane. A slab's
+// position is the point where the ray meets its middle.
+// Invariant. All callers compute the crossing of a plane with the same operations, so that every slab of a pixel lies
+// on exactly one side of the plane.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace kiln {
 
 class PixelRay {
  public:
-  /// Through the centre of pixel (x, y). requires: `projector` is of the level.
+  /// Ray through the centre of pixel (x, y). requires: `projector` belongs to the level.
   PixelRay(const Projector& projector, int x, int y) {
     const glm::dvec2 across((x + 0.5 - projector.centre().x) / projector.focal(),
                             (y + 0.5 - projector.centre().y) / projector.focal());
@@ -23,7 +24,7 @@ class PixelRay {
       slope_[axis] = projector.perspective() ? row.z + lateral : row.z;
     }
   }
-  /// A place of the ray in the level's index space is base + slope · depth.
+  /// The ray's point at a depth is base + slope · depth, in the level's index space.
   const glm::dvec3& base() const { return base_; }
   const glm::dvec3& slope() const { return slope_; }
 
@@ -36,7 +37,7 @@ struct SlabSpan {
   int first = 0, end = 0;
   bool empty() const { return first >= end; }
 
-  /// Leaves those of the zone whose index coordinate on the ray is `at` or more (`above`), or less.
+  /// Keeps the slabs whose index coordinate along `axis` is at least `at` (with `above`) or less than `at`.
   void cut(const SlabZone& zone, const PixelRay& ray, int axis, double at, bool above) {
     const double base = ray.base()[axis], slope = ray.slope()[axis];
     if (slope == 0) {

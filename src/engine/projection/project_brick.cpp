@@ -10,19 +10,20 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The stretch of a ray in a box of voxels, in the volume and inside the clipping. unit: depth.
+// Interval of a ray inside a box of voxels, the volume and the clip region. unit: depth.
 struct RayPart {
   double near, far;
   bool empty() const { return !(near < far); }
 };
 
-// A box and its neighbour compute the plane between them with the same operations, so that no sample is in both.
+// Clips the ray. A box and its neighbour compute their common plane with equal operations, so that no sample is in both
+// boxes.
 RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
   RayPart out{frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity, kInfinity};
   for (int axis = 0; axis < 3; ++axis) {
     const double base = ray.base()[axis], slope = ray.slope()[axis];
     const double lo = static_cast<double>(box.lo[axis]) - 0.5;
-    // The last voxel of a coarser level may reach beyond level 0.
+    // The last voxel of a coarser level may reach beyond the end of level 0.
     const double hi = box.hi[axis] == frame.dims[axis] ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5;
     if (slope == 0) {
       if (base < lo || base >= hi) return {0, 0};
@@ -41,14 +42,14 @@ SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
   return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
 }
 
-// True where the stretch contains the middle of a slab of any zone.
+// Returns true if the interval contains the middle of a slab of any zone.
 bool hasMiddle(const RayFrame& frame, const RayPart& part) {
   return std::any_of(frame.zones.begin(), frame.zones.end(),
                      [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
 }
 
-// Returns a slab that covers all of `whole` where `whole` passes between the samples of the frame's zones, as in a clip
-// thinner than the sample step. The slab's one sample is at the middle of `whole`.
+// Returns a slab that covers all of `whole` if `whole` passes between the samples of all zones, as in a clip region
+// thinner than the sample distance. The slab's sample is at the middle of `whole`.
 std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
   if (whole.empty() || hasMiddle(frame, whole)) return std::nullopt;
   const SlabZone slab{whole.near, whole.far, whole.far - whole.near, 1};
@@ -58,15 +59,16 @@ std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
   return drawn ? std::optional(slab) : std::nullopt;
 }
 
-// Returns the weight of a sample in a mean: the slab's thickness, at the ends of the ray the part of it in `whole`.
+// Returns the weight of a sample in a mean: the slab's thickness, or for the first and last slab of a ray the part
+// inside `whole`.
 double lengthOf(const SlabZone& zone, int slab, const RayPart& whole) {
   const double begin = zone.near + slab * zone.thickness, end = begin + zone.thickness;
   const bool first = begin - 0.5 * zone.thickness < whole.near, last = end + 0.5 * zone.thickness >= whole.far;
   return (last ? whole.far : end) - (first ? whole.near : begin);
 }
 
-// From a to b. A voxel without weight is neither: it may be NaN. A fraction has no more bits than a float, so that
-// rounding does not lead beyond a and b, but of values with more bits than that.
+// Interpolates from a to b. A voxel of weight 0 may be NaN and is ignored. Fractions have float precision, so that
+// rounding does not leave [a, b] unless the values have more bits than a float.
 template <class T>
 double between(double a, double b, double fraction) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -91,7 +93,7 @@ class BrickRays {
       last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
   }
 
-  // For means `whole` is all of the ray; else `length` is null.
+  // Takes the samples of `span`. For means `whole` is the ray's whole interval; otherwise `length` is null.
   void take(const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
             double* length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
@@ -102,7 +104,7 @@ class BrickRays {
       int cell[3];
       double leaves_at = kInfinity;
       for (int axis = 0; axis < 3; ++axis) {
-        // Rounding may put a sample on a face beyond it, where it has the same voxels.
+        // Rounding may put a sample just behind the brick's last face; it belongs to the last cell.
         cell[axis] = std::clamp(static_cast<int>((place[axis] + 0.5) * (1.0 / kCellSize)), 0, last_cell_[axis]);
         if (ray.slope()[axis] == 0) continue;
         const int face = (cell[axis] + (ray.slope()[axis] > 0 ? 1 : 0)) * static_cast<int>(kCellSize);
@@ -137,7 +139,7 @@ class BrickRays {
  private:
   static double depthOf(const SlabZone& zone, int slab) { return zone.near + (slab + 0.5) * zone.thickness; }
 
-  // The same arithmetic in every brick. No place is below -1/2, but by rounding.
+  // Interpolates linearly with equal arithmetic in every brick. requires: place >= -1/2, up to rounding.
   double valueAt(const glm::dvec3& place) const {
     VoxelCoord voxel;
     double part[3];
@@ -164,8 +166,8 @@ class BrickRays {
   int last_cell_[3];
 };
 
-// Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` that may change, and for each zone where it
-// has samples in `core`. For means `whole` is what of the ray may have samples; else `length` is null.
+// Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` that may change and each zone with samples
+// in `core`. For means `whole` is the ray's interval in the whole volume; otherwise `length` is null.
 template <class Take>
 void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
                 ProjectedValues& values, Take take) noexcept {
@@ -228,7 +230,7 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                  held = bound;
                  return;
                }
-               // As sample after sample of such a brick would, to the bit.
+               // Add sample by sample as projectBrick would, for equal bits.
                for (int slab = span.first; slab < span.end; ++slab) {
                  const double share = lengthOf(zone, slab, whole);
                  held += value * share;

@@ -1,9 +1,9 @@
-// The kernel of `--mode mip|minip|average`: one brick in one tile. A zone's slabs are as thick as samples are apart: a
-// pixel takes, of each slab whose middle its ray meets in the brick, the value there, interpolated linearly. A ray
-// whose whole stretch inside the clipping lies between two samples has one at the stretch's middle. Places are counted
-// in the level's index space and slabs in the zone, so that a sample is the same bit for bit whatever brick or tile it
-// is taken in; and a pixel's samples are taken from front to back in each brick, so that with bricks in that order sums
-// are, too.
+// Projects the values of one brick into one tile: kernel of `--mode mip|minip|average`.
+// Method. The zones' slabs are as thick as the distance of samples. For each slab whose middle lies in the brick, a
+// pixel takes the value at the middle, interpolated linearly. If a ray's whole interval inside the clip region lies
+// between two samples, the ray has a single sample in the interval's middle.
+// Invariant. Positions are counted in the level's index space and slabs in the zone, so that a sample has equal bits in
+// every brick and tile. A pixel's samples of a brick are taken front to back, so that sums are, too, if bricks are.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -17,25 +17,26 @@
 
 namespace kiln {
 
-/// What all bricks and tiles of a level share.
+/// Parameters that all bricks and tiles of a level share.
 struct RayFrame {
-  std::vector<SlabZone> zones;           // of the level, near to far; samples at the middles of their slabs
-  const Projector* projector = nullptr;  // of the level
-  const ClipRegion* clip = nullptr;      // the same
-  Extent3 dims;                          // the same
-  glm::dvec3 end{0};                     // where level 0 ends in the level's index space
+  std::vector<SlabZone> zones;           // zones of the level, near to far; samples are in the middle of slabs
+  const Projector* projector = nullptr;  // belongs to the level
+  const ClipRegion* clip = nullptr;      // belongs to the level
+  Extent3 dims;                          // belongs to the level
+  glm::dvec3 end{0};                     // end of level 0 in the level's index space
 };
 
-/// Whether the ray of pixel (x, y) has a sample of the level in the volume and inside of the clipping.
+/// Returns true if the ray of pixel (x, y) has a sample of the level, inside the volume and the clip region.
 bool hasSample(const RayFrame& frame, int x, int y);
 
-/// Takes the brick's samples into the pixels of `rect`. An extremum is looked for where the range of a cell goes beyond
-/// what the pixel holds, unless `all`. Of the counts, visited are samples on the rays, splats those interpolated, nodes
-/// the cells that rays pass. requires: `rect` of the values; `block` of the frame's level; `bound` of its values.
+/// Takes the brick's samples into the pixels of `rect`. An extremum skips cells whose range does not exceed the pixel's
+/// value, unless `all`. Counts: visited are samples on the rays, splats are interpolated samples, nodes are cells on
+/// the rays. requires: `rect` inside the values' rectangle; `block` of the frame's level; `bound` is
+/// ProjectedValues::bound of the brick's values.
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, DrawCounts& counts) noexcept;
 
-/// The same of a brick all of whose samples are `value`.
+/// Takes a brick whose samples are all `value`, with the bits that projectBrick would give.
 void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, const PixelRect& rect,
                      ProjectedValues& values, DrawCounts& counts) noexcept;
 

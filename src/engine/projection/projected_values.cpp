@@ -24,7 +24,7 @@ PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {
   return {rect.x0 / kBlock, rect.y0 / kBlock, (rect.x1 - 1) / kBlock + 1, (rect.y1 - 1) / kBlock + 1};
 }
 
-// No comparison with NaN is true: nothing is ever greater, and it is never the least.
+// A NaN compares false: no value exceeds it, and update() never selects it as the least.
 void ProjectedValues::leaveOut(int x, int y) {
   if (!mean_) *held(x, y) = kNoValue;
 }

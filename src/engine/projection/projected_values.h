@@ -1,6 +1,5 @@
-// What pixels hold while values are projected: the greatest so far, or the least, or a sum and the length that it is
-// over. A brick that has nothing beyond what its pixels hold is not drawn, and not read: of the extremum, blocks of 8×8
-// pixels know what all of theirs hold at least.
+// State of pixels while values are projected: the greatest or least value so far, or a sum and its length. For extrema,
+// blocks of 8×8 pixels hold a lower bound of their pixels; a brick that exceeds no bound is neither read nor drawn.
 #pragma once
 
 #include <vector>
@@ -13,30 +12,30 @@ namespace kiln {
 
 class ProjectedValues {
  public:
-  /// No pixel of `rect` has a value yet. requires: a mode that projects one.
+  /// Pixels of `rect` without values. requires: a mode that projects values.
   ProjectedValues(Mode mode, const PixelRect& rect);
-  /// What it takes a pixel, and a little more. unit: bytes.
+  /// Upper bound of the memory of a pixel. unit: bytes.
   static std::uint64_t bytesOfPixel(Mode mode) { return mode == Mode::kAverage ? 17 : 9; }
 
   const PixelRect& rect() const { return rect_; }
   bool mean() const { return mean_; }
-  /// Held is `sign` times the value, so that an extremum is always the greatest of what is held.
+  /// Factor of held values: pixels hold sign() · value, so that every extremum is a maximum.
   double sign() const { return sign_; }
-  /// The greatest that may be held of values of the range.
+  /// Upper bound of held values for values of `range`.
   double bound(const ValueRange& range) const { return sign_ > 0 ? range.hi : -range.lo; }
 
-  /// The extremum or the sum, of pixel (x, y) and then to the right. requires: in the rectangle.
+  /// Pointer to the extremum or sum of pixel (x, y); pixels to the right follow. requires: (x, y) in rect().
   double* held(int x, int y) { return &held_[placeOf(x, y)]; }
-  /// The length that the sum is over. requires: mean().
+  /// Length over which the sum of pixel (x, y) runs; pixels to the right follow. requires: mean().
   double* length(int x, int y) { return &length_[placeOf(x, y)]; }
-  /// The pixel will never have a value, and shows no part of the volume.
+  /// Marks a pixel that no sample can reach; the pixel never has a value.
   void leaveOut(int x, int y);
-  /// Pixels of `rect` hold other extrema than before. thread: for rectangles that touch no common block.
+  /// Updates the bounds of blocks after extrema in `rect` changed. thread: safe for rectangles that share no block.
   void update(const PixelRect& rect);
-  /// What every pixel of `rect` holds at least; those left out do not count. thread: as `update`.
+  /// Lower bound of the values held in `rect`; pixels marked by leaveOut do not count. thread: as `update`.
   double least(const PixelRect& rect) const;
 
-  /// NaN where there is none.
+  /// Value of a pixel; NaN if the pixel has none.
   double value(int x, int y) const;
 
  private:
@@ -45,7 +44,7 @@ class ProjectedValues {
     return static_cast<std::size_t>(y - rect_.y0) * static_cast<std::size_t>(rect_.width()) +
            static_cast<std::size_t>(x - rect_.x0);
   }
-  /// The blocks that `rect` touches, counted from the picture's corner, so that tiles share none.
+  /// Blocks that `rect` touches, counted from the picture's corner, so that tiles share no block.
   PixelRect blocksOf(const PixelRect& rect) const;
   std::size_t blockAt(int x, int y) const {
     return static_cast<std::size_t>(y - blocks_.y0) * static_cast<std::size_t>(blocks_.width()) +

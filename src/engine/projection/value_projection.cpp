@@ -12,7 +12,7 @@
 namespace kiln {
 namespace {
 
-// The zones of the pixel lattice, their slabs cut so that samples are at most half a voxel apart, too.
+// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart.
 std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth) {
   std::vector<SlabZone> out = slabZones({&volume, near_depth}, view, level);
   for (SlabZone& zone : out) {
