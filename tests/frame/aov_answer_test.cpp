@@ -1,6 +1,7 @@
-// Depth and normals of what has closed forms: a solid ball, whose surface a ray meets where a quadratic equation says;
-// a uniform medium, where light falls exponentially from where a ray enters; a cut through it, whose normal is the
-// plane's.
+// Depth and normal planes against closed forms. Known, for three scenes:
+// 1. A solid ball: a ray meets the surface at a root of a quadratic equation.
+// 2. A uniform medium: light falls exponentially from the point where a ray enters.
+// 3. A cut through the medium: the normal is the plane's normal.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr int kAovMargin = 3;  // pixels beside a silhouette that are left out
+constexpr int kAovMargin = 3;  // pixels left out beside a silhouette
 
 struct Crossing {
   double begin, end;  // along the ray. unit: world
@@ -55,7 +56,8 @@ struct Pixel {
   Crossing crossing;
 };
 
-// The pixels that see the solid, and whose neighbours all do: it is convex, so the farthest corners stand for them.
+// The pixels that see the solid together with all neighbours. The solid is convex, so testing the farthest corners
+// suffices.
 std::vector<Pixel> pixelsWellInside(const View& view, const Solid& solid) {
   const auto crossingAt = [&](int x, int y) { return solid(rayThrough(view, {x + 0.5, y + 0.5})); };
   std::vector<Pixel> out;
@@ -82,7 +84,7 @@ struct Planes {
   glm::dvec3 normalAt(const Pixel& pixel) const { return {at("N.X", pixel), at("N.Y", pixel), at("N.Z", pixel)}; }
 };
 
-// The departures from what is known, over all pixels. unit: pixels.
+// Errors against the known depth, accumulated over all pixels. unit: pixels.
 struct Departure {
   double worst = 0, sum = 0, squares = 0;
   int count = 0;
@@ -96,10 +98,10 @@ struct Departure {
   double rms() const { return std::sqrt(squares / count); }
 };
 
-// What the planes of a picture of a ball are off by.
+// Errors of the depth and normal planes in a picture of a ball.
 struct BallDeparture {
-  Departure first, mean;     // of Z and depth.mean
-  double largest_angle = 0;  // of a normal. unit: degrees
+  Departure first, mean;     // errors of Z and depth.mean
+  double largest_angle = 0;  // largest error of a normal. unit: degrees
 };
 
 // Light goes some hundredths of a voxel deep.
@@ -119,7 +121,7 @@ class AovValues : public ::testing::TestWithParam<std::tuple<Projection, Lattice
   double depthOf(const Pixel& pixel, double along) const {
     return depthOf(pixel.ray.origin + along * pixel.ray.direction);
   }
-  // What a pixel is wide at a depth. unit: world.
+  // Returns the width of a pixel at a depth. unit: world.
   double pixelAt(double depth) const {
     return (request_.view.projection == Projection::kPerspective ? depth : 1) / request_.view.focal_px;
   }
@@ -156,7 +158,7 @@ TEST_P(AovValues, OfASolidBallAreItsSurface) {
     look(volume, {0.4, -0.8, 0.3}, size);
     const BallDeparture off = departureFromBall(draw(store, request_), centre, radius);
     EXPECT_GT(off.first.count, 300);
-    // The other lattice's footprints are as large as its voxels, of one or two pixels.
+    // On the voxel lattice, footprints are as large as a voxel: one or two pixels.
     EXPECT_LT(std::abs(off.first.mean()), voxels() ? 0.7 : 0.1);
     // A sample on a ray is up to half a slab before or behind a surface.
     EXPECT_LT(off.first.rms(), voxels() ? 1.6 : 0.3);
@@ -206,7 +208,8 @@ TEST_P(AovValues, OfAMediumFollowFromItsExtinction) {
 
 TEST_P(AovValues, OfACutHaveThePlanesNormal) {
   const DenseVolume volume = fill({{20, 20, 20}, VoxelType::u8}, [](auto, auto, auto) { return 100; });
-  const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.5, 0.6, -0.3));  // of what is shown, away from the eye
+  // points into the remaining half, away from the eye
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(-0.5, 0.6, -0.3));
   request_.clipping.planes = {{normal, -glm::dot(normal, glm::dvec3(9.5))}};
   request_.transfer_function = {1, {{0, glm::dvec3(1), 0.9}}};
   look(volume, {0.5, -0.7, 0.3}, 40);
@@ -219,8 +222,8 @@ TEST_P(AovValues, OfACutHaveThePlanesNormal) {
   EXPECT_EQ(Planes{image}.at("depth.mean", corner), std::numeric_limits<float>::infinity());
 }
 
-// Between voxels of R² - r², Catmull-Rom is R² - r² itself; the B-spline averages over a variance of 1/3 along each
-// axis, and is R² - 1 - r². Of either, the gradient is along the radius.
+// Between voxels of the field R² - r², Catmull-Rom interpolation reproduces R² - r². The B-spline averages over a
+// variance of 1/3 along each axis and yields R² - 1 - r². Both gradients point along the radius.
 class AovValuesOfCubics : public AovValues {};
 
 TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
@@ -232,8 +235,7 @@ TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
   });
   const auto store = makeStore(volume, "ball", 16);
   request_.transfer_function = kSolidAboveZero;
-  // Of about one sample a voxel, and of several, more or less far apart, where the two surfaces are a sixth of a pixel
-  // apart and more.
+  // Magnifications from about one sample a voxel to several. The two surfaces are a sixth of a pixel apart or more.
   for (const int size : {40, 162, 180, 202}) {
     look(volume, {0.4, -0.8, 0.3}, size);
     for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
@@ -242,8 +244,8 @@ TEST_P(AovValuesOfCubics, AreTheSurfaceOfTheInterpolation) {
       const BallDeparture off = departureFromBall(draw(store, request_), centre, std::sqrt(radius2 - averages));
       EXPECT_GT(off.first.count, 30);
       EXPECT_LT(std::abs(off.first.mean()), 0.1);
-      // A sample is up to half a slab before or behind the surface: that of a uniform distribution over a pixel is
-      // 0.289.
+      // A sample is up to half a slab before or behind the surface. A uniform distribution over a pixel has a standard
+      // deviation of 0.289.
       EXPECT_LT(off.first.rms(), 0.3);
       EXPECT_LT(off.first.worst, 1);
       EXPECT_LT(std::abs(off.mean.mean()), 0.33);

@@ -1,5 +1,5 @@
-// How many bricks are drawn at a time says how long threads wait for one another, and no more: known from the same
-// frames drawn brick after brick. They stay in memory meanwhile, and leave room to read ahead.
+// The number of bricks drawn at a time changes only how long threads wait for each other, not the picture. Known from
+// frames drawn brick after brick. Bricks in work stay in memory and leave room to read ahead.
 #include <gtest/gtest.h>
 
 #include "base/thread/parallel.h"
@@ -26,7 +26,7 @@ TEST_P(BricksTogether, ChangeNoBit) {
     request.bricks_together = 1;
     FrameStatistics alone;
     const Image truth = renderFrame(store, cache, request, silent, alone);
-    // All of its bricks are in memory now.
+    // All bricks of the volume are in memory now.
     for (const int together : {2, 5, 32}) {
       request.bricks_together = together;
       FrameStatistics statistics;

@@ -1,5 +1,5 @@
-// A crop is a part of the whole picture to the bit: what is drawn of a picture changes nothing in what is drawn. Known
-// from the whole picture itself, for volumes, scenes, methods and rectangles nobody chose.
+// A crop equals the corresponding rectangle of the whole picture to the bit. Known from the whole picture, for random
+// volumes, scenes, methods and rectangles.
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -15,7 +15,8 @@ constexpr ImageSize kCroppedSize{90, 75};  // neither is a multiple of a tile
 constexpr VisibilityMethod kExact[] = {VisibilityMethod::kMask, VisibilityMethod::kNone, VisibilityMethod::kRangeTree,
                                        VisibilityMethod::kOverlay};
 
-// One pixel, a tile's last row, what begins at a tile and ends in one, what no tile's border bounds, all.
+// Rectangles: a single pixel, a tile's last row, from a tile's border into a tile, no border on a tile's border, the
+// whole picture.
 std::vector<PixelRect> cropsOf(std::uint64_t seed) {
   Random random(seed ^ 0x63726f70);
   const auto one = [&](int from, int to) { return random.between(from, to - 1); };

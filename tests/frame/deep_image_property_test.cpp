@@ -1,6 +1,9 @@
-// Deep images. Known: laid over one another, a pixel's samples are the flat pixel, however few are kept and whatever is
-// drawn; they lie one behind the other; crops, tiles, threads and memory change none; and deep images of parts of the
-// volume, put together by depth, are the whole.
+// Deep images. Known:
+// 1. Composited by *over*, a pixel's samples equal the flat pixel, for every scene and every limit on the number of
+// samples.
+// 2. Samples of a pixel do not overlap in depth.
+// 3. Crops, tiles, threads and memory change no sample.
+// 4. Deep images of parts of the volume, merged by depth, equal the deep image of the whole volume.
 #include <ImfChannelList.h>
 #include <ImfDeepScanLineInputFile.h>
 #include <ImfHeader.h>
@@ -148,7 +151,7 @@ RenderJob jobOf(const fs::path& store, const RandomScene& scene) {
   return job;
 }
 
-// OpenEXR's own reader lays deep samples over one another when it is asked for flat rows.
+// OpenEXR's own reader composites deep samples when flat rows are read.
 TEST_F(DeepImages, InFilesFlattenWithinHalfAFloatsRounding) {
   for (std::uint64_t seed = 320; seed < 326; ++seed) {
     RenderJob job = jobOf(store_, randomScene(seed, volume_, kDeepSize));
@@ -179,7 +182,7 @@ TEST_F(DeepImages, InFilesFlattenWithinHalfAFloatsRounding) {
   }
 }
 
-// As compositing programs put deep images together: all samples in the order of their depths.
+// Merges deep images as compositing programs do: all samples in order of depth.
 Image mergedByDepth(const std::vector<Image>& parts) {
   Image out(kDeepSize.width, kDeepSize.height);
   for (int y = 0; y < out.height; ++y) {
@@ -221,12 +224,12 @@ TEST_F(DeepImages, OfPartsMakeTheWhole) {
     worst = std::max(worst, largest), worst_mean = std::max(worst_mean, mean);
   }
   std::printf("deep images of three parts: a pixel is off by %.4f at most, by %.5f in the mean\n", worst, worst_mean);
-  // What the opacity threshold leaves open.
+  // Tolerance: the light behind pixels that reached the opacity threshold.
   EXPECT_LT(worst, 0.0021);
   EXPECT_LT(worst_mean, 0.0001);
 }
 
-// In a medium nothing has edges, and parts of it lie behind each other as slabs do.
+// A medium has no edges, so its parts follow each other in depth like slabs.
 TEST_F(DeepImages, OfPartsOfAMediumAreTheWhole) {
   const auto fog = makeStore(fill({{40, 44, 36}, VoxelType::f32},
                                   [](auto i, auto j, auto k) { return 100.0 + static_cast<double>(i + 2 * j + k); }),

@@ -1,5 +1,5 @@
-// However a frame is drawn, and in however many parts, what is told of it is one step whose count only grows, whose
-// total stays and is reached once, at the end.
+// Progress of a frame, for every way of drawing, is a single step. Its count only grows; its total is constant and
+// reached once, at the end.
 #include <gtest/gtest.h>
 
 #include "base/thread/parallel.h"
@@ -26,7 +26,7 @@ class Listening : public Progress {
   std::vector<Told> told;
 };
 
-// From nothing to all of it, once each.
+// The count runs from zero to the total and reaches both exactly once.
 void expectOneCount(const std::vector<Told>& told, const std::string& step, const std::string& unit) {
   ASSERT_GE(told.size(), 2u);
   EXPECT_EQ(told.front().done, 0u);
@@ -51,7 +51,7 @@ class FrameProgressOf : public ::testing::Test {
     folder_ = makeStore(volume, "a", 16).parent_path();
   }
 
-  // The seventh frame of a job with these keys.
+  // Draws the seventh frame of a job with these keys and returns the progress reports.
   std::vector<Told> drawn(const std::string& keys, unsigned threads) const {
     RenderJob job = parseJob(R"({"image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
     job.speed.threads = threads;
@@ -76,7 +76,7 @@ TEST_F(FrameProgressOf, APictureCountsTheBricksInView) {
   check(R"("volume": "volume.kiln", "lattice": "voxel")");
   check(R"("volume": "volume.kiln", "tile": 0, "visibility": {"method": "range-tree"})");
   check(R"("volume": "volume.kiln", "mode": "mip")");
-  // Known because all of this volume is seen, and nothing is told of what shows nothing.
+  // Known because the whole volume is in view; bricks that show nothing are not counted.
   const std::vector<Told> told = drawn(R"("volume": "volume.kiln", "mode": "mip", "level": 0)", 1);
   EXPECT_EQ(told.front().total, 5u * 4 * 4);
 }
@@ -107,7 +107,7 @@ TEST_F(FrameProgressOf, SeveralVolumesCountTiles) {
   check(volumes + R"(, "samples": 4)", "tiles");
 }
 
-// Tiles that are kept are counted in pixels by whoever keeps them, and by nobody else.
+// Only a checkpoint counts finished tiles, in pixels.
 TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
   RenderJob job = parseJob(R"({"image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
                            folder_ / "job.json");
@@ -119,7 +119,7 @@ TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
   EXPECT_EQ(listening.told.back().total, 600u * 550);
 }
 
-// Known because these are the calls.
+// Known because the test makes the calls itself.
 TEST(PartProgress, TellsOfThoseThatAreDrawnTogether) {
   Listening listening;
   PartProgress part(listening, "bricks", 10);

@@ -1,6 +1,6 @@
-// Levels of detail against two truths: in a uniform medium the closed form, which no level may change, and elsewhere
-// the picture of level 0, from which a coarser voxel differs by what it averages. How much that is depends on the
-// scene; it is printed, and bounded by what was measured and a little more. Pictures stay in the test's output.
+// Levels of detail against two truths. In a uniform medium, the closed form, which no level may change. Elsewhere, the
+// picture of level 0, from which a coarser voxel differs through averaging. The difference depends on the scene; it is
+// printed, and bounded slightly above the measured figure. Pictures stay in the test's output.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ int levelsDrawn(const FrameStatistics& statistics) {
   return out;
 }
 
-// Many frames of one store.
+// A store and its cache, for drawing many frames.
 class Frames {
  public:
   explicit Frames(const fs::path& store) : reader_(store), cache_(reader_, 1ull << 30) {}
@@ -71,7 +71,7 @@ void keep(const Image& a, const Image& b, const std::string& name) {
   std::printf("  %s\n", file.c_str());
 }
 
-// How far a ray runs inside of the volume's box. requires: spacing 1, so that index space is the world.
+// Returns the length of a ray inside the volume's box. requires: spacing 1, so that index space is world space.
 double chord(const Ray& ray, const Extent3& dims) {
   double begin = 0, end = 1e30;
   for (int axis = 0; axis < 3; ++axis) {
@@ -83,9 +83,9 @@ double chord(const Ray& ray, const Extent3& dims) {
   return std::max(0.0, end - begin);
 }
 
-// A picture of fog in a box: optical depths against chord times extinction as parts of their mean, and the largest
-// difference from another picture. Pixels nearer than 3 to the silhouette are left out, and those whose rays cross
-// little more than footprints' ends.
+// Errors of a picture of fog in a box. `mean` and `rms` compare optical depths with chord times extinction, relative to
+// the mean. `largest_difference` compares with another picture. Left out: pixels within 3 of the silhouette, and pixels
+// whose rays cross little more than the ends of footprints.
 struct FogError {
   double mean = 0, rms = 0, largest_difference = 0;
   int pixels = 0;
@@ -117,10 +117,10 @@ FogError fogError(const Image& image, const Image& other, const View& view, cons
   return out;
 }
 
-// A long box of fog, its extents no multiples of a coarse voxel, seen along its length and from aside, the eye also in
-// planes where bricks border on each other: coarse bricks behind and beside fine ones. Neither mean nor pixels may
-// depart from the closed form more than footprints at the rims of the box make them, and where levels meet a pixel
-// departs from level 0's by no more than 3/255.
+// A long box of fog whose extents are no multiples of a coarse voxel, seen along its length and from the side. The eye
+// also lies in planes between bricks, so coarse bricks are behind and beside fine bricks. Only footprints at the rims
+// of the box may cause errors against the closed form. Where levels meet, a pixel differs from level 0 by at most
+// 3/255.
 TEST(LevelOfDetail, UniformMediumHasNoSeams) {
   const Extent3 dims{93, 61, 297};
   constexpr double kTau = 0.004;
@@ -159,9 +159,9 @@ TEST(LevelOfDetail, UniformMediumHasNoSeams) {
   EXPECT_GE(most_levels, 3);
 }
 
-// Known because a ray along a ramp meets every value for the same length: a thin layer's optical depth is the integral
-// of extinction over values by the ramp's slope. A level's voxels are up to nine times as far apart as the layer is
-// wide, so that most of them have values on its two sides.
+// Known because a ray along a ramp crosses every value for an equal length. A thin layer's optical depth is the
+// integral of extinction over values, divided by the ramp's slope. Coarse voxels are up to nine layer widths apart, so
+// most contain values from both sides of the layer.
 TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
   constexpr double kSlope = 6, kMiddle = 400, kHalfWidth = 8;
   const VolumeShape shape{{128, 128, 128}, VoxelType::i16};
@@ -173,7 +173,8 @@ TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
   request.transfer_function.unit = 1;
   request.transfer_function.points = {
       {kMiddle - kHalfWidth, {1, 1, 1}, 0}, {kMiddle, {1, 1, 1}, 0.1}, {kMiddle + kHalfWidth, {1, 1, 1}, 0}};
-  // From aside, so that slabs cut it everywhere. Of tau = -ln(1 - a), a from 0 to 0.1 and back.
+  // View from the side, so that slabs cut the layer everywhere. Integral of tau = -ln(1 - a) for a from 0 to 0.1 and
+  // back.
   const glm::dvec3 from(-1, 0.4, 0.23);
   const double expected = 2 * kHalfWidth / kSlope * (1 + 0.9 / 0.1 * std::log(0.9)) * glm::length(from);
   const Camera camera = cameraFrom(volume.geometry, from, Projection::kOrthographic);
@@ -194,8 +195,9 @@ TEST(LevelOfDetail, AThinLayerKeepsItsOpacity) {
   }
 }
 
-// Known because values rise over a voxel, stay for one and fall over the next, so that the depth across the sheet is an
-// integral over values. No coarse voxel has more than half of the sheet's value, at which next to nothing is shown.
+// Known because values rise over a voxel, stay constant for a voxel and fall over the next. Optical depth across the
+// sheet is therefore an integral over values. Coarse voxels have at most half of the sheet's value, where almost
+// nothing is visible.
 TEST(LevelOfDetail, AThumbnailKeepsTheOpticalDepthOfAThinSheet) {
   constexpr double kValue = 100, kShownFrom = 40, kOpacity = 0.3;
   const DenseVolume volume =
@@ -216,7 +218,7 @@ TEST(LevelOfDetail, AThumbnailKeepsTheOpticalDepthOfAThinSheet) {
     for (const double px_per_voxel : {0.125, 0.1, 0.07}) {
       Camera camera = cameraFrom(volume.geometry, from, projection);
       camera.height = job.picture.size.height / px_per_voxel;
-      // From so far away that rays are all but parallel.
+      // The distance makes rays almost parallel.
       camera.fov_deg = 2;
       const double distance = camera.height / 2 / std::tan(glm::radians(camera.fov_deg / 2));
       camera.eye = camera.target + distance * glm::normalize(from);
@@ -233,8 +235,8 @@ TEST(LevelOfDetail, AThumbnailKeepsTheOpticalDepthOfAThinSheet) {
   }
 }
 
-// Known because away from its bone no voxel of any level has a value that is shown: a ball of soft tissue in air. A
-// coarse voxel at the ball's surface stands for values towards the air, and none beyond the tissue's.
+// Known because the scene is a ball of soft tissue in air with a bone: away from the bone, no voxel of any level has a
+// visible value. A coarse voxel at the ball's surface has values between air and tissue, none above the tissue's.
 TEST(LevelOfDetail, ASurfaceHoldsNoValueBeyondItsSides) {
   constexpr int kPixels = 48;
   constexpr double kBone_px = 12;
@@ -266,7 +268,7 @@ TEST(LevelOfDetail, ASurfaceHoldsNoValueBeyondItsSides) {
   }
 }
 
-// Curved walls from near to far, one frame of three levels and more, against the picture of level 0.
+// Curved walls from near to far: a frame of three or more levels against the picture of level 0.
 TEST(LevelOfDetail, PerspectiveMixesLevels) {
   const VolumeShape shape{{64, 64, 320}, VoxelType::i16};
   const DenseVolume volume = cheese(shape, 4, usualRange(VoxelType::i16));
@@ -295,7 +297,7 @@ TEST(LevelOfDetail, PerspectiveMixesLevels) {
   EXPECT_NEAR(d.mean_brightness_ratio, 1, 0.02);
 }
 
-// How much a pixel of the object changes from one frame to the next, on average over them and their channels.
+// Returns the mean change of an object's pixel between two frames, over pixels and channels.
 double meanChange(const Image& a, const Image& b) {
   double sum = 0;
   int pixels = 0;
@@ -309,7 +311,8 @@ double meanChange(const Image& a, const Image& b) {
 
 class Zoom : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {};
 
-// Four times nearer in 60 frames: every level takes its turn, in perspective brick by brick, else all at once.
+// Zooms in by a factor of four in 60 frames, through all levels. In perspective, levels change brick by brick;
+// otherwise all bricks change at once.
 TEST_P(Zoom, DoesNotPop) {
   const DenseVolume volume = head({{96, 96, 72}, VoxelType::i16}, usualRange(VoxelType::i16));
   Frames frames(makeStore(volume, "head", 16));
@@ -346,7 +349,7 @@ TEST_P(Zoom, DoesNotPop) {
       "%.5f above level 0's\n",
       nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", sum / (kFrames - 1),
       most, sum_fine / (kFrames - 1), most_fine, most_above);
-  // Zooming changes a pixel by a thirtieth from frame to frame; a change of level adds at most 4/255 to that.
+  // Zooming changes a pixel by a thirtieth from frame to frame; a change of level adds at most 4/255.
   EXPECT_LT(sum, 1.05 * sum_fine);
   EXPECT_LT(most, 1.15 * most_fine);
   EXPECT_LT(most_above, 4.0 / 255);

@@ -1,6 +1,9 @@
-// Panoramas. Known: in the middle of a ball every direction is the same, so that a step anywhere is a seam; a mark is
-// where the direction to it says, from left to right, at both ends behind the eye, at the top above it; a depth is a
-// distance; and a volume round the eye is what the reference renderer's rays in the same directions see.
+// Panoramas. Known:
+// 1. From the middle of a ball all directions are equal, so any step in the picture is a seam.
+// 2. A mark appears at the pixel of its direction: left to right, at both ends behind the eye, at the top above the
+// eye.
+// 3. A depth is a distance.
+// 4. A volume around the eye equals the reference renderer's picture along equal rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +46,7 @@ TEST(Panorama, OfABallRoundTheEyeIsOneColour) {
   request.transfer_function = solidFrom(0, 100, 0.03);
   request.shading.phong = false;
   const Image image = draw(store, request);
-  // Half a voxel of depth before the eye is not drawn, which is up to 0.63 of a voxel at a face's corner.
+  // The first half voxel of depth before the eye is not drawn: up to 0.63 of a voxel at a face's corner.
   const double expected = 1 - std::pow(0.97, 30 - 0.56);
   double sum = 0, worst = 0, step = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -113,7 +116,7 @@ TEST(Panorama, MarksAreWhereTheirDirectionsAre) {
   const int height = 64;
   struct Mark {
     glm::dvec3 direction;
-    double x, y;  // of the picture's width and height; y is what counts at a pole
+    double x, y;  // as shares of the picture's width and height; at a pole only y is compared
   };
   const Mark marks[] = {
       {ahead, 0.5, 0.5}, {right, 0.75, 0.5}, {-right, 0.25, 0.5},         {-ahead, 1, 0.5},

@@ -1,9 +1,11 @@
-// "Nothing in the second group of options changes a bit of the picture", nor of its planes of depth and normals, which
-// change no bit of it themselves; and neither does how the volume was cut: order is decided per cell of 8³ voxels of
-// the one octree, every footprint's weights are taken over all of it, and each pixel is written by one tile. So
-// pictures of the same scene must be equal to the bit for every brick size, visibility method, thread count, tile size
-// and memory budget. With `--level auto` the level is chosen per brick, so there the picture depends on the bricks'
-// size, and on nothing else.
+// Options of the group "speed" change no bit of a picture or of its depth and normal planes, and the planes change no
+// bit of the picture. The division into bricks changes no bit either, for three reasons:
+// 1. Visiting order is decided per cell of 8³ voxels of a single octree.
+// 2. A footprint's weights are normalized over the whole footprint.
+// 3. Each pixel is written by a single tile.
+// Pictures of a scene are therefore equal to the bit for every brick size, visibility method, thread count, tile size
+// and memory budget. `--level auto` chooses the level per brick, so the picture also depends on the brick size, but on
+// nothing else.
 #include <gtest/gtest.h>
 
 #include <span>
@@ -21,17 +23,17 @@ namespace {
 
 constexpr ImageSize kEqualSize = casesOf(ImageSize{150, 117}, ImageSize{97, 83});  // no multiple of a tile
 
-// Sanitizers slow a store of a thousand one-cell bricks to minutes, and have no more to see in it than in a hundred.
+// Sanitizers need minutes for a store of a thousand one-cell bricks; a hundred bricks exercise the code equally well.
 constexpr std::int64_t kSmallestBrick = casesOf(8, 16);
-constexpr int kQuickScenes = casesOf(3, 1);  // of each lattice and volume; nightly has 400
+constexpr int kQuickScenes = casesOf(3, 1);  // per lattice and volume; the nightly test has 400
 constexpr ProjectedArea kEveryArea[] = {ProjectedArea::kBox, ProjectedArea::kSphere};
 constexpr std::span kAreas(kEveryArea, casesOf(2, 1));
 
-// A brick's apron holds every sample that its pixels need where voxels are at least this large; of smaller ones a frame
-// takes a coarser level, if the store has one. unit: pixels.
+// Smallest size of a voxel for which a brick's apron holds every sample that its pixels need. For smaller voxels a
+// frame takes a coarser level, if the store has a coarser level. unit: pixels.
 constexpr double kLeastVoxel = 0.45;
 
-// The same view, so much magnified that no voxel is smaller than that.
+// Magnifies the view until no voxel is smaller than `kLeastVoxel`.
 void magnify(View& view, const VolumeGeometry& volume) {
   double depth = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -44,7 +46,7 @@ void magnify(View& view, const VolumeGeometry& volume) {
       std::max(view.focal_px, kLeastVoxel / edge * (view.projection == Projection::kPerspective ? depth : 1));
 }
 
-// Volumes that differ in all that could matter: type, proportions, affine; none a multiple of a brick.
+// Volumes that differ in type, proportions and affine; no extent is a multiple of a brick.
 std::vector<DenseVolume> volumes() {
   std::vector<DenseVolume> out;
   out.push_back(cheese({{75, 61, 90}, VoxelType::i16}, 1, usualRange(VoxelType::i16)));
@@ -53,7 +55,7 @@ std::vector<DenseVolume> volumes() {
   return out;
 }
 
-// With room for one brick, each is read once all the same.
+// With memory for a single brick, each brick is still read only once.
 void checkLeastMemory(const std::filesystem::path& store, const FrameRequest& request, const Image& truth,
                       std::uint64_t seed) {
   const StoreReader reader(store);
@@ -70,7 +72,7 @@ void checkLeastMemory(const std::filesystem::path& store, const FrameRequest& re
 
 class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
  protected:
-  // Opens one store for each brick size: 8 is one cell, 128 is one brick for all.
+  // Opens a store for each brick size: 8 is a single cell, 128 is the whole volume in a single brick.
   void SetUp() override {
     volume_ = std::move(volumes()[static_cast<std::size_t>(std::get<0>(GetParam()))]);
     for (const std::int64_t size : {kSmallestBrick, std::int64_t{32}, std::int64_t{64}, std::int64_t{128}}) {
@@ -110,7 +112,7 @@ class PictureEquality : public ::testing::TestWithParam<std::tuple<int, Lattice>
     EXPECT_GT(pictures_with_something, scenes / 2);
   }
 
-  // Each exact method, with either projected area, in tiles by all threads and as one tile for the frame.
+  // Each exact method, with either projected area, in tiles by all threads and with the frame as a single tile.
   void checkExactMethods(FrameRequest request, const Image& truth, std::uint64_t seed) {
     for (const VisibilityMethod method :
          {VisibilityMethod::kMask, VisibilityMethod::kRangeTree, VisibilityMethod::kOverlay}) {
@@ -135,7 +137,7 @@ TEST_P(PictureEquality, NightlyHoldsForManyScenes) { check(1000, 400); }
 INSTANTIATE_TEST_SUITE_P(Volumes, PictureEquality,
                          ::testing::Combine(::testing::Values(0, 1, 2), ::testing::ValuesIn(kLattices)));
 
-// The same for `--level auto`, from so near that levels mix.
+// Checks `--level auto` from a view so near that several levels are drawn.
 class MixedLevels : public ::testing::TestWithParam<std::tuple<int, Lattice>> {
  protected:
   void check(std::uint64_t first_seed, int scenes) {

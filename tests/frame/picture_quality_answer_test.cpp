@@ -1,8 +1,8 @@
-// Pictures beside the reference renderer's of 9 rays a pixel (elsewhere 16) and steps of a quarter of a voxel, over a
-// head that is computed: from far (a pixel a voxel) and from near, opaque and through translucent skin. Known because
-// the reference is the picture's definition, sampled densely. What must be reached: so many decibels over the
-// foreground, more than a ray caster that goes voxel by voxel, and the reference's brightness. The pictures are kept as
-// one sheet in the test's output: ours, the reference's, and their difference, a row each.
+// Pictures of a computed head against the reference renderer, with 9 rays a pixel (elsewhere 16) and steps of a quarter
+// voxel. Views: far (a pixel a voxel) and near, opaque and through translucent skin. Known because the reference
+// samples the picture's definition densely. Required: a PSNR over the foreground, a margin over a ray caster with voxel
+// steps, and the reference's brightness. A sheet of pictures stays in the test's output: ours, the reference's and the
+// difference, a row each.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kHeadPixels = 128;
 
-// What must be reached. At a pixel a voxel, the head's wood grain is as fine as the pixels.
+// Required quality. At a pixel a voxel, the head's wood grain is as fine as the pixels.
 struct Magnification {
   double px_per_voxel, least_db, over_voxel_steps_db, brightness;
 };
@@ -51,9 +51,9 @@ struct Drawn {
   double db, voxel_steps_db;
 };
 
-// Of samples 2/3 of a voxel apart there are fewer by a tenth or more (of opaque bodies few are behind one another, and
-// slabs are a pixel thick at the most); their pictures are ahead of the ray caster's,
-// too, and nearer samples make the picture no worse.
+// Samples 2/3 of a voxel apart reduce the number of samples by a tenth or more. In opaque bodies few samples lie behind
+// each other, and slabs are at most a pixel thick. The pictures are still ahead of the ray caster's, and nearer samples
+// make no picture worse.
 void expectFartherSamples(const std::filesystem::path& store, FrameRequest request, const Image& truth,
                           const Drawn& by_default, const Magnification& must) {
   FrameStatistics farther;
@@ -70,7 +70,7 @@ void expectFartherSamples(const std::filesystem::path& store, FrameRequest reque
   EXPECT_GE(far.foreground_psnr_db, by_default.voxel_steps_db);
   EXPECT_NEAR(far.mean_brightness_ratio, 1, must.brightness);
   EXPECT_LT(farther.voxels_splats, 9 * by_default.splats / 10);
-  // At a pixel a voxel the others are half a pixel apart already.
+  // At a pixel a voxel, samples are already half a pixel apart by default.
   EXPECT_GE(near.foreground_psnr_db, by_default.db + (must.px_per_voxel > 1 ? 1 : -0.2));
   EXPECT_NEAR(near.mean_brightness_ratio, 1, must.brightness);
 }
@@ -107,8 +107,8 @@ TEST_P(PictureQuality, IsThatOfTheReference) {
       EXPECT_NEAR(ours.mean_brightness_ratio, 1, must.brightness);
       expectFartherSamples(store, request, truth,
                            {statistics.voxels_splats, ours.foreground_psnr_db, voxel_steps.foreground_psnr_db}, must);
-      // Samples are those of a ray caster with steps of half a voxel and of half a pixel at the least; its pixels are
-      // points, ours are filtered.
+      // The ray caster takes steps of half a voxel, at least half a pixel. Its pixels are point samples; ours are
+      // filtered.
       EXPECT_GE(ours.foreground_psnr_db, compareImages(truth, reference({1, 0.5, 1})).foreground_psnr_db + 2);
       sheet[row].push_back(image);
       sheet[row + 1].push_back(truth);
@@ -119,8 +119,9 @@ TEST_P(PictureQuality, IsThatOfTheReference) {
   writeContactSheet(sheet, kHeadPixels, fmt::format("quality_{}.png", nameOf(GetParam())));
 }
 
-// Cubics beside the reference's at a magnification where most samples lie between voxels: as near as linear
-// interpolation is to its own (42.9 to 48.3 dB), which is 9.6 dB or more farther from them.
+// Cubic interpolation against the reference's cubics, at a magnification where most samples lie between voxels.
+// Required: as near as linear interpolation is to the linear reference (42.9 to 48.3 dB). The linear picture is 9.6 dB
+// or more farther from the cubic reference.
 TEST_P(PictureQuality, OfCubicsIsThatOfTheReference) {
   constexpr int kSmall = 64;
   const DenseVolume volume = readVolume("phantom:head:144x144x144");
@@ -151,7 +152,7 @@ TEST_P(PictureQuality, OfCubicsIsThatOfTheReference) {
   writeContactSheet(sheet, kSmall, fmt::format("quality_cubics_{}.png", nameOf(GetParam())));
 }
 
-// Where voxels are smaller than pixels and nobody says how many samples a pixel takes: as good as one of large voxels.
+// Voxels smaller than pixels, with the default number of samples a pixel: quality as for large voxels.
 TEST_P(PictureQuality, OfSmallVoxelsIsThatOfTheReferenceByDefault) {
   const DenseVolume volume = readVolume("phantom:head:144x144x144");
   RenderJob job;

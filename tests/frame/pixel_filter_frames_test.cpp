@@ -1,4 +1,4 @@
-// What pixels of rays are made of: known from a picture of the rays themselves, added up in doubles.
+// Pixels are weighted sums of rays. Known from a picture of the rays themselves, added up in doubles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,8 @@ class RayPixels : public ::testing::TestWithParam<int> {
     return out;
   }
   int edge() const { return subPixelsAlongEdge(GetParam()); }
-  // The rays that pixels are made of, a pixel each. Two a pixel are as far apart along themselves as one is.
+  // Requests a picture with a pixel for each ray. With two rays a pixel, samples are as far apart along a ray as with
+  // one ray a pixel.
   FrameRequest ofRays(FrameRequest request) const {
     request.filters_rays = false;
     if (request.samples == 2) request.sample_distance *= kPixelsOfVoxel;
@@ -44,7 +45,7 @@ class RayPixels : public ::testing::TestWithParam<int> {
     request.view = enlarged(request.view, edge());
     return request;
   }
-  // Of rays, from the one before the pixel along both axes on.
+  // Filter weights of rays, starting with the ray before the pixel along both axes.
   std::vector<std::vector<double>> weights() const {
     if (GetParam() == 2) {
       const double near = 10 / 32.0, far = 3 / 32.0;
@@ -59,7 +60,8 @@ class RayPixels : public ::testing::TestWithParam<int> {
     }
     return out;
   }
-  // What is beyond the picture's edge is at it, or where every other sub-pixel has a ray, as far within it.
+  // Returns the index of a ray inside the picture. Indices beyond the edge are clamped; in the quincunx pattern they
+  // are mirrored.
   int within(int at, int size) const {
     if (GetParam() == 2) return at < 0 ? -at : at < size ? at : 2 * size - 2 - at;
     return std::clamp(at, 0, size - 1);
@@ -113,7 +115,7 @@ TEST_P(RayPixels, WeighRaysByAGaussian) {
   }
 }
 
-// Rays beside a piece are drawn with it, though another piece has drawn them.
+// Rays beside a piece are drawn again with the piece, although the neighbouring piece has drawn them.
 TEST_P(RayPixels, AreTheSameInPieces) {
   for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
     FrameRequest request = requestFor(projection);
@@ -183,7 +185,7 @@ TEST_P(RayPixels, OfAnOpaqueBodyAreOpaque) {
   }
 }
 
-// Also where only one of two sub-pixels that share a ray is drawn: what is behind a solid is not read.
+// Samples behind a solid are not read, also if only one of two sub-pixels that share a ray is drawn.
 TEST_P(RayPixels, OfACropHideWhatIsBehindThem) {
   const DenseVolume volume = fill({{48, 96, 48}, VoxelType::u8}, [](auto...) { return 100; });
   const auto store = makeStore(volume, "deep_solid", 16);
@@ -197,7 +199,7 @@ TEST_P(RayPixels, OfACropHideWhatIsBehindThem) {
   EXPECT_LE(statistics.bricks_contributing, 9u);
 }
 
-// In place where the whole picture is drawn; else rays have an image of their own.
+// Rays of the whole picture are filtered in place; rays of a crop need a separate image.
 TEST_P(RayPixels, AreCharged) {
   RenderJob job;
   job.volume = store_;

@@ -1,6 +1,5 @@
-// `--mode mip|minip|average`. Nothing that makes it fast changes a bit of it: which bricks, cells and pixels are left
-// out, how the volume was cut, in which tiles, by how many threads and within which memory. It is what a ray caster in
-// fine steps sees, and where the answer is known without one, that.
+// `--mode mip|minip|average`. No acceleration changes a bit: skipped bricks, cells and pixels, brick size, tiles,
+// threads and memory. Known from a ray caster in fine steps, or from a closed form where there is one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +17,7 @@ namespace {
 constexpr Mode kProjections[] = {Mode::kMip, Mode::kMinip, Mode::kAverage};
 constexpr ImageSize kProjectedSize{80, 70};
 
-// A transfer function has no part in values, but one that the renderer is given.
+// Projected values do not depend on the transfer function, but the renderer requires a valid function.
 FrameRequest requestOf(const View& view, Mode mode) {
   FrameRequest request;
   request.view = view;
@@ -34,7 +33,7 @@ const std::vector<double>& expectedOf(const ProjectedImage& image, Mode mode) {
   return mode == Mode::kMip ? image.greatest : mode == Mode::kMinip ? image.least : image.mean;
 }
 
-// Some voxels NaN, none beside the other.
+// Returns the volume with some isolated voxels set to NaN.
 DenseVolume withHoles(DenseVolume volume) {
   const Extent3& n = volume.geometry.dims;
   for (std::int64_t k = 1; k < n.z; k += 3) {
@@ -117,7 +116,7 @@ TEST(Projection, IsWhatARayCasterSees) {
         const double beyond = mode == Mode::kMip ? found - want : mode == Mode::kMinip ? want - found : 0;
         EXPECT_LE(beyond, 10) << "beyond what is there, seed " << seed;
       }
-      // Rays that graze a corner of the box have a sample or none.
+      // Rays that graze a corner of the box may have no sample.
       EXPECT_GE(static_cast<double>(both), 0.98 * static_cast<double>(either)) << "seed " << seed;
       if (both == 0) continue;
       EXPECT_LT(std::sqrt(squares / static_cast<double>(both)), 20) << "seed " << seed << " mode " << int(mode);
@@ -126,8 +125,9 @@ TEST(Projection, IsWhatARayCasterSees) {
   }
 }
 
-// A slab of 200 in empty space, seen along its normal: along each ray the greatest is 200, the least 0 and the mean
-// their share, for trilinear interpolation keeps the sum. Shown through a region, that of what is in it.
+// A slab of 200 in empty space, seen along its normal. Along each ray the maximum is 200, the minimum 0 and the mean
+// the slab's share, because trilinear interpolation keeps the sum. With a region, the figures hold for the part inside
+// the region.
 TEST(Projection, OfASlabIsKnown) {
   const DenseVolume volume = slab({{32, 32, 64}, VoxelType::f32}, 2, 20, 30, 200);
   const auto store = makeStore(volume, "slab", 16);
@@ -156,8 +156,8 @@ TEST(Projection, OfASlabIsKnown) {
   }
 }
 
-// A clip thinner than samples are apart has a value in each pixel that a thick clip has, whatever the brick size:
-// between oblique planes, and between planes across the rays, of which no sample is inside.
+// A clip thinner than the sample distance has a value in each pixel where a thick clip has a value, for every brick
+// size. Tested between oblique planes and between planes across the rays, where no sample is inside.
 TEST(Projection, OfAThinClipHasNoHoles) {
   const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     return 100 + 2 * hashUnit(3, static_cast<std::uint64_t>((k * 32 + j) * 32 + i));
@@ -184,7 +184,8 @@ TEST(Projection, OfAThinClipHasNoHoles) {
   }
 }
 
-// Every ray meets the greatest value in the second of four layers of bricks: it is drawn first, and no other is read.
+// Every ray meets the greatest value in the second of four layers of bricks. This layer is drawn first, and no other
+// layer is read.
 TEST(Projection, BricksThatHaveNothingMoreAreNotRead) {
   const auto value = [](std::int64_t i, std::int64_t j, std::int64_t k) {
     if (k >= 16 && k < 32) return 250.0;

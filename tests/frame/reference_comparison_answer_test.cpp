@@ -1,7 +1,7 @@
-// A real head beside the reference renderer's: the same volume, camera, transfer function and shading, traced in double
-// precision; in the quick test by one ray a pixel, which is less sure of edges than the picture it judges, so that the
-// figure is reported, and the bounds catch what is wrong (a flip, a seam, a wrong light): they are what a picture
-// shifted by two pixels does not reach. Pictures stay in the test's output: reference, splatted, difference.
+// A scanned head against the reference renderer in double precision, with equal volume, camera, transfer function and
+// shading. The quick test uses a ray a pixel, which is less exact at edges than the tested picture. The PSNR is
+// therefore only reported, and the bounds catch gross errors (a flip, a seam, a wrong light). A picture shifted by two
+// pixels fails the bounds. Pictures stay in the test's output: reference, splatted, difference.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -50,7 +50,7 @@ void compareWithReference(const DenseVolume& volume, const fs::path& store, cons
   writeImage(sideBySide({reference, splatted, differenceImage(reference, splatted)}), {}, {}, picture);
   std::printf("%s: PSNR %.2f dB, foreground %.2f dB, mean brightness ratio %.4f; %s\n", name.c_str(), d.psnr_db,
               d.foreground_psnr_db, d.mean_brightness_ratio, picture.c_str());
-  // The same reference, two pixels aside: what a geometric mistake would look like in this scene.
+  // The reference shifted by two pixels: a geometric error in this scene has this size.
   Image shifted(pixels, pixels);
   for (int y = 0; y < pixels; ++y) std::copy_n(reference.pixel(0, y), 4 * (pixels - 2), shifted.pixel(2, y));
   EXPECT_GT(d.foreground_psnr_db, compareImages(reference, shifted).foreground_psnr_db);
@@ -69,8 +69,8 @@ void realHead(Projection projection, const ReferenceSettings& settings, const st
   source->read(boxOf(volume.geometry.dims), volume.voxels);
   const fs::path store = makeStore(volume, "reference_cthead_" + name, 128);
   Camera camera = cameraFrom(volume.geometry, {-0.5, -1, -0.3}, projection);
-  camera.up = {0, 0, -1};  // this scan begins at the top of the head
-  // One pixel a voxel: the box's diagonal is 427 voxels of spacing 1.
+  camera.up = {0, 0, -1};  // the scan begins at the top of the head
+  // A pixel a voxel: the box's diagonal is 427 voxels of spacing 1.
   compareWithReference(volume, store, camera, skin(400, 600), 436, settings, "cthead_" + name);
 }
 

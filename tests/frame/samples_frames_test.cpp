@@ -1,5 +1,5 @@
-// A pixel of several samples, unfiltered, is the mean of that many pixels of the same view in a larger image, whatever
-// the bands of rows, threads, bricks in memory and the crop. Known from the larger picture itself.
+// A pixel of several samples, unfiltered, is the mean of as many pixels of a larger image with an equal view. Holds for
+// all bands of rows, threads, bricks in memory and crops. Known from the larger picture.
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -35,7 +35,8 @@ class Samples : public ::testing::TestWithParam<Lattice> {
  protected:
   FrameRequest requestFor(std::uint64_t seed) const {
     RandomScene scene = randomScene(seed, volume_, kSampledSize);
-    // From within the volume a voxel is thousands of samples, which says no more and takes seconds.
+    // Views from outside: inside the volume a voxel has thousands of samples, which takes seconds and tests nothing
+    // more.
     const Projection projection = seed % 2 == 0 ? Projection::kOrthographic : Projection::kPerspective;
     scene.view = resolve(cameraFrom(volume_.geometry, randomDirection(seed, 0), projection), kSampledSize);
     scene.background = {};
@@ -46,7 +47,7 @@ class Samples : public ::testing::TestWithParam<Lattice> {
   const std::filesystem::path store_ = makeStore(volume_, "samples", 16);
 };
 
-// The nearest of the sub-pixels' first hits, and the mean of all that they show, each as much as its alpha.
+// First depth: the nearest of the sub-pixels' first hits. Mean depth: the mean of the sub-pixels, weighted by alpha.
 void expectDepthsOf(const Image& larger, int edge, const Image& image, std::uint64_t seed) {
   ASSERT_EQ(image.planes.size(), 2u);
   for (int y = 0; y < image.height; ++y) {
@@ -103,7 +104,7 @@ TEST_P(Samples, AreMeansOfALargerPicture) {
   }
 }
 
-// Known because what is named as the smallest works, and a byte less does not.
+// Known because the budget reported as the smallest works, and a byte less fails.
 TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   RenderJob job;
   job.volume = store_;

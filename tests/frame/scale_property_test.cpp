@@ -1,5 +1,5 @@
-// A picture does not depend on how large the numbers are that it is made of: values, lengths, light and footprints.
-// Known because the same picture in other units is the same, and what is larger by a power of two has the same digits.
+// A picture does not depend on the magnitude of its inputs: values, lengths, light and footprints. Known because a
+// change of units leaves the picture as it is, and scaling by a power of two keeps all digits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr ImageSize kScaleSize{64, 60};
 
-// A ball of values up to 30 and a half as large one beside it.
+// A ball of values up to 30 beside a ball of half the size.
 DenseVolume balls(double values, double spacing) {
   DenseVolume out = fill({{40, 36, 33}, VoxelType::f32}, [&](auto i, auto j, auto k) {
     const glm::dvec3 at(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
@@ -91,7 +91,7 @@ TEST_P(Scale, OfLightIsThatOfThePicture) {
   EXPECT_GE(*std::min_element(ambient.rgba.begin(), ambient.rgba.end()), 0);
 }
 
-// Of volumes that are lit in their own ways the brightest decides, be it the first or not.
+// Of several lit volumes the brightest determines the scale, independent of order.
 TEST(Scales, OfLightAreThoseOfAnyVolume) {
   const DenseVolume volume = balls(1, 1);
   const auto store = makeStore(volume, "lights", 16);
@@ -113,7 +113,7 @@ TEST(Scales, OfLightAreThoseOfAnyVolume) {
   EXPECT_GE(*std::min_element(first.rgba.begin(), first.rgba.end()), 0);
 }
 
-// What is shown of an infinite voxel is the first or the last point.
+// An infinite voxel shows the first or the last point of the transfer function.
 TEST_P(Scale, OfAnInfiniteBodyIsTheFunctionsEnd) {
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   for (const float inside : {kInfinite, -kInfinite}) {
@@ -135,7 +135,8 @@ TEST_P(Scale, OfAnInfiniteBodyIsTheFunctionsEnd) {
 INSTANTIATE_TEST_SUITE_P(Lattices, Scale, ::testing::ValuesIn(kLattices),
                          [](const auto& lattice) { return nameOf(lattice.param); });
 
-// Samples are hundreds of pixels apart there: what they are kept in does not grow with that, and no tile knows another.
+// Samples of close views are hundreds of pixels apart. Sample buffers do not grow with this distance, and tiles are
+// independent.
 TEST(CloseUps, TakeNoMoreMemoryThanOthers) {
   const DenseVolume volume = balls(1, 1);
   const auto store = makeStore(volume, "close", 16);

@@ -1,6 +1,8 @@
-// Lights, clipping, opacity by gradient, background. Known because in a ramp the gradient is the same everywhere: every
-// sample of it has one normal, so that colour over alpha is what the shading formula says, in the reference renderer
-// and in the kernels; because a box of voxels is a smaller volume; and because what is cut away has a length.
+// Lights, clipping, opacity by gradient, background. Known for three reasons:
+// 1. A ramp has an equal gradient everywhere, so every sample has the same normal. Colour over alpha is the shading
+// formula, in the reference renderer and in the kernels.
+// 2. A box of voxels is a smaller volume.
+// 3. The clipped part of a ray has a known length.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +27,7 @@ class Scenes : public ::testing::TestWithParam<Projection> {
   Scenes()
       : volume_(ramp({{24, 20, 16}, VoxelType::u8, obliqueAffine()}, 1, 10)),
         store_(makeStore(volume_, "scene_ramp_" + std::to_string(static_cast<int>(GetParam())), 16)) {
-    // Well off the gradient and well off square to it, so that no ray meets the surface edge on.
+    // Directions far from the gradient and far from perpendicular to it, so that no ray meets the surface edge on.
     const glm::dvec3 from = glm::normalize(worldGradient()) + glm::dvec3(0.1, -0.5, 0.4);
     request_.view = resolve(cameraFrom(volume_.geometry, from, GetParam()), {kScenePixels, kScenePixels});
     request_.level = 0;
@@ -47,7 +49,7 @@ class Scenes : public ::testing::TestWithParam<Projection> {
   FrameRequest request_;
 };
 
-// The largest difference of colour over alpha, where there is enough of it; `pixels` counts those.
+// Returns the largest difference of colour over alpha among pixels with enough alpha; `pixels` is their number.
 double colorDifference(const Image& a, const Image& b, int& pixels) {
   double largest = 0;
   pixels = 0;
@@ -85,7 +87,7 @@ TEST_P(Scenes, LightsAreThoseOfTheReference) {
   EXPECT_GT(colorDifference(pictures[2], pictures[6], pixels), 0.05);
 }
 
-// Rays are cut exactly, voxels by their centres: the material that is left agrees in the mean.
+// Rays are cut exactly, voxels by their centres: the remaining material agrees in the mean.
 TEST_P(Scenes, ClippingLeavesWhatTheReferenceLeaves) {
   const Clipping clippings[] = {
       {VoxelBox{{4, 3, 0}, {19, 20, 9}}, {}},
@@ -100,7 +102,7 @@ TEST_P(Scenes, ClippingLeavesWhatTheReferenceLeaves) {
   }
 }
 
-// A solid cut square to one direction: its face is as bright as the formula says of that direction.
+// A solid cut perpendicular to a direction: the shading formula with this normal gives the brightness of the face.
 TEST_P(Scenes, ACutIsAFaceWithTheNormalOfItsPlane) {
   request_.transfer_function = allOver(1);
   request_.shading = Shading{true, 0.2, 0.8, 0, 1, {Light{}}};
@@ -134,12 +136,12 @@ TEST_P(Scenes, ARegionIsTheSmallerVolume) {
     request_.clipping = clipping;
     const Image whole = splatted();
     request_.clipping = {};
-    // Half a voxel before a region's face, values between voxels are also of those behind it.
+    // Within half a voxel before a region's face, interpolation also reads voxels behind the face.
     EXPECT_LT(compareImages(whole, draw(store, request_)).largest, lattice == Lattice::kVoxel ? 1e-5 : 0.02);
   }
 }
 
-// Whatever is skipped early, and however the volume is stored, the picture is the same.
+// Early skipping and the layout of the store do not change the picture.
 TEST_P(Scenes, ClippedPicturesAreEqualForEveryBrickSizeAndVisibility) {
   request_.transfer_function = {1, {{60, {1, 0.5, 0.2}, 0}, {120, {0.4, 0.8, 1}, 0.9}}};
   request_.clipping = {VoxelBox{{22, 0, 0}, {24, 20, 13}},  // beyond the reach of the bricks on the left
@@ -155,14 +157,14 @@ TEST_P(Scenes, ClippedPicturesAreEqualForEveryBrickSizeAndVisibility) {
   }
 }
 
-// One gradient, so one factor: the picture is that of the opacity times the factor.
+// A constant gradient gives a constant factor: the picture equals the picture of the opacity times the factor.
 TEST_P(Scenes, OpacityFollowsTheGradient) {
   const double slope = glm::length(worldGradient());
-  request_.clipping.region = VoxelBox{{2, 0, 0}, {22, 20, 16}};  // towards the border it is half as steep
+  request_.clipping.region = VoxelBox{{2, 0, 0}, {22, 20, 16}};  // towards the border the gradient is half as steep
   request_.transfer_function.gradient_opacity = {{0.5 * slope, 0}, {1.5 * slope, 0.8}};
   const Image modulated = splatted(), judged = reference();
   request_.transfer_function = allOver(0.4 * 0.05);
-  // Where gradients count, no sample stands for two slabs.
+  // With opacity by gradient, no sample represents two slabs.
   EXPECT_LT(compareImages(modulated, splatted()).largest, 1e-3);
   EXPECT_LT(compareImages(judged, reference()).largest, 1e-2);
 }

@@ -1,6 +1,6 @@
-// Several volumes in one picture beside what is known: two uniform media through each other in closed form, and two
-// heads of other spacing and another turn beside the reference renderer's picture of both, which adds the extinctions
-// of fields along a ray and knows nothing of slabs.
+// Several volumes in a picture against two truths. Two overlapping uniform media have a closed form. Two heads of
+// different spacing and rotation are compared with the reference renderer, which adds extinctions along a ray and has
+// no slabs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,8 +25,9 @@ namespace {
 
 TransferFunction uniformFunction(const glm::dvec3& color, double opacity) { return {1, {{0, color, opacity}}}; }
 
-// A box of 40³ around one of 20³ voxels of 0.8, turned about the line of sight: along the rays through the middle 12
-// of the one, 16 of both, 12 of the one. Light comes from each as much as it absorbs.
+// A box of 40³ voxels around a box of 20³ voxels of edge 0.8, rotated about the line of sight. Rays through the middle
+// cross 12 of the outer box, 16 of both, and 12 of the outer box. Each medium contributes light in proportion to its
+// absorption.
 TEST(MultiVolume, MediaThroughEachOtherHaveTheirClosedForm) {
   const DenseVolume outer = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
   glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(19.5));
@@ -60,7 +61,7 @@ TEST(MultiVolume, MediaThroughEachOtherHaveTheirClosedForm) {
 
 struct MixMagnification {
   double px_per_voxel, least_db;
-  int rays_per_axis = 4;  // of the reference, in a pixel
+  int rays_per_axis = 4;  // rays of the reference along each axis of a pixel
 };
 constexpr int kMixPixels = 96;
 
@@ -74,7 +75,7 @@ Camera mixCameraAt(const VolumeGeometry& volume, Projection projection, double p
   return camera;
 }
 
-// The affine of a volume that is turned, has voxels of these edges, and its middle there.
+// Returns the affine of a rotated volume with this middle and these voxel edges.
 glm::dmat4 turnedAround(const glm::dvec3& middle, const glm::dvec3& spacing, const Extent3& dims) {
   glm::dmat4 turned = glm::translate(glm::dmat4(1), middle);
   turned = glm::rotate(turned, 0.8, glm::normalize(glm::dvec3(1, 0.4, 0.2)));
@@ -82,7 +83,7 @@ glm::dmat4 turnedAround(const glm::dvec3& middle, const glm::dvec3& spacing, con
   return glm::translate(turned, -glm::dvec3(dims.x - 1, dims.y - 1, dims.z - 1) / 2.0);
 }
 
-// Draws the scene, says how far it is from the reference's picture, and adds both and their difference to the sheet.
+// Draws the scene, prints its distance from the reference's picture, and adds both and the difference to the sheet.
 void expectThatOfTheReference(const std::vector<ReferenceVolume>& scene,
                               const std::vector<std::filesystem::path>& stores, const View& view,
                               const MixMagnification& must, const std::string& name,
@@ -140,8 +141,8 @@ TEST_P(VolumeMixPicture, IsThatOfTheReference) {
 INSTANTIATE_TEST_SUITE_P(Projections, VolumeMixPicture,
                          ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
 
-// Scans, at 512 x 512 pixels: a head, bone through translucent skin, and another one or an engine that is turned, has
-// voxels of other edges and goes through it.
+// Scans at 512 x 512 pixels: a head, bone through translucent skin, intersected by another head or an engine. The
+// second volume is rotated and has different voxel edges.
 class NightlyMixOfScans : public ::testing::TestWithParam<std::tuple<const char*, Projection, MixMagnification>> {};
 
 TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
@@ -172,7 +173,7 @@ TEST_P(NightlyMixOfScans, IsThatOfTheReference) {
                     fmt::format("volume_mix_{}_{}_{}px.png", name, nameOf(projection), must.px_per_voxel));
 }
 
-// Of the reference, as many rays a voxel or more.
+// The reference takes at least as many rays a voxel.
 INSTANTIATE_TEST_SUITE_P(Scans, NightlyMixOfScans,
                          ::testing::Combine(::testing::Values("engine", "cthead"),
                                             ::testing::Values(Projection::kOrthographic, Projection::kPerspective),

@@ -1,6 +1,6 @@
-// Several volumes in one picture: every brick of each adds its own samples to slabs that are the same for all, volume
-// by volume, and a pixel has one sample of each volume in a slab. So a picture of the same volumes is equal to the bit
-// for every brick size of either, thread count, tile, budget, visibility method and crop.
+// Several volumes in a picture. Every brick adds its samples to slabs shared by all volumes, volume by volume; a pixel
+// has one sample of each volume in a slab. Pictures are therefore equal to the bit for every brick size of either
+// volume, thread count, tile, budget, visibility method and crop.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ constexpr ImageSize kMixSize{150, 117};
 
 constexpr int kMixScenes = casesOf(6, 1);
 
-// Two volumes that overlap: other spacing, turned, of another type.
+// Two overlapping volumes of different spacing, rotation and type.
 std::vector<DenseVolume> mixedVolumes() {
   std::vector<DenseVolume> out;
   out.push_back(cheese({{75, 61, 90}, VoxelType::i16}, 1, usualRange(VoxelType::i16)));
@@ -60,7 +60,7 @@ class VolumeMixEquality : public ::testing::Test {
         stores_[v].push_back(makeStore(volumes_[v], "v" + std::to_string(v) + "_of_" + std::to_string(size), size));
     }
   }
-  // Of the sizes above, by their places.
+  // Returns stores by index into the brick sizes above.
   Paths stores(std::size_t first, std::size_t second) const { return {stores_[0][first], stores_[1][second]}; }
 
   void check(std::uint64_t first_seed, int scenes) {
@@ -99,7 +99,7 @@ class VolumeMixEquality : public ::testing::Test {
 };
 
 TEST_F(VolumeMixEquality, HoldsForBricksThreadsTilesMemoryAndCrops) { check(500, kMixScenes); }
-// The same where each volume has the levels that fit the view, from so near that they change on the way.
+// Equality with automatic levels, from a view so near that levels change along the rays.
 TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
   for (const std::uint64_t seed : {600, 601}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -121,7 +121,7 @@ TEST_F(VolumeMixEquality, HoldsWhereLevelsMix) {
 
 TEST_F(VolumeMixEquality, NightlyHoldsForManyScenes) { check(5000, 200); }
 
-// Less than the bricks of a tile take is refused in a line that says how much more works.
+// A budget smaller than the bricks of a tile fails; the error names the memory that works.
 TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
   FrameRequest request = requestAt(502, volumes_);
   TransferFunction all{0, {{-1e9, glm::dvec3(1), 0.1}}};
@@ -137,7 +137,7 @@ TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
   }
 }
 
-// The second of two that shows nothing adds no sample and hides none.
+// The second volume is transparent: it adds no sample and hides none.
 TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
   FrameRequest request = requestAt(504, volumes_);
   TransferFunction all{0, {{-1e9, glm::dvec3(1, 0.5, 0.2), 0.1}}}, nothing{0, {{0, glm::dvec3(1), 0}}};

@@ -1,7 +1,7 @@
-// One eye of a pair. Known: a point at depth z is f b (1/z - 1/c) pixels farther to the right for the left eye than for
-// the right one, and as high; what the picture shows is a part of the wider one that a camera in the eye's place takes
-// straight ahead. Its axis is not in the picture's middle, whose corners are thus farther from it: pictures stay equal
-// whatever the bricks.
+// The picture of an eye of a stereo pair. Known: a point at depth z is f b (1/z - 1/c) pixels farther to the right for
+// the left eye than for the right eye, at equal height. The picture is a part of the wider picture of a camera in the
+// eye's place that looks straight ahead. The axis is not in the picture's middle, so corners are farther from the axis;
+// pictures stay equal for all brick sizes.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -55,7 +55,7 @@ TEST(Stereo, IsAPartOfAWiderPictureFromTheEye) {
     scene.camera = cameraFrom(volume.geometry, randomDirection(seed, 1), Projection::kPerspective);
     scene.camera.eye = glm::mix(scene.camera.target, scene.camera.eye, 0.45);
     scene.camera.fov_deg = 50;
-    // So that the shift is 24 pixels.
+    // The interocular distance gives a shift of 24 pixels.
     Stereo stereo{seed % 2 == 0 ? StereoEye::kLeft : StereoEye::kRight, 0, 100};
     stereo.interocular = 2 * 24 * 100 / resolve(scene.camera, kStereoSize).focal_px;
     scene.view = resolve(scene.camera, stereo, kStereoSize);

@@ -1,6 +1,6 @@
-// Turning the camera by a tenth of a degree must change the picture as much as it changes the reference's: more is
-// popping or crawling, less is blur. The arc of 20 degrees crosses a plane of the lattice, where the order of visiting
-// flips. Of its 200 steps a seeded few are drawn, the crossing always among them.
+// Turning the camera by a tenth of a degree must change the picture as much as the reference's. A larger change is
+// popping or crawling, a smaller change is blur. The arc of 20 degrees crosses a plane of the lattice, where the
+// visiting order flips. Of the 200 steps a seeded few are drawn, always including the crossing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ Camera turned(Camera camera, double angle_deg) {
   return camera;
 }
 
-// The root mean square change of RGB over the pixels that show something in either. unit: 1 / 255.
+// Returns the root mean square change of RGB over the pixels that are visible in either picture. unit: 1 / 255.
 double change(const Image& a, const Image& b) {
   double squares = 0;
   int pixels = 0;
@@ -51,7 +51,7 @@ struct Turning {
   int pixels, steps;
 };
 
-// What ours changes, as part of what the reference's picture changes.
+// Ratio of the change of our picture to the change of the reference's picture.
 struct Popping {
   double mean_ratio = 0, largest_ratio = 0;
 };
@@ -89,7 +89,7 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
 
 class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
  protected:
-  // `of_rays`: how much more than the reference's a picture of one ray a pixel may change.
+  // `of_rays`: upper bound for the mean ratio of a picture with a ray a pixel.
   void check(const Turning& turning, const std::string& scene, double of_rays, int samples = 1) {
     const auto [lattice, projection] = GetParam();
     FrameRequest request;
@@ -97,7 +97,7 @@ class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
     request.samples = samples;
     const std::string name = scene + ", " + nameOf(lattice) + " lattice, " + nameOf(projection);
     const Popping popping = poppingOf(turning, request, name.c_str());
-    // Compositing splat by splat depends on the order of visiting: where that flips, the picture pops.
+    // Compositing splat by splat depends on the visiting order: the picture pops where the order flips.
     const double mean = lattice == Lattice::kVoxel ? 6 : of_rays;
     EXPECT_LT(popping.mean_ratio, mean) << name;
     EXPECT_LT(popping.largest_ratio, lattice == Lattice::kVoxel ? 25 : mean + 0.15) << name;
@@ -129,7 +129,7 @@ TEST_P(Turn, NightlyOfARealHead) {
       turning.camera =
           cameraOf(subject, turning.volume.geometry, std::get<1>(GetParam()), px_per_voxel, turning.pixels);
       turning.transfer_function = transferFunctionOf(subject, material);
-      // As many samples as by default. Of a scanned head at a pixel a voxel, details are there for a ray or not.
+      // The default number of samples. In a scanned head at a pixel a voxel, a ray either meets or misses a detail.
       const bool rays = std::get<0>(GetParam()) == Lattice::kPixel;
       check(turning, fmt::format("cthead, {}, {} px/voxel", nameOf(material), px_per_voxel), 2.5,
             rays && px_per_voxel < 0.75 ? 4 : 1);

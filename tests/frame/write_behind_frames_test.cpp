@@ -1,5 +1,5 @@
-// The files of a sequence's frame are written while the next frame is drawn, where memory is left for that. Known from
-// the same job with as little memory as works, and with one thread.
+// The files of a sequence's frame are written while the next frame is drawn, if memory allows. Known from a job with
+// the least memory that works, and from a job with a single thread.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// Whether the second frame was begun before the first one was done.
+// Records whether the second frame started before the first was done.
 struct Ordered : SequenceListener {
   void frameStarted(int frame) override { second_began = second_began || frame == 2; }
   void frameDone(const RenderJob&, const FrameStatistics& frame, std::size_t) override {
@@ -51,7 +51,7 @@ class FramesBehind : public ::testing::Test {
   Progress silent_;
   RenderJob job_;
   fs::path folder_;
-  bool second_began_first_ = false;  // of what was drawn last
+  bool second_began_first_ = false;  // of the last call of `drawn`
 };
 
 TEST_F(FramesBehind, AreTheSame) {
@@ -70,7 +70,7 @@ TEST_F(FramesBehind, AreTheSame) {
   EXPECT_FALSE(second_began_first_);
 }
 
-// A picture and its file, twice 16 bytes a pixel, are charged, and the budget is the sum as before.
+// A picture and its file, 16 bytes a pixel each, are charged, and the budget is the sum as before.
 TEST_F(FramesBehind, AreCharged) {
   RenderStatistics with, without;
   opened()->describeMemory(with);
@@ -79,7 +79,8 @@ TEST_F(FramesBehind, AreCharged) {
   EXPECT_EQ(with.cache_bytes + 32u * 48 * 40, without.cache_bytes);
 }
 
-// What comes into the way once the frame is begun is seen when its file is written; what is there before, earlier.
+// An obstacle that appears after the start of a frame is detected when the file is written; an earlier obstacle, before
+// the frame is drawn.
 TEST_F(FramesBehind, AFileThatCannotBeWrittenCostsItsFrameOnly) {
   const std::vector<std::string> all = drawn("all");
   for (const bool before : {false, true}) {
@@ -109,7 +110,7 @@ TEST_F(FramesBehind, AFileThatCannotBeWrittenCostsItsFrameOnly) {
   }
 }
 
-// A frame that could not be written fails before one that was begun after it, whatever is wrong with that.
+// A frame that could not be written fails before a later frame, also if the later frame has an error itself.
 TEST_F(FramesBehind, FailInTheirOrder) {
   job_.output.path = folder_ / "order_#.png";
   struct Failing : Progress {
@@ -134,7 +135,7 @@ TEST_F(FramesBehind, FailInTheirOrder) {
   EXPECT_NE(result.first_failure.find("order_2.png"), std::string::npos) << result.first_failure;
 }
 
-// Whoever stops a job finds all frames that it was told of, and the one that was being written.
+// After a job is stopped, all reported frames exist, and so does the frame that was being written.
 TEST_F(FramesBehind, OfAStoppedJobAreThere) {
   struct Stopping : Progress {
     bool cancelled() const override { return stop; }
