@@ -40,7 +40,7 @@ FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const
       span = {span.x * by.x, span.y * by.y, span.z * by.z};
     }
     if (l < finest_) continue;
-    // All levels of a frame end at the same distance from the eye.
+    // All levels of a frame share the near depth of the finest.
     const double near_depth = 0.5 * volume.levels[static_cast<std::size_t>(finest_)].geometry.shortestEdge();
     levels_.push_back({geometry.dims, Projector(geometry, view, area, near_depth),
                        endVoxelsOf(volume.geometry().dims, geometry.dims, span),

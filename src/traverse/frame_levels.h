@@ -1,7 +1,7 @@
-// The levels of the pyramid that a frame may draw: where the lattice of each falls on the image, and which is right for
-// a region of `--lattice voxel` (of the pixel lattice it is said in engine/shared/slab_grid.cpp). That is the coarsest
-// whose voxels are no larger than a pixel where they are nearest, so that they are no smaller than half a pixel there;
-// level 0 where all are larger. Only axes that a level has halved are asked: along the others it is as fine as level 0.
+// Pyramid levels that a frame may draw: projection, clip region and size of each level.
+// Method (voxel engine; for the pixel engine see engine/shared/slab_grid.cpp). A region is drawn at the coarsest level
+// whose voxels are at most a pixel at their nearest point, hence at least half a pixel there; level 0 if all are
+// larger. Only axes that a level has halved count: along other axes the level is as fine as level 0.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@ namespace kiln {
 
 class FrameLevels {
  public:
-  /// One level where `level` names it, else all of the volume's. requires: 0 <= level < levels of the volume. throws:
-  /// Error kUsage where the clipping's region holds no voxel.
+  /// Holds only `level` if given, otherwise all levels of the volume. requires: 0 <= level < levels of the volume.
+  /// throws: Error kUsage if the region of `clipping` contains no voxel.
   FrameLevels(const Manifest& volume, std::optional<int> level, const View& view, ProjectedArea area,
               const Clipping& clipping = {});
 
@@ -28,10 +28,10 @@ class FrameLevels {
   const EndVoxels& endVoxels(int level) const { return at(level).ends; }
   const ClipRegion& clipRegion(int level) const { return at(level).clip; }
 
-  /// How many voxels of level 0 a voxel of `level` spans along each axis.
+  /// Size of a voxel of `level` along each axis. unit: voxels of level 0.
   const Extent3& span(int level) const { return at(level).span; }
-  /// Whether a frame may draw the voxels of `box` (of `level`) as they are: they are at most a pixel, or there are none
-  /// finer.
+  /// Returns true if a frame may draw the voxels of `box` (of `level`): they are at most a pixel, or no finer level
+  /// exists.
   bool fineEnough(int level, const VoxelBox& box) const;
 
  private:
@@ -41,7 +41,7 @@ class FrameLevels {
     EndVoxels ends;
     ClipRegion clip;
     Extent3 span;
-    double edge;  // the longest of those that were halved. unit: world
+    double edge;  // longest halved edge. unit: world
   };
   const Level& at(int level) const { return levels_[static_cast<std::size_t>(level - finest_)]; }
 

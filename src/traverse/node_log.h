@@ -1,4 +1,4 @@
-// Which nodes of the octree a frame asked about where a plane cuts through it: Lee and Ihm's Figure 7.
+// Records the octree nodes tested by a frame and cut by a given plane. Source: Lee and Ihm, figure 7.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@ namespace kiln {
 
 struct LoggedNode {
   VoxelBox box;
-  int level = 0;  // 0 is a cell, -1 an eighth of one
+  int level = 0;  // 0: cell, -1: eighth of a cell
   bool hidden = false;
 };
 
 struct NodeLog {
   int axis = 1;            // 0 x, 1 y, 2 z
-  std::int64_t plane = 0;  // nodes that hold voxels with this coordinate along the axis. unit: voxels
+  std::int64_t plane = 0;  // only nodes with voxels at this coordinate along the axis. unit: voxels
   std::vector<LoggedNode> nodes;
 
   /// thread: one caller at a time.

@@ -4,7 +4,7 @@
 
 namespace kiln {
 
-// One guess for nothing is free, so that there are some to learn from.
+// A single wrong guess is free, so that there is always a guess to learn from.
 bool Prefetcher::guesses() const {
   constexpr std::size_t kPartThatMayBeWrong = 32;
   return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
@@ -17,7 +17,7 @@ std::size_t Prefetcher::turnOf(const BrickKey& brick) {
 }
 
 std::vector<NextBrick> Prefetcher::next(std::size_t count) {
-  // Hidden bricks stay hidden, so looking at more of them than this at once gains nothing that the next call has not.
+  // Most bricks examined per call. Hidden bricks stay hidden, so a longer search only does work of the next call.
   constexpr std::size_t kLooks = 64;
   std::vector<PixelRect> covered;
   for (const BrickInView& brick : undrawn_) covered.push_back(brick.rect);

@@ -1,4 +1,4 @@
-// What a brick shows in a tile, as a span that tells what was drawn.
+// Profile scope of a brick's drawing in a tile, with the counts of that drawing.
 #pragma once
 
 #include "base/thread/profile_scope.h"
@@ -10,7 +10,7 @@ namespace kiln {
 
 class TileScope {
  public:
-  /// requires: `tile` and `counts`, which drawing adds to, outlive this.
+  /// requires: `tile` and `counts` outlive the scope; drawing adds to `counts`.
   TileScope(const BrickKey& brick, const PixelRect& tile, const DrawCounts& counts) noexcept
       : brick_(brick), tile_(tile), counts_(counts), before_(counts) {}
   ~TileScope();
