@@ -1,9 +1,9 @@
-// The light that passes a slab, a ball and a linear ramp is known in closed form: exp(-∫τ ds), and the integral is a
-// chord length, or a length times the value in its middle. Opacity is physical if the picture's -ln(1 - alpha) is that
-// number, whatever the direction, the projection and the density. Density is set so that the picture's longest ray has
-// the optical depth asked for. Pixels nearer than 3 to the silhouette are left out: there a footprint straddles the
-// edge. The coarser levels of a volume hold as much material, so the same holds for them, as far from the silhouette as
-// their footprints are larger.
+// Opacity is physical: -ln(1 - alpha) of a pixel equals the integral of extinction along its ray, for every direction,
+// projection and density. Known in closed form, exp(-∫τ ds), for a slab, a ball and a linear ramp: the integral is a
+// chord length, or a length times the value at its middle. Density is scaled until the picture's longest ray has the
+// given optical depth.
+// Pixels within 3 of the silhouette are left out, because their footprints straddle the edge. Coarser levels contain as
+// much material and pass an equal test; the excluded border grows with their footprints.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,12 +22,12 @@ namespace kiln::test {
 namespace {
 
 constexpr std::int64_t kSide = 64;
-constexpr int kPixels = 110;  // about one a voxel
+constexpr int kPixels = 110;  // about a pixel a voxel
 constexpr int kViews = 20;
 constexpr std::uint64_t kSeed = 20;
 constexpr int kMargin = 3;
 
-// Opacity such that extinction is value * tau_per_value, to 1e-6: linear between 400 points.
+// Returns a function whose extinction is value * tau_per_value, to 1e-6: linear between 400 points.
 TransferFunction linearExtinction(double largest_value, double tau_per_value) {
   TransferFunction out;
   out.unit = 1;
@@ -43,7 +43,7 @@ struct Segment {
   double begin, end;
 };
 
-// Where a ray (index space) is inside of the box lo..hi.
+// Returns the segment of a ray (index space) inside the box lo..hi.
 std::optional<Segment> insideBox(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& lo,
                                  const glm::dvec3& hi) {
   Segment out{-1e30, 1e30};
@@ -150,7 +150,7 @@ TEST_P(Extinction, HasItsClosedForm) {
     request.shading.phong = false;
     request.level = 0;
     setLattice(request, lattice);
-    request.filters_rays = false;  // what is known is known of rays, and bends where they leave by another face
+    request.filters_rays = false;  // the closed form holds for single rays and has a kink where the exit face changes
     const Camera camera =
         cameraFrom(shape.volume.geometry, randomDirection(kSeed, static_cast<std::uint64_t>(i)), projection);
     request.view = resolve(camera, {kPixels, kPixels});
@@ -158,7 +158,7 @@ TEST_P(Extinction, HasItsClosedForm) {
     for (const double depth : {0.1, 1.0, 4.0}) {
       const double tau_per_value = depth / *std::max_element(value_length.begin(), value_length.end());
       request.transfer_function = linearExtinction(shape.largest_value, tau_per_value);
-      // Beyond all values, in every other view: the lattice is that of solids.
+      // In every other view, a point beyond all values: an opaque function selects the sample distance of solids.
       if (i % 2 == 0) request.transfer_function.points.push_back({2 * shape.largest_value, glm::dvec3(1), 0.99});
       Progress silent;
       FrameStatistics statistics;
@@ -208,7 +208,7 @@ TEST_P(Extinction, IsTheSameOnCoarserLevels) {
     std::printf("%s, %s lattice, %s, level %d: worst of 4 views: mean %.3f %%, rms %.3f %%\n", shape.name,
                 nameOf(lattice), projection == Projection::kPerspective ? "perspective" : "orthographic", level,
                 100 * worst_mean, 100 * worst_rms);
-    // A voxel of level 2 is 4 pixels here, and the ball 13 of them: their blur flattens it by a hundredth.
+    // A voxel of level 2 is 4 pixels wide, and the ball 13 such voxels: blur lowers the mean by a hundredth.
     EXPECT_LT(worst_mean, level < 2 ? 0.005 : 0.012) << shape.name << " level " << level;
     EXPECT_LT(worst_rms, level < 2 ? 0.01 : 0.015) << shape.name << " level " << level;
   }

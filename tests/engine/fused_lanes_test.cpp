@@ -1,5 +1,4 @@
-// Kernels' fused() of a vector gives the bits of std::fma in each lane, on processors that have no such instruction,
-// too.
+// The kernels' vector fused() equals std::fma in each lane, to the bit, also on processors without an FMA instruction.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -10,7 +9,7 @@
 
 #include "support/volumes/procedural.h"
 
-// The sets that kernels are compiled for, but one number at a time, which is fusedInDoubles.
+// All instruction sets of the kernels, except the scalar set, which uses fusedInDoubles.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/fused_lanes_test.cpp"
@@ -60,7 +59,7 @@ void expectFused(const Sixteen& a, const Sixteen& b, const Sixteen& c) {
   }
 }
 
-// Lanes of all kinds beside each other: any bits, sums that nearly cancel, and those that lie halfway but for a little.
+// Mixes lanes of several kinds: random bits, sums that nearly cancel, and sums close to halfway between two floats.
 void expectFusedLanes() {
   constexpr float kInf = std::numeric_limits<float>::infinity(), kMost = std::numeric_limits<float>::max();
   constexpr float kOdd[] = {0.0f, -0.0f, 1.0f, -1.0f, kMost, kInf, -kInf, 0x1p-149f};
@@ -72,7 +71,7 @@ void expectFusedLanes() {
         const int exponent = static_cast<int>(bits(n + 1) % static_cast<unsigned>(2 * spread)) - spread;
         return std::ldexp(1 + static_cast<float>(bits(n) >> 9) * 0x1p-23f, exponent);
       };
-      // Most vectors are of one kind, as those of pictures are.
+      // Most vectors hold a single kind, as in pictures.
       switch (i % 3 == 0 ? bits(9) % 5 : static_cast<unsigned>(i % 5)) {
         case 0:
           a[lane] = std::bit_cast<float>(bits(0)), b[lane] = std::bit_cast<float>(bits(1)),

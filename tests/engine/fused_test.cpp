@@ -1,4 +1,4 @@
-// What has no instruction for it gives the bits of std::fma, whose definition is that it rounds once.
+// The fallback without an FMA instruction equals std::fma to the bit. Known because std::fma is defined to round once.
 #include "engine/shared/fused.h"
 
 #include <gtest/gtest.h>
@@ -21,9 +21,10 @@ void expectFused(float a, float b, float c) {
   }
 }
 
-// Any bits at all, and sums that nearly cancel or of which one is at the other's last bits, where rounding twice errs.
+// Random bits, sums that nearly cancel, and sums with an addend near the last bits of the product, where rounding twice
+// errs.
 TEST(Fused, InDoublesIsRoundedOnce) {
-  int twice = 0;  // where rounding twice would be seen
+  int twice = 0;  // number of cases where rounding twice gives another result
   for (std::uint64_t i = 0; i < 300000; ++i) {
     const auto bits = [&](std::uint64_t n) { return static_cast<std::uint32_t>(hashBits(n, i)); };
     const auto any = [&](std::uint64_t n) { return std::bit_cast<float>(bits(n)); };
@@ -31,7 +32,7 @@ TEST(Fused, InDoublesIsRoundedOnce) {
       return std::ldexp(1 + static_cast<float>(bits(n) >> 9) * 0x1p-23f, static_cast<int>(bits(n + 1) % 60) - 30);
     };
     expectFused(any(0), any(1), any(2));
-    // Halfway between two floats but for a little: a of few bits times b of few bits, and c far below its last bit.
+    // Close to halfway between two floats: a and b have few bits, and c is far below the product's last bit.
     const float a = 1 + static_cast<float>(bits(3) & 0xfff) * 0x1p-12f,
                 b = 1 + static_cast<float>(bits(4) & 0xfff) * 0x1p-12f;
     const float c = (bits(5) & 1 ? 1.0f : -1.0f) * std::ldexp(1.0f, -30 - static_cast<int>(bits(6) % 60));
@@ -40,7 +41,7 @@ TEST(Fused, InDoublesIsRoundedOnce) {
                      std::fma(a, b, c)
                  ? 1
                  : 0;
-    // The same of fewer than 24 bits.
+    // Close to halfway, with a subnormal result of fewer than 24 bits.
     expectFused(0x1.000002p-75f, 0x1.fffffcp-76f, static_cast<float>(2 * (bits(5) & 0x3ffff) + 1) * 0x1p-149f);
     expectFused(near(7), near(9), near(11));
     expectFused(near(7), near(9), -near(7) * near(9));

@@ -1,6 +1,6 @@
-// What is found and read of a cell's voxels, of all types and on every instruction set, against loops over the cell:
-// whole cells and those that a brick's end cuts off, in parallel and from an eye among them, values that show
-// something in one interval, in several, and nowhere.
+// Gathering of a cell's visible voxels against loops over the cell, for all types and instruction sets. Cases: whole
+// cells and cells cut by a brick's end; parallel views and an eye among the voxels; transfer functions visible in a
+// single interval, in several, and nowhere.
 #include "engine/voxel/gather_voxels.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr VoxelCoord kExtent = {6, 5, 7};  // of the core: no multiple of a cell
+constexpr VoxelCoord kExtent = {6, 5, 7};  // of the core; no multiple of a cell
 
 BrickBlock gatheredBlock(VoxelType type) {
   BrickBlock block;
@@ -46,7 +46,7 @@ TransferFunction ofSomeLabels() {
   return out;
 }
 
-// The cell's voxels that show something, front to back.
+// Returns the cell's visible voxels, front to back.
 template <class T>
 std::vector<VoxelCoord> shownIn(const BrickBlock& block, const Classifier& classifier, const VisitingOrder& visiting,
                                 const VoxelBox& cell) {

@@ -1,6 +1,6 @@
-// A picture is the same to the bit on every instruction set: kernels compute each number in the same words, fused where
-// they say so and never approximate, and add numbers in an order that no vector's length changes. This holds for all of
-// a picture where tests of single kernels (unit/scalar_*_test.cpp) hold for what they ask.
+// A picture is equal to the bit on every instruction set. Kernels evaluate each number by a fixed expression, fused
+// only where written and never approximate. Sums are added in an order independent of the vector length. Whole pictures
+// are compared here; `scalar_kernels_test.cpp` and `scalar_voxels_test.cpp` compare single kernels.
 #include <gtest/gtest.h>
 
 #include "support/reference/drawing.h"
@@ -40,10 +40,10 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
     request.transfer_function.points = {
         {at(0.1), {1, 0.7, 0.5}, 0}, {at(0.3), {1, 0.7, 0.5}, 0.2}, {at(0.6), {1, 1, 0.8}, 0.7}};
     request.shading.specular = 0.3;
-    // Rays, which are filtered, two a pixel, too.
+    // Also covers filtered rays, two a pixel.
     request.samples = GetParam() == Lattice::kPixel && type == VoxelType::i16 ? 2 : 1;
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
-      // Along an axis, where footprints of voxels are straight, and across.
+      // Along an axis, where footprints of voxels are axis-aligned, and obliquely.
       for (const glm::dvec3& from : {glm::dvec3(0, -1, 0), glm::dvec3(0.7, -1, 0.4)}) {
         request.view = resolve(cameraFrom(volume.geometry, from, projection), kSetsSize);
         // A coarser level stands for intervals of values.

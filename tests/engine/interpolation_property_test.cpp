@@ -1,7 +1,7 @@
-// What is skipped because the transfer function makes its range empty adds nothing, whatever the interpolation: a
-// picture for which each cell of a single brick is drawn is bit for bit that of every store. The volume is flat but for
-// single voxels, above and below; values beside them are shown, the voxels themselves are not, so that what a cubic
-// makes two voxels away is all that there is in many a cell.
+// Skipping cells of an empty range changes nothing, for every interpolation. A picture that draws each cell of a single
+// brick equals the picture of every store to the bit. The volume is constant except for single voxels above and below.
+// Only values between the constant and these voxels are visible, so many cells contain only what a cubic filter adds
+// two voxels away.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr std::int64_t kEveryBrick[] = {64, 32, 16};  // of 64: one brick
+constexpr std::int64_t kEveryBrick[] = {64, 32, 16};  // 64 gives a single brick
 constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
 
 DenseVolume specks() {
@@ -29,7 +29,7 @@ DenseVolume specks() {
   });
 }
 
-// Shows values on one side of the flat one.
+// Makes values visible on one side of the constant.
 TransferFunction beside(double lo, double hi) {
   const glm::dvec3 color(0.9, 0.8, 0.7);
   return {1, {{lo, color, 0}, {(lo + hi) / 2, color, 0.6}, {hi, color, 0}}};
@@ -60,7 +60,7 @@ std::vector<SlabCell> allCells(const SlabFrame& frame, const BrickBlock& block) 
   return out;
 }
 
-// The only brick, every cell of which is drawn.
+// Draws the only brick with all its cells.
 Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request, std::size_t& skipped) {
   const StoreReader store(path);
   const Manifest& volume = store.manifest();

@@ -1,5 +1,5 @@
-// Pictures of label volumes, with as many samples as they have by default, beside what is known: a slab's closed form,
-// and the reference renderer, which interpolates each label by itself in double precision.
+// Pictures of label volumes with the default number of samples. Known from a slab's closed form, and from the reference
+// renderer, which interpolates each label separately in double precision.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 namespace kiln::test {
 namespace {
 
-// Twelve voxels of a label between two others that are not shown, each of whose faces is as much inside as outside.
+// Twelve voxels of a label between two hidden labels. At each face, interpolation adds as much inside as outside.
 TEST(LabelPictures, ASlabHasItsClosedForm) {
   const DenseVolume volume = fill({{40, 40, 40}, VoxelType::u8}, [](auto, auto, auto z) {
     return z < 14 ? 200 : z < 26 ? 3 : 7;
@@ -50,7 +50,7 @@ TEST(LabelPictures, ASlabHasItsClosedForm) {
 
 constexpr int kLabelPixels = 64;
 
-// Two boxes that share a face, one of them on a slope, a ball through both, and a translucent body around.
+// Two boxes that share a sloped face, a ball through both, and a translucent body around them.
 DenseVolume fewBodies() {
   return fill({{36, 36, 36}, VoxelType::u16}, [](auto x, auto y, auto z) {
     const glm::dvec3 p(x - 18, y - 18, z - 18);
@@ -92,7 +92,7 @@ TEST_P(LabelPicture, IsThatOfTheReference) {
       request.samples = automaticSamples(job, camera, centreOf(volume.geometry), {&reader.manifest()});
       ReferenceSettings settings{3, 0.2, 0.9999};
       settings.interpolation = GetParam();
-      settings.label_smoothing = 2;  // what a brick's apron has room for at these sizes
+      settings.label_smoothing = 2;  // the largest smoothing that a brick's apron allows at these sizes
       const Image truth = referenceImage(volume, request.view, function, {}, {}, settings),
                   image = draw(store, request);
       const ImageDifference ours = compareImages(truth, image);

@@ -1,4 +1,4 @@
-// Pictures of label volumes have the same bits for whatever they are drawn by, and what is skipped shows nothing.
+// Pictures of label volumes are equal to the bit for all ways of drawing, and skipped parts are empty.
 #include <gtest/gtest.h>
 
 #include "base/thread/parallel.h"
@@ -13,14 +13,14 @@ namespace {
 
 constexpr ImageSize kLabelsSize{80, 66};
 
-// Bodies of six labels within each other, 40 numbers apart: many ranges hold labels that no voxel has.
+// Nested bodies of six labels, 40 numbers apart: many ranges hold labels that no voxel has.
 DenseVolume labelBodies() {
   DenseVolume out = cheese({{44, 39, 37}, VoxelType::u8, anisotropicAffine()}, 3, {0, 5});
   for (std::byte& voxel : out.voxels) voxel = static_cast<std::byte>(40 * static_cast<int>(voxel));
   return out;
 }
 
-// Some of the labels, some of them translucent.
+// Shows a random subset of the labels, some of them translucent.
 TransferFunction randomLabels(Random& random) {
   TransferFunction out;
   for (int label = 40; label <= 200; label += 40) {
@@ -36,7 +36,7 @@ FrameRequest labelRequest(std::uint64_t seed, const DenseVolume& volume, Lattice
   Random random(seed + 5);
   scene.transfer_function = randomLabels(random);
   FrameRequest out = requestOf(scene, lattice, randomThreshold(seed));
-  // Two or three pixels a voxel, where labels meet between voxels.
+  // Two or three pixels a voxel, so that labels meet between voxels.
   const Projection projection = seed % 3 == 0 ? Projection::kOrthographic : Projection::kPerspective;
   out.view = resolve(cameraFrom(volume.geometry, randomDirection(seed, 0), projection), kLabelsSize);
   out.level = 0;  // smaller bricks have more levels
@@ -47,7 +47,7 @@ FrameRequest labelRequest(std::uint64_t seed, const DenseVolume& volume, Lattice
 
 class Labels : public ::testing::TestWithParam<Lattice> {};
 
-// Known because nothing of it is said to be part of the picture.
+// Known because none of the varied options is part of the picture's definition.
 TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
   const DenseVolume volume = labelBodies();
   const auto large = makeStore(volume, "large", 64, true), small = makeStore(volume, "small", 16, true);
@@ -70,7 +70,7 @@ TEST_P(Labels, AreDrawnAlikeByBricksThreadsTilesMemoryAndVisibility) {
   EXPECT_GT(shown, casesOf(1, 0));
 }
 
-// Known because nothing of it is said to be part of the picture.
+// Known because none of the varied options is part of the picture's definition.
 TEST(LabelVolumes, WithAnotherVolumeAreDrawnAlike) {
   const DenseVolume volume = labelBodies();
   const DenseVolume amounts = cheese({{40, 41, 39}, VoxelType::u8, anisotropicAffine()}, 4, {0, 200});
@@ -90,7 +90,7 @@ TEST(LabelVolumes, WithAnotherVolumeAreDrawnAlike) {
   EXPECT_TRUE(equalBits(truth, draw(small, request))) << "one thread, other tiles";
 }
 
-// Known because labels that no voxel has change no picture, whatever more of the volume may hold them.
+// Known because labels absent from the volume change no picture, even if ranges of the volume include them.
 TEST_P(Labels, SkippingChangesNoBit) {
   DenseVolume volume = labelBodies();
   for (std::int64_t z = 0; z < 37; ++z) {
@@ -119,7 +119,7 @@ TEST_P(Labels, SkippingChangesNoBit) {
   EXPECT_LT(interesting, with_all);
 }
 
-// A store without one of its labels reads nothing for it.
+// For a label absent from the store, no brick is read.
 TEST_P(Labels, WhatNoRangeHoldsIsNotRead) {
   const DenseVolume volume = labelBodies();
   const auto store = makeStore(volume, "labels", 16, true);

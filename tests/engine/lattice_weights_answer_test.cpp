@@ -1,6 +1,6 @@
-// What footprints add up to, at every phase and angle of the lattice against the pixels. In a box of a uniform medium a
-// pixel's optical depth is extinction times the chord of its ray, and any ripple of it is the footprints' doing. The
-// silhouette of an opaque ball is a circle whose radius is known, and what lies beyond it is fattening.
+// Sums of footprints at every phase and angle of the lattice against the pixels. In a box of a uniform medium a pixel's
+// optical depth is extinction times the ray's chord; any ripple comes from the footprints. The silhouette of an opaque
+// ball is a circle of known radius; a larger silhouette is fattening.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,8 @@ class LatticeWeights : public ::testing::TestWithParam<std::tuple<Lattice, Proje
     return out;
   }
 
-  // Sees `extent` world units in `pixels` pixels at the target, which is somewhere within a voxel of `target`.
+  // Returns a camera that sees `extent` world units in `pixels` pixels. The camera's target is a random point within a
+  // voxel of `target`.
   Camera camera(Random& random, const glm::dvec3& target, const glm::dvec3& from, double extent) const {
     Camera out;
     out.projection = std::get<1>(GetParam());
@@ -63,7 +64,7 @@ class LatticeWeights : public ::testing::TestWithParam<std::tuple<Lattice, Proje
 
 constexpr std::int64_t kCubeSide = 36;  // unit: voxels, and with spacing 1 the world's
 
-// Where a ray runs inside of the box. 0 where it passes it by.
+// Returns the length of a ray inside the box, 0 for rays beside the box.
 double chord(const Ray& ray) {
   double begin = -1e30, end = 1e30;
   for (int axis = 0; axis < 3; ++axis) {
@@ -75,7 +76,7 @@ double chord(const Ray& ray) {
   return std::max(0.0, end - std::max(begin, ray.begin));
 }
 
-// Relative to the optical depth that a pixel must have.
+// Errors relative to the expected optical depth of a pixel.
 struct Ripple {
   double squares = 0, sum = 0, worst = 0;
   int pixels = 0;
@@ -89,7 +90,7 @@ struct Ripple {
   double mean() const { return sum / pixels; }
 };
 
-// Over pixels that are `margin` px and more within the silhouette and as far from where the chord has a kink, which any
+// Accumulates pixels at least `margin` px inside the silhouette and away from kinks of the chord length, which any
 // footprint rounds off.
 Ripple rippleOf(const Image& image, const View& view, double tau, int margin) {
   std::vector<double> chords;
@@ -118,7 +119,7 @@ Ripple rippleOf(const Image& image, const View& view, double tau, int margin) {
   return out;
 }
 
-// The first views run along the lattice's axes, all of whose layers then have the same phase: the worst there is.
+// The first views run along the lattice's axes, where all layers have an equal phase: the worst case.
 TEST_P(LatticeWeights, SumToOne) {
   open(fill({{kCubeSide, kCubeSide, kCubeSide}, VoxelType::u8}, [](auto...) { return 100.0; }));
   constexpr double kTau = 0.03;
@@ -152,12 +153,12 @@ TEST_P(LatticeWeights, SumToOne) {
   }
 }
 
-// Distance inwards from a sphere: linear along the radius but for rounding of the curvature by interpolation, which
-// shrinks the sphere by 1/(4 radius) voxels on average.
+// Distance inwards from a sphere: linear along the radius. Interpolation rounds the curvature off and shrinks the
+// sphere by 1/(4 radius) voxels on average.
 constexpr double kRadius = 20;
 constexpr double kInterpolatedRadius = kRadius - 1 / (4 * kRadius);
 
-// Mean radius of the closed line on which alpha is a half, in 720 directions from the centre. unit: pixels.
+// Returns the mean radius of the closed line where alpha is a half, in 720 directions from the centre. unit: pixels.
 double contourRadius(const Image& image, const glm::dvec2& centre, double largest) {
   const auto alphaAt = [&](const glm::dvec2& pixel) {  // bilinear between pixel centres
     const glm::dvec2 place = pixel - 0.5;

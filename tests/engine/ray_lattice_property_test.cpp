@@ -1,4 +1,4 @@
-// Samples on rays, known from loops that say where they are and nothing of cells, bricks or vectors.
+// Samples on rays. Known from plain loops over sample positions, without cells, bricks or vectors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ FrameRequest rayRequest(const DenseVolume& volume, Projection projection) {
   return out;
 }
 
-// What of a ray is in the volume. unit: depth.
+// Returns the depths where a ray enters and leaves the volume. unit: depth.
 std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
   std::array<double, 2> out{-1e30, 1e30};
   for (int axis = 0; axis < 3; ++axis) {
@@ -42,7 +42,8 @@ std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
   return out;
 }
 
-// A pixel's samples one after the other, in doubles. The first and the last are as long as the volume reaches.
+// Composites a pixel's samples one after another, in doubles. The first and the last sample end at the volume's
+// boundary.
 class SamplesAlone {
  public:
   SamplesAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store)
@@ -58,7 +59,7 @@ class SamplesAlone {
   std::array<double, 4> composited(int x, int y) const;
 
  private:
-  // A headlight's light from a sample, by its normal and the way to the eye.
+  // Returns a sample's colour lit by a headlight, from the sample's normal and the direction to the eye.
   glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& index, const glm::dvec3& ray) const {
     if (!request_.shading.phong) return color;
     const glm::dmat3 index_from_world = glm::inverse(glm::dmat3(volume_.geometry.world_from_index));
@@ -138,7 +139,7 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
       request.interpolation = interpolation;
       request.shading.phong = false;
       request.opacity_threshold = 1;
-      request.sample_distance = 0.75;  // so far apart that no two are one
+      request.sample_distance = 0.75;  // so far apart that no two samples are merged
       const Difference found = differenceFrom(SamplesAlone(volume, request, store), draw(path, request));
       EXPECT_LT(found.largest, 1e-3) << nameOf(type);
       EXPECT_GT(found.brightest, 0.9);
@@ -146,7 +147,7 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
   }
 }
 
-// Every gradient is far from zero, so that its direction is known to a float.
+// Every gradient is far from zero, so that its direction is exact to a float.
 TEST(RayLattice, Shading_ofEveryInterpolation_hasItsGradient) {
   const DenseVolume volume = fill({{40, 37, 43}, VoxelType::f32, obliqueAffine()}, [](auto x, auto y, auto z) {
     return 2.0 * x + 1.5 * y + z + 4 * std::sin(0.4 * x) * std::cos(0.3 * z) + 3 * std::sin(0.5 * y);
@@ -167,8 +168,8 @@ TEST(RayLattice, Shading_ofEveryInterpolation_hasItsGradient) {
   }
 }
 
-// A volume that is flat but for single voxels: a cubic filter shows values two voxels away from them, often in cells
-// without such a voxel.
+// A constant volume except for single voxels: a cubic filter shows values two voxels away, often in cells without such
+// a voxel.
 TEST(RayLattice, Picture_ofEveryInterpolation_isTheSameForEveryBrickSize) {
   const DenseVolume volume = fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
     const double chance = hashUnit(5, static_cast<std::uint64_t>((k * 39 + j) * 44 + i));
@@ -188,7 +189,8 @@ TEST(RayLattice, Picture_ofEveryInterpolation_isTheSameForEveryBrickSize) {
   }
 }
 
-// An eye on the face between two cells, and rays in that face: on one side of it all the way, whatever the bricks.
+// An eye on the face between two cells, and rays in the face: each ray belongs to one of the two cells all the way, for
+// every brick size.
 TEST(RayLattice, RaysInAFaceAreOnOneSideOfIt) {
   const DenseVolume volume = head({{48, 48, 48}, VoxelType::u8}, usualRange(VoxelType::u8));
   FrameRequest request = rayRequest(volume, Projection::kPerspective);
@@ -219,7 +221,7 @@ TEST(RayLattice, RaysInAFaceAreOnOneSideOfIt) {
   }
 }
 
-// Rays in a face of a region, too: nothing is more than what is there.
+// Rays in a face of a region count the region at most once.
 TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
   const DenseVolume volume = fill({{48, 48, 48}, VoxelType::u8}, [](auto...) { return 100; });
   const auto store = makeStore(volume, "uniform", 16);
@@ -235,7 +237,7 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
   camera.eye = {23.5, -60, 23.5}, camera.target = {23.5, 23.5, 23.5}, camera.up = {0, 0, 1}, camera.height = 61;
   request.view = resolve(camera, {61, 61});
   for (const std::int64_t first : {8, 11}) {
-    request.clipping.region = VoxelBox{{24, first, 0}, {48, 32, 48}};  // faces on cells' and within them
+    request.clipping.region = VoxelBox{{24, first, 0}, {48, 32, 48}};  // faces on the faces of cells, and inside cells
     const Image image = draw(store, request);
     const double depth = kTau * static_cast<double>(32 - first);
     for (int x = 0; x < 61; ++x) {
@@ -251,7 +253,7 @@ TEST(RayLattice, ARegionHasItsShareOfTheVolume) {
   }
 }
 
-// Where pairs of samples are one, pictures are nearly those of all samples.
+// Pictures with merged pairs of samples are close to pictures of all samples.
 TEST(RayLattice, TwoSamplesAreOneWhereThatShowsLittle) {
   const DenseVolume volume = fill({{48, 48, 48}, VoxelType::u8}, [](auto x, auto y, auto z) {
     return 40 + x + (std::hypot(x - 24.0, y - 24.0, z - 24.0) < 9 ? 150 : 0);
@@ -265,7 +267,7 @@ TEST(RayLattice, TwoSamplesAreOneWhereThatShowsLittle) {
   request.transfer_function = {1, {{30, {1, 0.6, 0.4}, 0.01}, {100, {1, 0.6, 0.4}, 0.03}, {200, {1, 1, 0.9}, 0.8}}};
   FrameStatistics in_pairs, all;
   const Image few = draw(store, request, 1ull << 30, &in_pairs);
-  request.transfer_function.gradient_opacity = {{0, 1}, {1, 1}};  // takes nothing away, but might
+  request.transfer_function.gradient_opacity = {{0, 1}, {1, 1}};  // removes no opacity, but prevents merging
   const Image many = draw(store, request, 1ull << 30, &all);
   EXPECT_LT(in_pairs.voxels_splats, 7 * all.voxels_splats / 10);
   double largest = 0;

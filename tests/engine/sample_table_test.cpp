@@ -1,5 +1,5 @@
-// Which values a table takes for soft: known because the functions are a few straight lines, whose changes are read
-// off.
+// Ranges that a table reports as soft. Known because the functions consist of a few straight lines with a readable
+// total change.
 #include "engine/pixel/sample_table.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr ValueRange kAll{0, 255};
 
-// Opacity of which a voxel of length 1 has that optical depth.
+// Returns the opacity that gives a voxel of length 1 this optical depth.
 double ofDepth(double depth) { return -std::expm1(-depth); }
 
 SampleTable tableOf(std::vector<TransferPoint> points, VoxelType type = VoxelType::u8, const ValueRange& range = kAll) {
@@ -31,16 +31,16 @@ TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
     // Half of the opacity is less than 1, three quarters are more.
     EXPECT_TRUE(table.soft({105, 200}, 1, false));
     EXPECT_FALSE(table.soft({102, 200}, 1, false));
-    // A shorter voxel changes by less, a longer one by more.
+    // A shorter voxel has a smaller change, a longer voxel a larger one.
     EXPECT_TRUE(table.soft({99, 111}, 0.3, false));
     EXPECT_FALSE(table.soft({105, 200}, 2, false));
-    // Values beyond the range are as its ends.
+    // Values beyond the range are clamped to its ends.
     EXPECT_TRUE(table.soft({-50, 90}, 1, false));
     EXPECT_TRUE(table.soft({120, 900}, 1, false));
   }
 }
 
-// Known because a function is constant beyond its points, whatever else there may be.
+// Known because a function is constant beyond its points, for every range of values.
 TEST(SampleTable, TellsApartWhatItsFunctionDoes) {
   const std::vector<TransferPoint> ramp = {{9, {1, 1, 1}, 0}, {11, {1, 1, 1}, ofDepth(1)}};
   for (const ValueRange& range : {ValueRange{0, 30}, {0, 1e30}, {-3.4e38, 30}, {-INFINITY, INFINITY}}) {
@@ -55,7 +55,7 @@ TEST(SampleTable, TellsApartWhatItsFunctionDoes) {
     EXPECT_TRUE(table.interesting({9.5, 9.6}));
     EXPECT_TRUE(table.interesting({1e5, 1e6}));
   }
-  // Nothing but values far from the points: all look like one end of them.
+  // Ranges far away from the points: all values equal the nearer end.
   for (const double far : {1e6, -2e6}) {
     const SampleTable table = tableOf(ramp, VoxelType::f32, {far, far + 1e6});
     EXPECT_NEAR(table.at(static_cast<float>(far + 5e5 - table.offset())).tau, far > 0 ? 1 : 0, 1e-6);
@@ -69,7 +69,7 @@ TEST(SampleTable, NothingBesideAVoxelIsAValueOfIt) {
   EXPECT_TRUE(table.soft({0, 100}, 0.3, true));
 }
 
-// There and back again is twice as much, and colours count as they are seen.
+// A change that is undone counts twice, and colours count weighted by opacity.
 TEST(SampleTable, CountsAllThatChanges) {
   const SampleTable there_and_back =
       tableOf({{100, {1, 1, 1}, ofDepth(0.8)}, {120, {1, 1, 1}, ofDepth(0.2)}, {140, {1, 1, 1}, ofDepth(0.8)}});

@@ -1,5 +1,5 @@
-// Kernels on every instruction set against the same written plainly (support/reference/scalar_kernels.h), bit for bit:
-// operations are neither fused nor approximate, and sums are whole numbers.
+// Kernels on every instruction set against plain loops (support/reference/scalar_kernels.h), bit for bit: operations
+// are neither fused nor approximate, and sums are integers.
 #include "support/reference/scalar_kernels.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ BrickBlock noiseBlock(VoxelType type) {
     T* const voxels = reinterpret_cast<T*>(block.voxels.data());
     for (std::int64_t i = 0; i < block.extent.count(); ++i)
       voxels[i] = static_cast<T>(120 * hashUnit(5, static_cast<std::uint64_t>(i)));
-    // In some of the units that are loaded.
+    // Some of the loaded patches contain NaN.
     if constexpr (std::is_floating_point_v<T>)
       voxels[block.offsetOf({5, 6, 7})] = voxels[block.offsetOf({17, 18, 19})] = NAN;
   });
@@ -34,12 +34,12 @@ BrickBlock noiseBlock(VoxelType type) {
 TEST(ScalarKernels, UnitsAreLoadedAlike) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i8, VoxelType::u16, VoxelType::i16, VoxelType::f32}) {
     const BrickBlock block = noiseBlock(type);
-    // A range is found among floats, from which the offset has been taken.
+    // Ranges of floats are computed after subtraction of the offset.
     const double rounding = type == VoxelType::f32 ? 120 * 6e-8 : 0;
     for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCubic}) {
       SampleLattice lattice;
       lattice.interpolation = interpolation;
-      // In the middle, and where its margin is beyond what the brick has.
+      // Positions in the middle, and at both ends, where the margin reaches beyond the brick.
       for (const VoxelCoord& lo : {VoxelCoord{4, 5, 6}, VoxelCoord{-6, -6, -6}, VoxelCoord{16, 17, 18}}) {
         constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
         constexpr std::size_t kCount = std::size_t{kEdge} * kEdge * kUnitSamples;

@@ -1,7 +1,6 @@
-// The kernels of the voxel lattice on every instruction set against the same written plainly
-// (support/reference/scalar_voxels.h), bit for bit: operations are fused where both say so and never approximate, and a
-// footprint's weights are added in one order. From the voxels' places to the picture, which pixels are closed and in
-// which order, AOVs, and that nothing happens beside a tile.
+// Kernels of the voxel lattice on every instruction set against plain loops (support/reference/scalar_voxels.h), bit
+// for bit. Operations are fused where both sources fuse and never approximate; a footprint's weights are added in a
+// fixed order. Compared: the picture, the closed pixels, the AOVs, and that pixels beside the tile stay untouched.
 #include "support/reference/scalar_voxels.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +36,7 @@ struct Drawn {
 
 float unit(std::uint64_t n) { return static_cast<float>(hashUnit(23, n)); }
 
-// Of cubic voxels, whose footprint is a table in an orthographic view, or of longer ones, whose ellipse is oblique.
+// Returns a view of cubic voxels, whose orthographic footprint is a table, or of longer voxels with an oblique ellipse.
 VoxelView viewAt(bool perspective, double px_per_voxel, bool phong, double edge_z = 1) {
   VolumeGeometry volume;
   volume.dims = {6, 6, 6};
@@ -63,7 +62,7 @@ void layIntoTile(const VoxelView& view, const ProjectedVoxels& voxels, const Sha
   planes.putBack();
 }
 
-// All voxels of a cell, some of them not drawn, by one of the two implementations.
+// Draws all voxels of a cell, some of them invisible, by either implementation.
 template <class Project, class Lay>
 Drawn drawnBy(const VoxelView& view, bool aovs, const Project& project, const Lay& lay) {
   Drawn out;
@@ -97,7 +96,7 @@ Drawn drawnBy(const VoxelView& view, bool aovs, const Project& project, const La
     }
     lay(view, projected, shaded, projected.touching & 0xf7dbu, tile, 0.9f, closing);
   }
-  // In which order pixels close is nobody's business.
+  // The order in which pixels close is not specified.
   std::sort(closing.pixels.begin(), closing.pixels.end());
   out.closed = closing.pixels;
   return out;
@@ -133,8 +132,8 @@ TEST(ScalarVoxels, AreProjectedAlike) {
   }
 }
 
-// Footprints of 2 to 60 pixels across: those that are blended together and one by one, those out of a table, those
-// whose weights are kept, those that have them found row by row, and those that are not summed.
+// Footprints 2 to 60 pixels across, for all code paths: blended together, blended one by one, read from a table, with
+// stored weights, with weights computed row by row, and without normalization.
 TEST(ScalarVoxels, AreDrawnAlike) {
   int closed = 0;
   constexpr std::pair<double, double> kSizes[] = {{0.4, 1}, {0.9, 1}, {1.3, 1},   {2.1, 1},   {3.0, 1},

@@ -1,5 +1,5 @@
-// The slabs that a zone of depth has: between half a pixel and a pixel thick by default, zones that follow each other
-// without a gap, and levels that do not fall on the way.
+// Slabs of a zone of depth: thickness between half a pixel and a pixel by default. Zones follow each other without a
+// gap, and levels never fall with depth.
 #include "engine/shared/slab_grid.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Manifest pyramid(const glm::dvec3& spacing) {
   return out;
 }
 
-// From before the volume's middle, so far away that a voxel there is `px_per_voxel`.
+// Returns a view from in front of the volume's middle, at the distance where a voxel is `px_per_voxel` pixels wide.
 View viewAt(const Manifest& volume, Projection projection, double px_per_voxel) {
   const VolumeGeometry& g = volume.geometry();
   const double depth = 3 * g.spacing().z * static_cast<double>(g.dims.z);
@@ -34,7 +34,7 @@ View viewAt(const Manifest& volume, Projection projection, double px_per_voxel) 
   return out;
 }
 
-// Thickness of a zone's slabs where they are seen largest. unit: pixels.
+// Returns the thickness of a zone's slabs where their projection is largest. unit: pixels.
 double thicknessPx(const SlabZone& zone, const View& view) {
   return zone.thickness * view.focal_px / (view.projection == Projection::kPerspective ? zone.near : 1);
 }
@@ -80,7 +80,7 @@ TEST(SlabGrid, SlabsAreAsThickAsIsAskedFor) {
   }
 }
 
-// With the most samples a pixel: a level finer, as far as that has no more than so many voxels, and thinner slabs.
+// The largest number of samples a pixel uses a level finer, up to a limit of voxels, and thinner slabs.
 TEST(SlabGrid, TheSmallestSubPixelsHaveAFinerLevel) {
   const Manifest volume = pyramid(glm::dvec3(1));  // levels of 2^30, 2^27, 2^24 voxels
   const auto zone = [&](double px, bool finest) {
@@ -98,7 +98,7 @@ TEST(SlabGrid, TheSmallestSubPixelsHaveAFinerLevel) {
   expectZone(0.9, 0, 0.45);
 }
 
-// In a parallel view, slabs are counted from the view's origin: no part of the volume moves them.
+// In a parallel view, slabs are counted from the view's origin: no part of the volume shifts the slabs.
 TEST(SlabGrid, SlabsOfAParallelViewAreCountedFromItsOrigin) {
   const Manifest volume = pyramid(glm::dvec3(1));
   Manifest part = volume;
@@ -113,7 +113,7 @@ TEST(SlabGrid, SlabsOfAParallelViewAreCountedFromItsOrigin) {
   expectCounted(part);
 }
 
-// Half a pixel a voxel in the middle, and less behind it: one level all the same.
+// Half a pixel a voxel in the middle, and less behind the middle: still a single level.
 TEST(SlabGrid, HalfAPixelAVoxelIsOfOneLevel) {
   const Manifest volume = pyramid(glm::dvec3(1));
   const View view = viewAt(volume, Projection::kPerspective, 0.5);
@@ -128,7 +128,7 @@ TEST(SlabGrid, HalfAPixelAVoxelIsOfOneLevel) {
   EXPECT_GE(behind_the_middle, 1);
 }
 
-// Slabs that volumes share are as thick as the thinnest.
+// Slabs shared by several volumes are as thick as the thinnest.
 TEST(SlabGrid, ACoarseVolumeDoesNotWidenTheSlabsOfAFineOne) {
   const Manifest fine = pyramid(glm::dvec3(1)), coarse = pyramid(glm::dvec3(3));
   const View view = viewAt(fine, Projection::kOrthographic, 1);

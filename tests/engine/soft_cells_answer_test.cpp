@@ -1,6 +1,6 @@
-// Where cells that have fewer samples meet others there is no seam: a plate of one extinction everywhere, but of two
-// values, between which a thin layer lets light through. The cells about that layer are not soft, those on either side
-// of it are, and everywhere else light passes as by the closed form, 1 - exp(-τ length).
+// No seam between soft cells, which have fewer samples, and their neighbours. A plate has a constant extinction but two
+// values, with a thin transparent layer of intermediate values between them. Cells at the layer are not soft, cells on
+// both sides are. Away from the layer, alpha is the closed form, 1 - exp(-τ length).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr double kOpacity = 0.55;  // an optical depth of 0.8 a voxel: the layer changes it by twice that
+constexpr double kOpacity = 0.55;  // an optical depth of 0.8 a voxel; the layer changes the depth by twice as much
 constexpr std::int64_t kAcross = 64, kThick = 8;
 constexpr double kLayer = 32;  // begins half a voxel before
 
@@ -72,7 +72,7 @@ TEST_P(SoftCells, MeetOthersWithoutASeam) {
     ASSERT_GT(count, 1000);
     EXPECT_LT(worst, 0.03);
     EXPECT_LT(std::abs(sum / count), 0.0125);
-    // Gradients that take nothing away: no cell is judged.
+    // A gradient opacity of 1 everywhere: no cell is tested for softness.
     request.transfer_function.gradient_opacity = {{0, 1}, {1, 1}};
     FrameStatistics of_others;
     draw(store, request, std::uint64_t{1} << 30, &of_others);

@@ -1,5 +1,5 @@
-// Cells whose values look nearly the same all over have one sample for two slabs (SlabFrame::inPairs). Which cells do
-// is decided by voxels that every brick has that draws them, so that no picture depends on bricks, tiles or threads.
+// Soft cells, whose values look nearly equal, have one sample for two slabs (`inPairs`). Softness depends only on
+// voxels contained in every brick that draws the cell. No picture therefore depends on bricks, tiles or threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,25 +16,25 @@
 namespace kiln::test {
 namespace {
 
-// Sanitizers slow a store of a hundred one-cell bricks to a minute.
+// Sanitizers need a minute for a store of a hundred one-cell bricks.
 constexpr std::int64_t kEveryBrick[] = {casesOf(8, 16), 64, 32};
 constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
 
 constexpr float kNan = NAN;
 
-// Tissue that is thin, and something in it that is not.
+// Thin tissue with a dense body inside.
 TransferFunction thinAndSteep() {
   return {1, {{20, {1, 0.6, 0.4}, 0}, {60, {1, 0.6, 0.4}, 0.05}, {215, {1, 0.7, 0.5}, 0.06}, {225, {1, 1, 0.9}, 0.9}}};
 }
 
-// The same, of which nothing is judged: gradients may take opacity away, but take none.
+// Returns `thinAndSteep` without soft cells: a gradient opacity of 1 everywhere prevents the test.
 TransferFunction notJudged() {
   TransferFunction out = thinAndSteep();
   out.gradient_opacity = {{0, 1}, {1, 1}};
   return out;
 }
 
-// Of floats some are NaN.
+// Some voxels of type f32 are NaN.
 DenseVolume volumeOf(VoxelType type) {
   DenseVolume out = cheese({{37, 41, 30}, type}, 3, {0, 255});
   if (type != VoxelType::f32) return out;
@@ -74,7 +74,7 @@ TEST_P(SoftCells, AreThoseOfAnyBrick) {
       const ThreadLimit one(1);
       EXPECT_TRUE(equalBits(truth, draw(stores.front(), request)));
     }
-    // They show what others do.
+    // Merged samples show nearly the picture of all samples.
     FrameStatistics of_others;
     request.transfer_function = notJudged();
     const Image others = draw(stores.back(), request, std::uint64_t{1} << 30, &of_others);

@@ -1,5 +1,5 @@
-// A voxel that is far beyond all others, as a file has where it knows nothing, changes no picture but where it is:
-// known from the same volume without it, of a function that shows nothing there.
+// A voxel far outside the range of all others, as files use for missing data, changes no picture except at its
+// position. Known from the volume without this voxel, drawn with a function that hides the value.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 constexpr ImageSize kStraySize{70, 66};
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-// 30 in the middle, and less with the distance from it; a corner is something else.
+// 30 in the middle, falling with the distance from the middle; a corner voxel has the value `corner`.
 DenseVolume ballBeside(float corner) {
   DenseVolume out = fill({{41, 40, 39}, VoxelType::f32}, [](auto i, auto j, auto k) {
     const glm::dvec3 at(i - 20.0, j - 19.5, k - 19.0);

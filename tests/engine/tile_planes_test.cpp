@@ -1,4 +1,5 @@
-// A tile's pixels in planes are the tile's pixels, and a footprint is open where one of its pixels in the tile is.
+// A tile's pixels stored as planes equal the tile's pixels. A footprint is open if any of its pixels in the tile is
+// open.
 #include "engine/voxel/tile_planes.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +31,7 @@ struct PlanesPicture {
 TEST(TilePlanes, HoldTheTilesPixels) {
   onEveryInstructionSet([&](std::int64_t target) {
     TilePlanes planes;
-    // The last is smaller than the one before: what is left of that must not show.
+    // The last tile is smaller than the tile before, whose remains must not show.
     for (const PixelRect& rect : {PixelRect{3, 5, 4, 6}, PixelRect{0, 0, 64, 64}, PixelRect{9, 6, 33, 31}}) {
       SCOPED_TRACE(::testing::Message() << "instruction set " << target << ", " << rect.width() << " columns");
       PlanesPicture picture(rect);
@@ -60,7 +61,7 @@ TEST(TilePlanes, HoldTheTilesPixels) {
   });
 }
 
-// Pixels are closed in runs, so that footprints of all sizes are found closed; most of them reach over the tile's edge.
+// Pixels are closed in runs, so that footprints of all sizes are closed; most footprints reach over the tile's edge.
 TEST(TilePlanes, KnowWhatIsOpen) {
   constexpr PixelRect kPlanesTile = {9, 6, 33, 31};
   PlanesPicture picture(kPlanesTile);

@@ -1,5 +1,4 @@
-// A footprint table is what it says it is: Gaussians that sum to one, of the pixels within the footprint and of no
-// others.
+// A footprint table holds Gaussians that sum to 1 over exactly the pixels inside the footprint.
 #include "engine/voxel/voxel_footprint.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +8,7 @@
 namespace kiln::test {
 namespace {
 
-// Of a Gaussian of these standard deviations along the picture's axes.
+// Returns the ellipse of a Gaussian with these standard deviations along the picture's axes.
 Ellipse ellipseOf(double sigma_x, double sigma_y) {
   Ellipse out;
   out.a = static_cast<float>(1 / (sigma_x * sigma_x)), out.c = static_cast<float>(1 / (sigma_y * sigma_y));
@@ -27,8 +26,7 @@ void expectGaussians(const float* row, int pixels, int phase, double half) {
   for (int i = 0; i < pixels; ++i) {
     const auto weight = static_cast<double>(row[i]);
     sum += weight;
-    // Wherever in the phase the first pixel is, none beyond the half width has anything, and none well within it is
-    // left out.
+    // For every phase of the first pixel, weights beyond the half width are zero, and weights well inside are not.
     if (first + 0.5 * part + i > half) {
       EXPECT_EQ(weight, 0) << i;
     }
@@ -60,7 +58,7 @@ TEST(VoxelFootprint, HasThePhaseOfItsFirstPixel) {
   EXPECT_EQ(VoxelFootprint::phaseOf(-2.0f, 2.0f), 0);
   EXPECT_EQ(VoxelFootprint::phaseOf(-1.5f, 2.0f), VoxelFootprint::kPhases / 2);
   EXPECT_EQ(VoxelFootprint::phaseOf(-1.0001f, 2.0f), VoxelFootprint::kPhases - 1);
-  // What rounding makes of the ends.
+  // Phases at the ends are clamped after rounding.
   EXPECT_EQ(VoxelFootprint::phaseOf(-2.0001f, 2.0f), 0);
   EXPECT_EQ(VoxelFootprint::phaseOf(-1.0f, 2.0f), VoxelFootprint::kPhases - 1);
 }

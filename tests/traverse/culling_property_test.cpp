@@ -1,5 +1,5 @@
-// What is skipped must be nothing: a node's rectangle holds every footprint of its voxels, and a range that is not
-// interesting holds no value with an opacity. Both are checked against every voxel and every value, one by one.
+// Culling is conservative: a node's rectangle holds every footprint of its voxels, and a range that is not interesting
+// holds no value with opacity. Both are tested against every voxel and every value.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +33,7 @@ class NodeBounds : public ::testing::TestWithParam<ProjectedArea> {
           if (projector.perspective() && p.z < projector.nearDepth()) continue;
           const glm::dvec2 at = projector.pixelOf(p);
           const Ellipse e = projector.ellipseAt(p);
-          // Pixel column c is touched if its centre c + 1/2 is within half_x of the footprint's centre.
+          // Pixel column c is covered if its centre c + 1/2 is within half_x of the footprint's centre.
           const double left = std::ceil(at.x - e.half_x - 0.5), right = std::floor(at.x + e.half_x - 0.5);
           const double top = std::ceil(at.y - e.half_y - 0.5), bottom = std::floor(at.y + e.half_y - 0.5);
           if (std::abs(at.x) > 1e7 || std::abs(at.y) > 1e7) continue;
@@ -80,7 +80,8 @@ TEST_P(NodeBounds, OfEightBoxesAreThoseOfEach) {
   }
 }
 
-// A node of a coarser level, one voxel larger on every side, holds the footprints of all finer voxels below it.
+// A node of a coarser level, enlarged by a voxel on every side, holds the footprints of all finer voxels below the
+// node.
 TEST_P(NodeBounds, HoldEveryFinerFootprint) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Random random(seed);
@@ -111,8 +112,8 @@ TEST_P(NodeBounds, HoldEveryFinerFootprint) {
 
 INSTANTIATE_TEST_SUITE_P(Areas, NodeBounds, ::testing::Values(ProjectedArea::kBox, ProjectedArea::kSphere));
 
-// A wall of voxels fills the picture. Its last layer of bricks is in the octree's far half, so its turn comes when all
-// before it is drawn: of these bricks not even the files need be there.
+// A wall of voxels fills the picture. The wall's last layer of bricks lies in the octree's far half and is visited
+// after all layers before it are drawn. The files of this layer may even be missing.
 TEST(HiddenBricks, AreNotRead) {
   constexpr std::int64_t kBrick = 16;
   const auto store = makeStore(noise({{80, 80, 80}, VoxelType::u8}, 3, {150, 250}), "wall", kBrick);
@@ -141,7 +142,7 @@ TEST(HiddenBricks, AreNotRead) {
   }
 }
 
-// What is read ahead are the next bricks in order, without those that are hidden by then.
+// The prefetcher names the next bricks in visiting order, without bricks that are hidden by then.
 TEST(Prefetcher, NamesTheNextBricksThatAreNotHidden) {
   const auto mask = makeMaskVisibility(64, 64);
   std::vector<BrickInView> in_view;
@@ -164,8 +165,8 @@ TEST(Prefetcher, NamesTheNextBricksThatAreNotHidden) {
   EXPECT_EQ(names(7), (std::vector<std::int32_t>{}));
 }
 
-// Bricks behind one another and one beside them: those behind are named until two of them have shown nothing, and again
-// once so much else has been drawn that two are few.
+// Bricks behind each other, and some beside them. Bricks behind are named until two have contributed nothing, and again
+// after so many drawn bricks that two are few.
 TEST(Prefetcher, GuessesAsLongAsGuessesProveRight) {
   const PixelRect front{0, 0, 8, 8}, beside{8, 0, 16, 8};
   std::vector<BrickInView> in_view;
@@ -193,8 +194,8 @@ TEST(Prefetcher, GuessesAsLongAsGuessesProveRight) {
 }
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {
-  // The integral of exp(-q/2) over its ellipse, cut off at q = 9, is what Ellipse::area says: summed here on a grid of
-  // hundredths of a pixel.
+  // `Ellipse::area` is the integral of exp(-q/2) over the ellipse, cut off at q = 9. The sum runs over a grid of 400
+  // steps along the half width.
   VolumeGeometry volume;
   volume.dims = {16, 16, 16};
   volume.world_from_index = obliqueAffine();
@@ -235,7 +236,7 @@ TEST(Classifier, RangesAreInterestingWhereAValueIs) {
 }
 
 TEST(Classifier, TableAndSegmentsAgree) {
-  // 8-bit values are looked up, floats evaluated: the same function must come out, to a float's rounding.
+  // 8-bit values are looked up, floats are evaluated: both results agree to a float's rounding.
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Random random(seed);
     const ValueRange all{0, 255};

@@ -1,5 +1,5 @@
-// What `--level auto` promises of its choice, asked of the choice itself: the bricks of a frame fill the volume without
-// overlap, none has voxels larger than a pixel while there are finer ones, and none could have been coarser.
+// Properties of `--level auto`: the bricks of a frame fill the volume without overlap. No brick has voxels larger than
+// a pixel while finer ones exist, and no brick could have been coarser.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kBrick = 8;
 
-// The pixels that a length across the view takes up at the nearest corner of a box of voxels.
+// Returns the pixels covered by a length across the view at the nearest corner of a box of voxels.
 double pixelsOf(double length, const VolumeGeometry& geometry, const VoxelBox& box, const View& view) {
   if (view.projection == Projection::kOrthographic) return length * view.focal_px;
   double most = 0;
@@ -50,7 +50,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
     }
     return out;
   }
-  // The largest voxel edge that this level has halved.
+  // Returns the largest voxel edge along the axes that were halved to reach this level.
   double halvedEdge(int level) const {
     double out = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -89,8 +89,8 @@ class LevelChoice : public ::testing::TestWithParam<int> {
       cover(key.level, box, covered);
       ++drawn_[static_cast<std::size_t>(key.level)];
     }
-    EXPECT_GE(counts.bricks, bricks.size());  // those behind the eye are not in view
-    // Where all is in front of the eye, each voxel lies in one brick.
+    EXPECT_GE(counts.bricks, bricks.size());  // bricks behind the eye are not in view
+    // With the whole volume in front of the eye, each voxel lies in exactly one brick.
     if (counts.bricks == bricks.size()) {
       ++complete_;
       for (const int times : covered) ASSERT_EQ(times, 1) << "seed " << seed;
@@ -123,7 +123,7 @@ TEST_P(LevelChoice, FillsTheVolumeWithPixelSizedVoxels) {
     check(resolve(randomCamera(random, geometry(0)), {pixels, pixels}), seed);
   }
   EXPECT_GT(complete_, 8);
-  // The coarsest is right only where the whole volume is a few pixels.
+  // The coarsest level is correct only for views where the whole volume covers a few pixels.
   for (int level = 0; level + 1 < store_->index().levels(); ++level)
     EXPECT_GT(drawn_[static_cast<std::size_t>(level)], 0) << "level " << level;
 }

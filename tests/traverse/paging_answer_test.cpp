@@ -1,5 +1,5 @@
-// The disk is read where the picture needs it: a frame from nothing reads little more than what it draws, and the next
-// frame of a slow turn next to nothing.
+// Bricks are read only where the picture needs them. The first frame reads little more than it draws, and the next
+// frame of a slow rotation reads almost nothing.
 #include <gtest/gtest.h>
 
 #include "convert/convert.h"
@@ -11,13 +11,13 @@
 namespace kiln::test {
 namespace {
 
-// Known because a cache with room for all reads no brick twice, so what the second frame reads is what the first did
-// not; the skin of a head hides most of its bricks, and a degree moves its outline by a hundredth of its radius.
+// Known because a cache that holds the whole volume reads no brick twice, so the second frame reads only bricks not
+// read by the first. The skin of a head hides most bricks, and a degree moves the outline by a hundredth of the radius.
 TEST(Paging, AFrameReadsWhatItDraws) {
   const auto head = openSource("phantom:head:256x256x256", {});
   const std::filesystem::path path = freshDirectory("paging") / "head.kiln";
   ConvertOptions options;
-  options.brick_size = 64;  // in smaller ones the apron, which is read with them, is more than they are
+  options.brick_size = 64;  // in smaller bricks the apron has more voxels than the core
   Progress progress;
   convert(*head, path, options, progress);
   const StoreReader store(path);
@@ -37,8 +37,7 @@ TEST(Paging, AFrameReadsWhatItDraws) {
     EXPECT_GT(frames[0].bricks_contributing, 20u);
     EXPECT_GT(frames[0].bricks_hidden, 2u);
     EXPECT_GE(frames[0].bricks_read, frames[0].bricks_contributing);
-    // Of small bricks a third shows nothing: what a ray could see there is behind the skin, beside which pixels are
-    // open.
+    // A third of these small bricks contributes nothing: rays could reach them only through skin beside open pixels.
     EXPECT_LE(static_cast<double>(frames[0].bricks_read_bytes),
               1.7 * static_cast<double>(frames[0].bricks_contributing_bytes));
     EXPECT_LT(10 * frames[1].bricks_read_bytes, frames[0].bricks_read_bytes);

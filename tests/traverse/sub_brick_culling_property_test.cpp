@@ -1,6 +1,6 @@
-// What the index says of sub-bricks decides which bricks are read, and changes no bit of a picture. Known from the same
-// store without them, of format 1, whose bricks are read whenever any of their voxels may show: for scenes nobody
-// chose, mostly from so near that levels mix, interpolated either way, clipped, cropped, by one thread and by all.
+// Ranges of sub-bricks in the index decide which bricks are read, and change no bit of a picture. Known from a store
+// without them (format 1), whose bricks are read if any of their voxels may be visible. Random scenes: mostly so near
+// that levels mix, with either interpolation, clipped, cropped, by a single thread and by all.
 #include <gtest/gtest.h>
 
 #include "base/thread/parallel.h"
@@ -30,7 +30,7 @@ FrameRequest sceneOf(std::uint64_t seed, const DenseVolume& volume) {
   return request;
 }
 
-// What a store without sub-ranges draws, the same store draws with them, of no more bricks.
+// Draws scenes from a store with sub-ranges and from a store without them: equal pictures, no more bricks read.
 void check(std::uint64_t first_seed, std::uint64_t scenes, std::int64_t brick_size) {
   const DenseVolume volume = head({{120, 131, 60}, VoxelType::i16, anisotropicAffine()}, usualRange(VoxelType::i16));
   const auto with = makeStore(volume, "with", brick_size), without = makeStore(volume, "without", brick_size);
@@ -43,7 +43,7 @@ void check(std::uint64_t first_seed, std::uint64_t scenes, std::int64_t brick_si
     const Image truth = draw(without, request, 1ull << 30, &many);
     EXPECT_TRUE(equalBits(truth, draw(with, request, 1ull << 30, &few))) << "seed " << seed;
     EXPECT_EQ(few.bricks_contributing, many.bricks_contributing) << "seed " << seed;
-    // Reading ahead, threads may read what becomes hidden.
+    // With read-ahead, threads may read bricks that become hidden.
     if (seed % 2 != 0) continue;
     EXPECT_LE(few.bricks_read, many.bricks_read) << "seed " << seed;
     read_with += few.bricks_read;

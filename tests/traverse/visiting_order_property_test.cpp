@@ -1,5 +1,5 @@
-// Front to back means: along any ray from the eye (or any parallel ray), what it meets first is visited first. A ray is
-// walked in small steps and the visiting positions of the voxels it meets must rise.
+// Visiting order is front to back: voxels along any ray from the eye (or any parallel ray) are visited in the order of
+// their depth. The test walks a ray in small steps; the visiting positions of the voxels must rise.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -16,7 +16,7 @@ namespace {
 constexpr int kEdge = 32;
 using Position = std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, int>;
 
-// The order of voxels that the octree recursion and the loops within a cell give, as the renderer has them.
+// Numbers the voxels in the order of the octree recursion and the loops within a cell, as the renderer visits them.
 void visit(const VisitingOrder& order, const VoxelCoord& lo, int edge, Position& positions) {
   if (edge == 8) {
     std::uint8_t offsets[3][8];
