@@ -1,5 +1,5 @@
-// What is written is what is read, whichever way it goes to the disk. Sizes around a block and the buffer of writes
-// that go past the page cache; on a file system that cannot do that, the test shows that nothing depends on it.
+// Files read back exactly as written, in every write mode. Sizes lie around a block and around the buffer of direct
+// writes (past the page cache). On a file system without direct writes the test covers the fallback.
 #include "base/file.h"
 
 #include <fcntl.h>
@@ -35,7 +35,7 @@ TEST(FileSystem, WritesTheSameBytesInEveryMode) {
   }
 }
 
-// In a directory of Kiln's own what is in the way of the temporary name may be somebody's all the same.
+// Even in a directory that Kiln owns, a directory with the temporary name may belong to the user and stays.
 TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
   const fs::path path = freshDirectory("in_the_way") / "file";
   fs::create_directory(path.string() + ".tmp");
@@ -44,7 +44,7 @@ TEST(FileSystem, LeavesADirectoryOfTheTemporaryName) {
   EXPECT_FALSE(fs::exists(path));
 }
 
-// Known because two files are made and one name is in the way: what is there afterwards is these, and nothing else.
+// Known because exactly three entries exist afterwards: the user's file, the written file and the directory in the way.
 TEST(FileSystem, LeavesFilesWithNamesLikeTemporaryOnes) {
   const fs::path directory = freshDirectory("like_temporary"), path = directory / "file";
   std::ofstream(path.string() + ".tmp") << "mine";
@@ -56,7 +56,7 @@ TEST(FileSystem, LeavesFilesWithNamesLikeTemporaryOnes) {
   EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 3) << "the failed one left something";
 }
 
-// As two machines do that draw the same frames: whoever was last, the file is one of theirs and whole.
+// Two machines may draw equal frames into a file: afterwards the file is one of the two versions, and whole.
 TEST(FileSystem, TwoMayWriteTheSameFile) {
   const fs::path directory = freshDirectory("two_writers"), path = directory / "file";
   const auto write = [&](char letter, std::size_t size) {
@@ -91,16 +91,16 @@ TEST(FileSystem, KnowsWhereNothingCanBeMade) {
   EXPECT_EQ(codeFor(directory / "none" / "a.png"), ErrorCode::kNotFound);
   EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
   EXPECT_EQ(codeFor(directory), ErrorCode::kIo);
-  EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // who may write anywhere may not there
+  EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // fails also for users with all permissions
 }
 
-// A pipe without a reader keeps its writer waiting without end, and one whose reader ends loses the rest.
+// A pipe without a reader blocks its writer forever, and a pipe whose reader exits loses the rest.
 TEST(FileSystem, APipeAndASocketAreNoOutputs) {
   const fs::path directory = freshDirectory("special"), pipe = directory / "pipe", socket = directory / "socket";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const int listening = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un name{AF_UNIX, {}};
-  // The name of a socket is short: it is made by its last part.
+  // Names of sockets are short, so the socket is bound by its file name in the current folder.
   const fs::path before = fs::current_path();
   fs::current_path(directory);
   std::strcpy(name.sun_path, "socket");
@@ -116,7 +116,7 @@ TEST(FileSystem, APipeAndASocketAreNoOutputs) {
     }
   }
   ::close(listening);
-  // Where one is made while the command runs, its name becomes the file's.
+  // A pipe made while the command runs is replaced by the file.
   EXPECT_NO_THROW(FileSystem::real().writeAtomic(pipe, std::string("text")));
   EXPECT_EQ(readTextFile(pipe), "text");
   ASSERT_EQ(mkfifo((directory / "own.tmp").c_str(), 0600), 0);

@@ -1,4 +1,5 @@
-// Large buffers have pages of their own; some of what is given back stays for the next, the rest is the system's again.
+// Large buffers have pages of their own. Freed pages are kept for the next buffer up to a bound; the rest returns to
+// the system.
 #include "base/memory/large_pages.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +19,8 @@
 namespace kiln {
 namespace {
 
-// Sanitizers keep what is freed, to tell who uses it afterwards, or memory of their own for all that is touched, and
-// end the program where there is no more.
+// Sanitizers keep freed memory to detect late uses, use shadow memory for all touched pages, and end the program when
+// memory runs out. Tests of resident memory are left out there.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define KILN_OWN_PAGES
 std::size_t residentBytes() {
@@ -85,7 +86,7 @@ TEST(LargePages, KeepWhatTheyHaveWhenTheirNumberChanges) {
     const ZeroPages<std::uint32_t> copy = values;
     values.resize(3);
     EXPECT_EQ(values, (ZeroPages<std::uint32_t>{7, 7, 7}));
-    // What is cut off is gone.
+    // Elements removed by a smaller size are zero when the vector grows again.
     values.resize(2 * count);
     EXPECT_EQ(values.back(), 0u);
     EXPECT_NE(values, copy);
@@ -107,7 +108,8 @@ TEST(LargePages, MoreThanThereIsIsRefused) {
 }
 
 #ifdef KILN_OWN_PAGES
-// More than the system maps for one process: the rest is the heap's, and each goes back where it is from.
+// More buffers than the system's limit of mappings for a process: the heap supplies the rest, and each buffer returns
+// to its origin.
 TEST(LargePages, AreTheHeapsWhereThereAreTooMany) {
   std::vector<ZeroPages<std::byte>> few;
   std::vector<void*> many;
@@ -143,7 +145,7 @@ TEST(LargePages, GoBackToTheSystem) {
   for (int i = 0; i < 8; ++i) {
     const ZeroPages<std::byte> bytes(kBytes, std::byte{1});
     EXPECT_GE(residentBytes(), before + kBytes / 10 * 9);
-    // Not a page more than it has bytes for, but for what else goes on.
+    // No page more than the buffer needs, apart from other activity of the process.
     EXPECT_LE(residentBytes(), before + kBytes + kLargePage / 2);
   }
   EXPECT_LE(residentBytes(), before + kLargePage / 2);
@@ -164,12 +166,12 @@ TEST(LargePages, AreSparedUpToABound) {
     EXPECT_LE(residentBytes(), before + kMostSpare);
     EXPECT_GE(residentBytes(), before + kMostSpare - 2 * kBytes);
   }
-  // The next one has what was spared: no more is touched.
+  // The next buffer reuses the kept pages: no new page becomes resident.
   const std::size_t spared = residentBytes();
   held.front().resize(kBytes / sizeof(std::size_t));
   std::fill(held.front().begin(), held.front().end(), 2u);
   EXPECT_LE(residentBytes(), spared + kLargePage / 4);
-  // What is larger is not kept.
+  // A buffer larger than the bound is not kept.
   held.front() = Numbers();
   held.front().resize((kMostSpare + kLargePage) / sizeof(std::size_t));
   std::fill(held.front().begin(), held.front().end(), 2u);

@@ -1,4 +1,4 @@
-// Amounts of memory as people write them; the answers are powers of 1024 by definition.
+// Parsing of memory sizes with suffixes; results are powers of 1024 by definition.
 #include "base/memory/memory.h"
 
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 namespace kiln {
 namespace {
 
-// Known because the C library's own function is what it is.
+// Known because the C library's `strlen` has a specified result.
 TEST(Module, GivesAFunction) {
   const auto length =
       reinterpret_cast<std::size_t (*)(const char*)>(functionOfModule("libc.so.6", "strlen", "nothing has a length"));

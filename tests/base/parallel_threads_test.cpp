@@ -1,4 +1,4 @@
-// What parallelFor promises to bodies that wait for one another, and that a limit of threads limits.
+// Guarantees of parallelFor for bodies that wait for each other, and of thread limits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace kiln::test {
 namespace {
 
-// Known because a body counts itself in on its thread: one that was begun inside of another would count two.
+// Known because a body counts itself on its thread: a nested body would raise the count to two.
 TEST(ParallelFor, BeginsNoBodyInsideOfAnother) {
   const ThreadLimit threads(4);
   std::atomic<int> nested = 0, inner = 0;
@@ -28,7 +28,7 @@ TEST(ParallelFor, BeginsNoBodyInsideOfAnother) {
   EXPECT_EQ(inner, 200 * 50);
 }
 
-// Known because a body that has the lock sees all before it begun.
+// Known because a body that holds the lock sees the start of all bodies before it.
 TEST(ParallelForInOrder, BeginsEachItemOnceAndInOrder) {
   const ThreadLimit threads(4);
   std::mutex mutex;
@@ -39,7 +39,7 @@ TEST(ParallelForInOrder, BeginsEachItemOnceAndInOrder) {
     begun.push_back(i);
   });
   ASSERT_EQ(begun.size(), kItems);
-  // Each thread may be on its way to the lock with one.
+  // Each thread may hold an item on the way to the lock.
   for (std::size_t n = 0; n < kItems; ++n) EXPECT_LT(begun[n], n + 4) << n;
   std::sort(begun.begin(), begun.end());
   for (std::size_t n = 0; n < kItems; ++n) EXPECT_EQ(begun[n], n);
@@ -57,7 +57,7 @@ TEST(ParallelForInOrder, BeginsNothingAfterAFailure) {
   EXPECT_EQ(begun, 4u);
 }
 
-// Known because one thread runs all the bodies where one is allowed, and no limit outlives its object.
+// Known because a limit of 1 runs all bodies on a single thread, and a limit ends with its object.
 TEST(ThreadLimit, HoldsWhileItLives) {
   const unsigned all = ThreadLimit::active();
   {

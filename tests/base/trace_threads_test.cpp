@@ -1,4 +1,4 @@
-// What spans count and what a trace keeps of them, known because the test opens and closes them itself.
+// Counts of spans and contents of a trace. Known because the test opens and closes the spans itself.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ Json spansOf(const fs::path& path) {
   return out;
 }
 
-// What is inside of a span is counted once, there, and not in what is around it.
+// Time inside a nested span counts for the nested span only, not for the span around it.
 TEST(Spans, TimeInsideIsNotTheOutersOwn) {
   const fs::path path = freshDirectory("trace_nested") / "t.json";
   Trace trace(path);
@@ -49,7 +49,7 @@ TEST(Spans, TimeInsideIsNotTheOutersOwn) {
   const BusyTimes busy = BusyTimes::now().since(before);
   trace.finish();
   const Json spans = spansOf(path);
-  ASSERT_EQ(spans.size(), 3u);  // in the order in which they end
+  ASSERT_EQ(spans.size(), 3u);  // in the order of their ends
   EXPECT_EQ(spans[0]["name"], "tile");
   EXPECT_EQ(spans[1]["name"], "cells");
   EXPECT_EQ(spans[2]["name"], "brick");
@@ -60,7 +60,7 @@ TEST(Spans, TimeInsideIsNotTheOutersOwn) {
   EXPECT_NEAR(1e6 * busy.of(Activity::kTile), us(0), kRounding_us);
   EXPECT_NEAR(1e6 * busy.of(Activity::kBrick), us(2) - us(0) - us(1), kRounding_us);
   EXPECT_GT(busy.of(Activity::kTile), 0);
-  // A thread that waits for tiles has nothing to do.
+  // Waiting for tiles is not busy time.
   EXPECT_NEAR(1e6 * busy.total(), us(0) + us(1), kRounding_us);
   for (const Json& span : spans) EXPECT_LE(spans[2]["ts"], span["ts"]);
 }
@@ -80,7 +80,7 @@ TEST(Traces, EveryThreadHasATrackAndEverySpanIsThere) {
     });
   }
   for (std::thread& thread : threads) thread.join();
-  // Not kept in memory until the end, which is why it is bounded.
+  // Spans are written to a temporary file during the run, so memory stays bounded.
   const fs::path temporary = fs::directory_iterator(path.parent_path())->path();
   EXPECT_NE(temporary, path);
   EXPECT_GT(fs::file_size(temporary), Trace::kMemoryBytes);

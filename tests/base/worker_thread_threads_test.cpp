@@ -1,4 +1,4 @@
-// What is begun beside its owner is done by another thread, and what it throws is heard by whoever waits.
+// Work given to a WorkerThread runs on another thread, and its exception reaches the caller of wait().
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -9,7 +9,7 @@
 namespace kiln::test {
 namespace {
 
-// Known because the work waits for its owner, who could not go on if it were done here.
+// Known because the work waits for its owner: on the owner's thread the test would never end.
 TEST(WorkerThread, DoesOneThingWhileItsOwnerGoesOn) {
   WorkerThread beside("works");
   std::atomic<bool> owner_went_on = false;
@@ -24,7 +24,7 @@ TEST(WorkerThread, DoesOneThingWhileItsOwnerGoesOn) {
     owner_went_on.notify_all();
     beside.wait();
     EXPECT_NE(where, std::this_thread::get_id());
-    beside.wait();  // nothing was begun
+    beside.wait();  // no work was started
   }
 }
 

@@ -1,6 +1,6 @@
-// Ranks that share what they read have the bytes that each would read itself, from fewer readings, whatever memory they
-// have, whoever asks whom, and whatever cannot be read. Known because every fetched file is compared with the one on
-// the disk, and every error with that of reading it there.
+// Ranks that share reads get the bytes of the file on disk with fewer reads, for every memory size, request order and
+// read error. Known because every fetched file is compared with the file on disk, and every error with the error of a
+// local read.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ class SharedReadsTest : public ::testing::Test {
     largest_ = store.largestFileBytes();
   }
 
-  // Each key once on each of `threads` threads, in an order of its own.
+  // Fetches each key once on each of `threads` threads, in a random order per thread.
   void fetchAll(SharedReads& shared, const StoreReader& store, int seed, int threads) const {
     std::vector<std::jthread> running;
     for (int t = 0; t < threads; ++t) {
@@ -67,7 +67,8 @@ class SharedReadsTest : public ::testing::Test {
     }
   }
 
-  // What all ranks fetch that open the store with so much memory; 0 of those that have it not open.
+  // Returns the counts of all ranks after each has fetched all keys. `memory` is the cache size per rank; a rank with 0
+  // does not open the store.
   std::vector<SharedReadCounts> fetchedBy(int ranks, const std::vector<std::uint64_t>& memory, int threads) {
     std::vector<SharedReadCounts> out(static_cast<std::size_t>(ranks));
     runRanks(ranks, [&](Ranks& own) {
@@ -79,7 +80,7 @@ class SharedReadsTest : public ::testing::Test {
         own.barrier();
         if (opened.files() != nullptr) fetchAll(shared, store, own.rank(), threads);
         shared.finish();
-        // Nobody answers any more, and nobody needs it.
+        // After finish() no rank answers requests, and fetches still work.
         if (opened.files() != nullptr) expectSame(shared, store, keys_.front());
       }
       out[rank] = shared.counts();
@@ -100,7 +101,7 @@ TEST_F(SharedReadsTest, EachFileIsReadOnceWhereThereIsMemory) {
       sum.received += rank.received, sum.received_bytes += rank.received_bytes;
       sum.sent += rank.sent, sum.sent_bytes += rank.sent_bytes;
     }
-    // Those after the end are one a rank that is not its home.
+    // After finish(), each rank other than the key's home reads one more file.
     EXPECT_LE(sum.read, keys_.size() + static_cast<std::size_t>(ranks));
     EXPECT_GE(sum.read, keys_.size());
     EXPECT_EQ(sum.received, 3 * keys_.size() * static_cast<std::size_t>(ranks - 1));
@@ -117,7 +118,7 @@ TEST_F(SharedReadsTest, WithLittleMemoryFilesAreReadAgain) {
   EXPECT_GT(read, keys_.size());
 }
 
-// As in a time series, where each rank is at another volume, or where one has no memory left.
+// A rank without the store open: in a time series ranks draw different volumes, or a rank has no memory left.
 TEST_F(SharedReadsTest, WhoHasTheStoreNotOpenAnswersThatItHasNone) {
   const auto ranks = fetchedBy(3, {8 * bytes_, 0, 8 * bytes_}, 2);
   EXPECT_EQ(ranks[1].sent, 0u);
@@ -132,7 +133,7 @@ TEST_F(SharedReadsTest, ErrorsAreThoseOfReadingItOneself) {
   for (const SharedReadCounts& rank : fetchedBy(3, {8 * bytes_}, 2)) EXPECT_GT(rank.received, 0u);
 }
 
-// Who waits for a rank that has failed waits no longer, and the job's failure is its own.
+// A failed rank ends the waiting of all other ranks, and the job fails with the error of this rank.
 TEST_F(SharedReadsTest, ARankThatFailsEndsTheOthers) {
   for (int failing = 0; failing < 3; ++failing) {
     try {
@@ -162,7 +163,7 @@ TEST_F(SharedReadsTest, WhatNobodyElseIsLikelyToNeedMakesRoomFirst) {
   EXPECT_TRUE(from_disk(0, true));
   for (std::size_t i = 1; i < keys_.size(); ++i) EXPECT_TRUE(from_disk(i, false));
   EXPECT_FALSE(from_disk(0, true));
-  // Of those that are likely the one that was asked for last stays.
+  // Among files that are likely to be requested again, the most recent request stays in memory.
   for (std::size_t i = 1; i < keys_.size(); ++i) from_disk(i, true);
   EXPECT_FALSE(from_disk(keys_.size() - 1, true));
   EXPECT_TRUE(from_disk(0, true));
