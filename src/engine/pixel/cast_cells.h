@@ -1,7 +1,7 @@
-// Along the rays of the pixel lattice: the samples where pixels' rays meet slabs, cell after cell of a brick in one
-// tile. Each sample is in one cell and fills its pixel of its slab by itself. Cells come front to back, so that a pixel
-// has its samples in the order of their depths, and nothing waits. What a cell shows is the kernel's
-// (engine/pixel/cast_cell.h).
+// Draws the cells of a brick into a tile: samples at the intersections of pixels' rays and slabs, cell after cell.
+// Method. Each sample belongs to a single cell and contributes to a single pixel. Cells come front to back, so that a
+// pixel
+// receives samples in order of depth and no state is kept between cells. The kernel is engine/pixel/cast_cell.h.
 #pragma once
 
 #include <span>
@@ -13,14 +13,14 @@
 
 namespace kiln {
 
-/// Adds what the cells show to the tile. requires: all in front of them, as pixels' rays see it, has been added; `rays`
-/// and `frame` are of one zone, `block` of its level; `cells` are its interesting ones, front to back; the tile
-/// is at most kSquareEdge pixels wide and high. Of `opaque_at` SplatContext says what it is.
+/// Draws the cells into the tile. A pixel whose alpha reaches `opaque_at` is closed. requires: everything in front of
+/// the cells, along pixels' rays, has been drawn; `rays` and `frame` belong to one zone, `block` to its level; `cells`
+/// are the block's visible cells, front to back; the tile is at most kSquareEdge pixels wide and high.
 void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
                const TilePixels& tile, Visibility& visibility, float opaque_at, DrawCounts& counts);
 
-/// Adds what the cells of one of several volumes show to the sums, for compositeSlabs. Closed pixels of the tile get
-/// nothing; the tile does not change. requires: as castCells, but for the order of cells; the sums are of `tile.rect`.
+/// Adds the cells of one of several volumes to the sums for compositeSlabs. Closed pixels of the tile get no light; the
+/// tile does not change. requires: as castCells, except the order of cells; the sums cover `tile.rect`.
 void sumCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
               const TilePixels& tile, Visibility& visibility, SlabSums& sums, DrawCounts& counts);
 

@@ -1,5 +1,5 @@
-// Where the rays and samples of a cell are, by their codes. Compiled once for each instruction set; hence no #pragma
-// once.
+// Positions of a cell's rays and samples, computed from their codes. Compiled once for each instruction set; hence no
+// #pragma once.
 #if defined(KILN_SPLAT_CELL_PLACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_CELL_PLACES_INL_H
 #undef KILN_SPLAT_CELL_PLACES_INL_H
@@ -20,8 +20,8 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A sample's code: its pixel, x + 2^6 y from the corner of the cell's rectangle; 2^12 times its slab; and whether it is
-// two.
+// Code of a sample: bits 0 to 5 and 6 to 11 are the pixel's x and y from the corner of the cell's rectangle, bits from
+// 12 on the slab, bit 30 marks a pair (one sample for two slabs).
 class CellPlaces {
  public:
   static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;
@@ -38,14 +38,14 @@ class CellPlaces {
         row_pixels_(tile.stride / 4),
         rgba_(tile.rgba) {}
 
-  // Leaves what of rays is between two faces across an axis (RaySlabs::faceAt). A ray that never crosses them is on the
-  // upper side of one that it runs in. unit: slabs from the middle one.
+  // Clips the rays' intervals [enter, leave] to the space between two faces across an axis (RaySlabs::faceAt). A ray
+  // parallel to the faces is inside if lo <= position < hi. unit: slabs from the middle slab.
   HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) const {
     const D d;
     const V zero = hn::Zero(d), far = hn::Set(d, kFar), below = hn::Set(d, lo), above = hn::Set(d, hi);
     const M along = hn::Lt(hn::Abs(step), hn::Set(d, 1 / kFar));
     const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(along, hn::Set(d, 1.0f), step));
-    // Places from where faces are told.
+    // Position that faces are counted from: the eye in perspective, otherwise the ray's place.
     const V from = l_.perspective ? zero : place, eye = l_.perspective ? hn::Set(d, r_.eye) : zero;
     const V at_lo = fused(hn::Sub(below, from), inverse, eye);
     const V at_hi = fused(hn::Sub(above, from), inverse, eye);
@@ -54,7 +54,8 @@ class CellPlaces {
     leave = hn::Min(leave, hn::IfThenElse(along, inside, hn::Max(at_lo, at_hi)));
   }
 
-  // Samples by their codes: pixels from the image's centre, slabs from the middle one, and of how many slabs they are.
+  // Decoded samples: pixels from the image's centre, slabs from the middle slab, number of slabs that the sample
+  // covers.
   struct Where {
     V x, y, t, slabs;
   };
@@ -72,13 +73,13 @@ class CellPlaces {
             hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
             hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
   }
-  // In the order of CellRays, so that a sample is where its ray goes.
+  // Order of operations as in CellRays, so that a sample lies exactly on its ray.
   HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
     const D d;
     const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
     return fused(w.x, hn::Set(d, l.along_x[axis]), row);
   }
-  // unit: voxels from the anchor.
+  // Index coordinate of a sample. unit: voxels from the anchor.
   HWY_INLINE V indexOf(int axis, const Where& w, float from) const {
     const D d;
     return hn::Add(hn::Sub(linear(r_.place, axis, w), hn::Set(d, from)), hn::Mul(w.t, linear(r_.step, axis, w)));
@@ -90,8 +91,8 @@ class CellPlaces {
     if (!l_.perspective) return {u, v, one};
     return {u, v, hn::Sqrt(fused(u, u, fused(v, v, one)))};
   }
-  // What of its slabs lies in the volume. The first and the last sample stand for what is beside them, too: those that
-  // CellRays, whose words these are, has as the first and the last.
+  // Length of the ray that a sample stands for. The first and the last sample of a ray in the volume also stand for the
+  // remainder up to the volume's faces. The tests for first and last equal those of CellRays. unit: slabs.
   HWY_INLINE V partOf(const Where& w) const {
     const D d;
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
@@ -111,7 +112,7 @@ class CellPlaces {
     return hn::Add(hn::IfThenElse(first, hn::Sub(w.t, enter), own), hn::IfThenElse(last, hn::Sub(leave, w.t), own));
   }
 
-  // The pixel of the picture, and the slab, of a sample by its code.
+  // Pixel of the picture and slab of a sample.
   struct Place {
     int x, y, slab;
   };
@@ -129,7 +130,7 @@ class CellPlaces {
   const RaySlabs& r_;
   const SampleLattice& l_;
   const CellInput& in_;
-  const std::ptrdiff_t first_pixel_, row_pixels_;  // of the cell's rectangle in the tile, and from row to row
+  const std::ptrdiff_t first_pixel_, row_pixels_;  // first pixel of the cell's rectangle in the tile; distance of rows
   float* const rgba_;
 };
 

@@ -1,5 +1,6 @@
-// Classification of interpolated values, a vector at a time: where they are in the table, their extinction, and that of
-// the values that a sample of a coarser level may hide. Compiled once for each instruction set; hence no #pragma once.
+// Classification of interpolated values, a vector at a time: table position, extinction, and mean extinction over the
+// values that a sample of a coarser level stands for. README.md, equations (4) and (5). Compiled once for each
+// instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_CLASSIFY_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_CLASSIFY_INL_H
 #undef KILN_SPLAT_CLASSIFY_INL_H
@@ -17,7 +18,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Where a value, less the table's offset, is in the table.
+// Table position of a value from which the table's offset has been subtracted.
 HWY_INLINE V placeOf(D d, const SampleLattice& l, V value) {
   return hn::Min(hn::Max(hn::Mul(value, hn::Set(d, l.table_scale)), hn::Zero(d)), hn::Set(d, l.table_last));
 }
@@ -28,15 +29,17 @@ HWY_INLINE V extinctionAt(D d, const SampleLattice& l, V place) {
   return between(here, next, hn::Sub(place, hn::ConvertTo(d, entry)));
 }
 
-// The values that a sample of a coarser level stands for. They go `reach` above and below the sample's own, half a
-// voxel's length of gradient, so that those of voxels on a slope follow upon each other; but not beyond the values of
-// its six neighbours, a voxel away. A gradient alone would go beyond where a slope ends, and find bone under every
-// skin. unit: values.
+// Interval of values that a sample of a coarser level stands for.
+// The interval extends `reach` above and below the sample's own value. `reach` is half a voxel times the gradient's
+// length, so
+// that intervals of adjacent voxels on a slope touch. The interval is limited to the values of the six neighbours at a
+// distance of a voxel: the gradient alone would extend beyond the end of a slope, and find bone under every skin. unit:
+// values.
 struct Interval {
   V reach, least, most;
 };
 
-// From the sample's own value and, before and after it, those of its neighbours along each axis.
+// Computes the interval from the sample's own value and the neighbours before and after it along each axis.
 HWY_INLINE Interval intervalOf(D d, V own, const V (&before)[3], const V (&after)[3]) {
   V least = own, most = own, squared = hn::Zero(d);
   for (int a = 0; a < 3; ++a) {
@@ -54,13 +57,15 @@ HWY_INLINE V integralTo(D d, const SampleLattice& l, V place) {
   return between(a, b, hn::Sub(place, hn::ConvertTo(d, entry)));
 }
 
-// Half of it from above the value, half from below. A thin skin would else be lost between the values on its two sides.
-// `place` is the value's in the table, `at_point` the extinction there. requires: l.integral.
+// Mean extinction of the interval: the average of the mean above the sample's value and the mean below. A single mean
+// over the interval would lose a thin skin between the values on its two sides. `place` is the value's table position,
+// `at_point` its extinction. requires: l.integral. Source: Max, Hanrahan and Crawfis 1990; Engel et al. 2001. Equation
+// (5).
 HWY_INLINE V meanExtinction(D d, const SampleLattice& l, const Interval& values, V place, M alive, V at_point) {
   const V reach = hn::Mul(values.reach, hn::Set(d, l.table_scale));
-  alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // and no NaN
+  alive = hn::And(alive, hn::Lt(reach, hn::Set(d, 1e30f)));  // false for NaN, too
   const V own = hn::IfThenElseZero(alive, place);
-  // A smoothed value may itself be beyond them.
+  // A smoothed value may lie outside the interval of its neighbours.
   const V lo = hn::Min(own, hn::IfThenElseZero(alive, hn::Max(hn::Sub(place, reach), placeOf(d, l, values.least))));
   const V hi = hn::Max(own, hn::IfThenElseZero(alive, hn::Min(hn::Add(place, reach), placeOf(d, l, values.most))));
   const V to_own = integralTo(d, l, own);

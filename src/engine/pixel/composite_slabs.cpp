@@ -20,7 +20,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Composites one row of pixels after the other.
+// Composites row by row.
 class SlabCompositing {
  public:
   SlabCompositing(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
@@ -58,7 +58,7 @@ class SlabCompositing {
       rays_.close(visibility_, tile_.rect.x0 + std::countr_zero(closed), tile_.rect.y0 + row);
   }
 
-  // Composites a vector of a row's pixels in a slab. Returns a bit for each pixel that is closed now.
+  // Composites a vector of a row's pixels in a slab. Returns a mask of the pixels that are closed now.
   HWY_INLINE std::uint64_t compositeVector(int slab, int row, int x) {
     const D d;
     const V one = hn::Set(d, 1.0f);
@@ -122,9 +122,9 @@ class SlabCompositing {
   const TilePixels& tile_;
   const float opaque_at_;
   Visibility& visibility_;
-  const bool has_layers_;                    // whether the picture has planes or deep samples
+  const bool has_layers_;                    // the picture has AOVs or deep samples
   alignas(64) float rgba_[4 * kSquareEdge];  // the row's pixels
-  // A vector of pixels before a slab, and what the slab adds.
+  // A vector of pixels before a slab, and the slab's contribution.
   alignas(64) float before_[4 * kLanes], opacity_[kLanes], weight_[kLanes], per_depth_[kLanes];
   std::uint64_t adds_ = 0;
 };

@@ -1,5 +1,5 @@
-// Composites the slabs of several volumes on pixels' rays, from the nearest to the farthest. One implementation in
-// Highway for every instruction set, as in engine/pixel/cast_cell.h.
+// Composites the slabs of several volumes on pixels' rays, front to back. README.md, equations (7) to (9). One Highway
+// implementation for all instruction sets, as in engine/pixel/cast_cell.h.
 #pragma once
 
 #include "engine/pixel/ray_slabs.h"
@@ -9,8 +9,8 @@
 
 namespace kiln {
 
-/// Adds the sums behind what the tile's pixels hold. A pixel that reaches `opaque_at` is divided by its alpha, set to
-/// an alpha of one, and closed in `visibility`. requires: the sums are of `tile.rect` and of a zone of `rays`.
+/// Composites the sums behind the tile's pixels. A pixel that reaches `opaque_at` is divided by its alpha, gets an
+/// alpha of one, and is closed in `visibility`. requires: the sums cover `tile.rect` and a zone of `rays`.
 void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
                     float opaque_at, Visibility& visibility);
 

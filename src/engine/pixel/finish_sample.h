@@ -1,5 +1,5 @@
-// How a sample looks where kernels do not know it by themselves: lit by more than a headlight, cut, or less opaque
-// where values change slowly. One sample at a time, for both ways of sampling between voxels.
+// Scalar completion of a sample beyond the vector kernels: lights other than a headlight, cut faces, opacity by
+// gradient.
 #pragma once
 
 #include <cmath>
@@ -12,11 +12,11 @@
 
 namespace kiln {
 
-/// Where a sample is and how values change there.
+/// Position and gradient of a sample.
 struct SampleSite {
   glm::dvec3 index;    // in the level's index space
   glm::dvec3 view;     // in view space
-  glm::vec3 gradient;  // unit: value per voxel; 0 where it is not finite
+  glm::vec3 gradient;  // unit: value per voxel; 0 if not finite
 };
 
 inline float finishedExtinction(const Appearance& look, float tau, const SampleSite& site) {
@@ -29,7 +29,7 @@ inline Color finishedColor(const Appearance& look, const Material& material, con
                          : look.shader(material, site.gradient, site.view);
 }
 
-/// In view space, of unit length, or 0 where it has no direction.
+/// Unit normal in view space; 0 if the sample has no direction.
 inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) {
   const glm::vec3* const face = look.clip->cutGradient(site.index);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);

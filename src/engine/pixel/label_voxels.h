@@ -1,10 +1,10 @@
-// The voxels of a cell of a label volume. Labels are names, and no number between two of them means anything: the value
-// that is interpolated is, for each label, 1 in its voxels and 0 elsewhere. A place is solid where half and more of the
-// interpolated voxels is shown, and has the label with the largest share. So surfaces run smoothly between voxels,
-// whatever lies on their other side, and none has a gap where several meet.
-//
-// Steps of whole voxels would be seen in the shading. Gradients are therefore of opacities that are smoothed before:
-// the farther, the larger voxels are in the picture.
+// Voxels of a cell of a label volume.
+// Problem. Labels are names; a number between two labels has no meaning. Whole-voxel steps would be visible in the
+// shading.
+// Method. Each label is interpolated by itself: 1 in its voxels, 0 elsewhere. A point is solid if the interpolated
+// shares of all visible labels sum to at least a half; its label is the label with the largest share. Surfaces are
+// smooth between voxels whatever lies on the other side, and have no gap where several labels meet. Gradients are taken
+// from smoothed opacities; the smoothing reaches farther where voxels are larger in the picture.
 #pragma once
 
 #include <algorithm>
@@ -17,30 +17,31 @@
 
 namespace kiln {
 
-/// The most and the fewest voxels to either side over which a label's opacities are smoothed: with one voxel a ball
-/// whose voxels are a pixel shows rings.
+/// Reach of the opacity smoothing, at most and at least. A reach of 1 shows rings on a ball whose voxels are a pixel.
+/// unit: voxels.
 inline constexpr int kMostLabelSmoothing = 3, kLeastLabelSmoothing = 2;
 
-/// The voxels of a cell and those around it.
+/// Voxels of a cell with a margin.
 struct LabelVoxels {
   static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin, kWide = kEdge + 2 * kMostLabelSmoothing;
-  /// Of each voxel, which of the labels shown it is, and its label's opacity, smoothed. shape: as loadUnit's.
+  /// Per voxel: rank of the label among the visible labels (-1: not visible); opacity of the label, smoothed. shape: as
+  /// loadUnit's.
   alignas(64) std::int32_t ranks[kEdge * kEdge * kUnitSamples];
   alignas(64) float opacities[kEdge * kEdge * kUnitSamples];
-  // Opacities before and while they are smoothed. shape: kWide an axis.
+  // Opacities before and during smoothing. shape: kWide per axis.
   float smoothed[2][kWide * kWide * kWide];
 };
 
-/// Whether all voxels that samples and their gradients take are of no label that is shown, or of the same one.
+/// Labels of all voxels that samples and their gradients read: none visible, one visible label only, or several.
 enum class LabelsAround { kNone, kOne, kSeveral };
 
-/// Writes what the voxels of the cell are whose first voxel is `lo`: with several labels all of `out`, with one the
-/// ranks. thread: safe.
+/// Loads the cell whose first voxel is `lo`. Writes all of `out` for several labels, only the ranks for one. thread:
+/// safe.
 LabelsAround loadLabels(const BrickBlock& block, const SampleLattice& lattice, const VoxelCoord& lo,
                         const SampleTable& table, LabelVoxels& out);
 
-/// The place in the table of a sample of which so much is shown, of that label the most. In whole steps, which a place
-/// keeps for every rank: which others there are changes no bit.
+/// Table position of a sample: `shown` is the share of visible labels, `rank` the label with the largest share. Rounded
+/// to steps of 1/128, which a float represents exactly for every rank: other labels change no bit.
 inline float labelPlace(float shown, int rank) {
   constexpr float kSteps = 128;
   const float rise = std::min(std::max(0.5f + kLabelRise * (shown - 0.5f), 0.0f), 1.0f);

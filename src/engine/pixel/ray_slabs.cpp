@@ -18,7 +18,7 @@ RaySlabs::RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Proj
     anchor[axis] = dims[axis] / 2;
     const auto from = static_cast<double>(anchor[axis]);
     const glm::dvec4& row = projector.indexRow(axis);
-    // A view-space point of the ray is (u depth, v depth, depth) in perspective, else (u, v, depth).
+    // A view-space point of the ray is (u depth, v depth, depth) in perspective, otherwise (u, v, depth).
     const double of_depth = projector.perspective() ? depth : 1, of_step = projector.perspective() ? zone.thickness : 0;
     place.centre[axis] = static_cast<float>(row.w + row.z * depth - from);
     place.along_x[axis] = static_cast<float>(row.x * of_depth * per_pixel);

@@ -12,11 +12,11 @@ namespace {
 
 int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
 
-// A box is cut off at its zone where it spans more than this of its nearest depth: there it looks much larger than what
-// of it is in the zone.
+// A box that spans more than this fraction of its nearest depth is clipped to the zone before projection. The whole box
+// would cover many more pixels than its part in the zone.
 constexpr double kDeep = 0.25;
 
-// One sample a voxel shows as much as two of soft voxels (SampleTable::soft) that change by this part of what is soft.
+// Fraction of the limit of SampleTable::soft up to which one sample per voxel shows as much as two.
 constexpr double kPairChange = 0.25;
 
 // unit: world.
@@ -43,16 +43,16 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   return out;
 }
 
-// How far the opacities of labels are smoothed: the farther, the larger voxels are in the picture. unit: voxels.
+// Reach of the opacity smoothing of labels; larger where voxels are larger in the picture. unit: voxels.
 int labelSmoothing(const SlabZone& zone, const Projector& projector) {
   const double scale = projector.focal() / (projector.perspective() ? zone.near : 1);
   return static_cast<int>(std::clamp(std::lround(std::cbrt(projector.voxelVolume()) * scale),
                                      long{kLeastLabelSmoothing}, long{kMostLabelSmoothing}));
 }
-// The apron holds what smoothing takes, beyond the voxels of samples and of their gradients.
+// The apron must hold the voxels that smoothing reads beyond the voxels of samples and their gradients.
 static_assert(kMostLabelSmoothing + 2 <= kApron);
 
-// What the supports of a cell and of those around it range over.
+// Range of the supports of a cell and its neighbours.
 ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
   ValueRange out;
   const auto last = [&](int cell) { return std::min(cell + 1, supports.edge() - 1); };
@@ -81,7 +81,7 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
   lattice_.label_smoothing = labelSmoothing(zone, projector);
 }
 
-// A sample lies across faces, and up to half of it may be inside whose middle is not.
+// A sample extends across faces: up to half of a sample may be inside although the middle is outside.
 bool SlabFrame::cutOff(const VoxelBox& samples) const {
   return !look_.clip->part().touches(samples) ||
          look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside;
@@ -89,7 +89,7 @@ bool SlabFrame::cutOff(const VoxelBox& samples) const {
 
 bool SlabFrame::inPairs(const SampledRange& range) const {
   if (range.gaps || look_.gradient_opacity.active()) return false;
-  // What is not soft has several samples a voxel for a reason.
+  // Voxels that are not soft have several samples for a reason.
   const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
   return near && table_.soft(range.values, voxel_length_ / kPairChange, false);
 }
@@ -97,11 +97,11 @@ bool SlabFrame::inPairs(const SampledRange& range) const {
 PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
   const ViewBox at(projector_, box);
   if (at.farthest < zone_.near || at.nearest >= zone_.far) return {};
-  // Beside the eye, what is nearer than the zone would be all over the picture.
+  // Without clipping, a box beside the eye would cover the whole picture.
   const bool deep = projector_.perspective() && at.farthest - at.nearest > kDeep * at.nearest;
   const ViewExtent seen =
       deep ? at.extentBetween(std::max(zone_.near, 0.5 * projector_.nearDepth()), zone_.far) : at.extent();
-  // Pixels whose centres are in the box. Places of samples are floats, which round.
+  // Pixels whose centres are in the box, with a margin for the rounding of sample positions to floats.
   const double wide = std::max(seen.x1 - seen.x0, seen.y1 - seen.y0);
   const double slack = 0.01 + wide * std::ldexp(static_cast<double>(std::max({dims_.x, dims_.y, dims_.z})), -22);
   const auto first = [&](double px) { return floorOf(px - 0.5 - slack); };
@@ -112,8 +112,7 @@ PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
 std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block) {
   std::vector<SlabCell> out;
   const int n = block.supports.edge();
-  // A cubic, and what a sample between the voxels of a coarser level stands for, reach a voxel farther than the
-  // supports that come with a brick.
+  // Cubic kernels and intervals of a coarser level reach one voxel beyond the supports stored with a brick.
   const SampleLattice& l = frame.lattice();
   const bool farther = l.interpolation != Interpolation::kLinear || l.integral != nullptr;
   std::array<std::vector<std::uint8_t>, 3> order;

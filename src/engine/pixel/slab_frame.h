@@ -1,5 +1,5 @@
-// What all bricks and tiles of a zone of slabs share, made once a frame, and which cells of a brick the transfer
-// function shows there.
+// State shared by all bricks and tiles of a zone of slabs, computed once per frame, and the visible cells of a brick in
+// the zone.
 #pragma once
 
 #include <vector>
@@ -15,20 +15,20 @@
 
 namespace kiln {
 
-/// How samples of a level look beside what the table says. requires: all outlive those who have it.
+/// Appearance of a level's samples beyond the table. requires: referenced objects outlive all users.
 struct Appearance {
   Shading shading;
-  Shader shader;  // of the level
+  Shader shader;  // belongs to the level
   GradientOpacity gradient_opacity;
   const ClipRegion* clip = nullptr;
   float gradient_noise = 0;  // unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
 };
 
-/// What all bricks and tiles of a zone share.
+/// A zone of slabs with its level, table and appearance.
 class SlabFrame {
  public:
-  /// requires: all outlive this; `projector` is of the zone's level, `dims` its voxels.
+  /// requires: all arguments outlive the frame; `projector` belongs to the zone's level, `dims` are the level's voxels.
   SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
             const SampleTable& table, const Appearance& look);
 
@@ -37,18 +37,19 @@ class SlabFrame {
   const Extent3& dims() const { return dims_; }
   const EndVoxels& ends() const { return ends_; }
   const SampleTable& table() const { return table_; }
-  /// Whether samples that interpolate values of `range`, or stand for some of them, may show anything.
+  /// Returns true if samples that interpolate `range`, or stand for values in `range`, may be visible.
   bool interesting(const ValueRange& range) const { return table_.interesting(range); }
-  /// Whether nothing of the samples in the voxels' cubes is in the clip region, or in the part that is drawn.
+  /// Returns true if no sample in the voxels' cubes reaches into the clip region and the drawn part.
   bool cutOff(const VoxelBox& samples) const;
-  /// Whether two samples of a cell may be one, twice as long, that interpolate `range`.
+  /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
-  /// Whether samples are shaded, modulated and clipped one by one, instead of by the vector.
+  /// Returns true if samples are shaded, modulated and clipped one by one instead of in vectors.
   bool detailed() const { return detailed_; }
   const SampleLattice& lattice() const { return lattice_; }
 
-  /// Pixels whose rays may have samples of the zone in the voxels' cubes, and perhaps more; not cut off at the image.
+  /// Conservative rectangle of the pixels whose rays may have samples of the zone in the voxels' cubes; not clipped to
+  /// the image.
   PixelRect boundsOf(const VoxelBox& box) const;
 
  private:
@@ -60,18 +61,18 @@ class SlabFrame {
   Appearance look_;
   bool detailed_;
   SampleLattice lattice_;
-  double voxel_length_;   // the mean of its edges. unit: world
-  double shortest_edge_;  // the same
+  double voxel_length_;   // mean edge of a voxel. unit: world
+  double shortest_edge_;  // shortest edge of a voxel. unit: world
 };
 
-/// A cell of a brick that may hold something, and the pixels it may be seen in.
+/// A visible cell of a brick and the pixels it may touch.
 struct SlabCell {
   VoxelBox box;
   PixelRect rect;
 };
 
-/// The cells of the brick that the transfer function shows, front to back. cost: a look at each cell's range; for a
-/// cubic also at the voxels of cells beside one that is shown.
+/// Returns the cells of the brick that the transfer function shows, front to back. cost: one range test per cell; a
+/// cubic also reads the voxels of cells next to a visible cell.
 std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block);
 
 }  // namespace kiln

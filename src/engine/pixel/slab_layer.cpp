@@ -8,10 +8,11 @@ namespace {
 
 float opticalDepth(const SlabLayer& layer) { return -std::log1p(-std::min(layer.opacity, 1 - 1e-6f)); }
 
-// Where in a uniform layer of optical depth x the light comes from that it sends, in the mean: the part of it in front.
+// Mean depth of the light that leaves a uniform layer of optical depth x, as a fraction of its thickness: 1/x -
+// 1/(exp(x) - 1).
 float meanOf(float x) { return x < 0.01f ? 0.5f - x / 12 : 1 / x - 1 / std::expm1(x); }
 
-// How far into the layer the pixel's alpha passes one half. unit: slabs.
+// Depth at which the pixel's alpha passes one half, as a fraction of the layer's thickness.
 float hitOf(const SlabLayer& layer, float x) {
   return std::min(std::log((1 - layer.before) / (1 - kHitAlpha)) / x, 1.0f);
 }

@@ -15,15 +15,15 @@
 namespace kiln {
 namespace {
 
-// Where rows of voxels begin: at data + y[j] + z[k] + x[0].
+// Offsets of voxel rows: row (j, k) begins at data + y[j] + z[k] + x[0].
 struct UnitRows {
   static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
   std::array<std::int64_t, kUnitSamples> x;
   std::array<std::int64_t, kEdge> y, z;
-  int rim;  // of voxels for gradients only
+  int rim;  // outer voxels that only gradients read
   bool inner(int j, int k) const { return j >= rim && j < kEdge - rim && k >= rim && k < kEdge - rim; }
 
-  // Of what is in each column.
+  // Combines the ranges of the columns.
   template <class T>
   SampledRange rangeOf(const T* least, const T* most, const bool* gaps, double offset) const {
     const int end = kEdge - rim;
@@ -46,8 +46,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Whole vectors of a row, of voxels that an int holds: it knows their range, column by column. requires: kUnitSamples
-// voxels from a row's first one on may be read.
+// Loads rows in whole vectors, for types of at most 16 bits, and their range column by column. requires: kUnitSamples
+// voxels from the start of each row are readable.
 template <class T>
 SampledRange loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
   const hn::CappedTag<std::int32_t, kUnitSamples> di;
@@ -121,7 +121,7 @@ SampledRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offse
   return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
 }
 
-// Where `count` voxels of an axis begin, from the first on; `extent` are there.
+// Computes the offsets of `count` voxels along an axis from `first` on, clamped to the `extent` voxels that exist.
 void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t stride, std::int64_t* out) {
   if (first >= 0 && first + count <= extent) {
     for (int i = 0; i < count; ++i) out[i] = (first + i) * stride;
@@ -130,13 +130,13 @@ void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t
   }
 }
 
-// Between infinities, and what a float rounds to them, no value is interpolated.
+// Clamps infinities and values near the limit of a float: no value can be interpolated between infinities.
 double withinFloats(double value) {
   constexpr double kMost = 1e37;
   return value > kMost ? kMost : value < -kMost ? -kMost : value;
 }
 
-// Voxel by voxel: any type, and at the brick's ends.
+// Loads voxel by voxel: any type, and at the brick's ends.
 template <class T>
 SampledRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
   std::array<float, kUnitSamples> least, most;
@@ -167,7 +167,7 @@ SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, dou
                       float* values) {
   const VoxelBox& has = block.extent;
   UnitRows rows;
-  // The outermost voxels are for linear interpolation's gradients only.
+  // Linear interpolation reads the outermost voxels only for gradients.
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
   const Extent3 size = has.extent();
   const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };

@@ -1,4 +1,4 @@
-// The voxels of a cell, and those around it, on their way from the brick to the kernel that interpolates them.
+// Loads the voxels of a cell and its margin from a brick into a dense array of floats for the interpolating kernel.
 #pragma once
 
 #include "engine/pixel/sample_lattice.h"
@@ -6,28 +6,28 @@
 
 namespace kiln {
 
-/// Voxels along an axis of a cell.
+/// Edge of a cell. unit: voxels.
 inline constexpr int kUnitVoxels = 8;
-/// Voxels that are read around a cell: one for linear interpolation and one for its gradient, or two for a cubic, whose
-/// gradient takes the same.
+/// Margin read around a cell: a voxel for linear interpolation and a voxel for the gradient, or two for a cubic and the
+/// gradient. unit: voxels.
 inline constexpr int kUnitMargin = 2;
-/// Floats from row to row of what is read: a row is whole vectors.
+/// Distance of rows in the dense array: a row is whole vectors. unit: floats.
 inline constexpr int kUnitSamples = 16;
 
-/// What samples interpolate.
+/// Range of the voxels that samples interpolate.
 struct SampledRange {
   ValueRange values;
-  bool gaps = false;  // whether there is NaN among them
+  bool gaps = false;  // some voxels are NaN
 };
 
-/// Writes the cell's voxels and those around it to `values`, less `offset`; returns the range of what its samples
-/// interpolate. `lo` is the cell's first voxel. Voxels that the brick has not, which no sample of its needs, repeat the
-/// nearest. shape: `values` has voxels and two margins along each axis, rows of kUnitSamples, 64-byte aligned.
-/// requires: for types of up to 16 bits, `offset` is whole.
+/// Loads a cell and its margin into `values`, with `offset` subtracted. Returns the range of the voxels that the cell's
+/// samples interpolate. `lo` is the cell's first voxel. Voxels outside the brick, which none of its samples needs,
+/// repeat the nearest voxel. shape: `values` has kUnitVoxels + 2 kUnitMargin voxels along each axis, rows of
+/// kUnitSamples, 64-byte aligned. requires: for types of up to 16 bits, `offset` is a whole number.
 SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
                       float* values);
 
-/// The instruction set of kernels in use: "AVX3" and the like.
+/// Name of the instruction set in use, such as "AVX3".
 const char* instructionSet();
 
 }  // namespace kiln
