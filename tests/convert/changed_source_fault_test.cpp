@@ -1,5 +1,5 @@
-// Sources that are written to while they are converted, or replaced afterwards by files of equal size and time: no
-// store of two states becomes one. Known because the test changes the files itself.
+// Sources that change during a conversion, or are replaced afterwards by files of equal size and time. A store never
+// mixes two states of a source. Known because the test changes the files itself.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -67,7 +67,7 @@ ConvertOptions options() {
 }
 
 TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
-  const ThreadLimit one(1);  // another thread would find the file cut short while it is rewritten
+  const ThreadLimit one(1);  // another thread would see the file truncated during the rewrite
   const fs::path directory = freshDirectory("changed_source"), path = directory / "v.raw", out = directory / "v.kiln";
   const std::pair<const char*, std::function<void()>> changes[] = {
       {"rewritten", [&] { writeText(path, voxels(2)); }},
@@ -125,7 +125,7 @@ TEST(SourceState, IsTheFilesContentAndOrder) {
   for (const fs::path& file : files) writeText(file, voxels(1));
   const std::string state = stateOf(files);
   EXPECT_TRUE(isStateOf(state, files));
-  // One byte of a file that is read whole.
+  // Changes one byte of a file that is hashed completely.
   std::string changed = voxels(1);
   changed[77777] ^= 1;
   rewrite(files[1], changed);
@@ -137,7 +137,7 @@ TEST(SourceState, IsTheFilesContentAndOrder) {
   EXPECT_FALSE(isStateOf(state, {files[1], files[0]}));
   // A state of an earlier version: sizes and times alone.
   EXPECT_TRUE(isStateOf(state.substr(0, 32), files));
-  // Of larger files, blocks from the first to the last byte.
+  // Larger files are hashed in blocks between the first and the last byte.
   const std::vector<fs::path> large = {directory / "large"};
   writeText(large[0], std::string(100 << 20, 'x'));
   const std::string of_large = stateOf(large);

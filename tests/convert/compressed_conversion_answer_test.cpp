@@ -1,5 +1,5 @@
-// A gzip NRRD whose slices do not fit into the memory that is given converts to the same files as one that had plenty,
-// and to those of the same voxels without compression.
+// A gzip NRRD whose slices exceed the memory budget converts to the same files as with a large budget, and as the
+// uncompressed voxels.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -14,7 +14,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// Slices of more than a strip, and most bricks constant, which takes no time.
+// Slices larger than a strip; most bricks are constant and cost no time.
 constexpr Extent3 kWideDims = {70000, 4, 60};
 constexpr std::int64_t kBrickSize = 32, kStructured = 2500;
 
@@ -29,7 +29,7 @@ std::string voxels() {
   return out;
 }
 
-// All files of the store but the manifest, which names the source, by their names.
+// Returns all files of the store by name, except the manifest, which names the source.
 std::map<std::string, std::vector<std::byte>> converted(const fs::path& input, std::uint64_t memory_bytes) {
   const fs::path out = freshDirectory("store") / "volume.kiln";
   const std::unique_ptr<VolumeSource> source = openSource(input);

@@ -1,6 +1,7 @@
-// A conversion whose n-th change of the disk fails, for every n. What is promised (convert.h): afterwards there is no
-// store at the destination that is not whole, a store that was there is still there, and a resumed conversion ends with
-// the bytes of an uninterrupted one.
+// Conversions whose n-th change of the disk fails, for every n. Guarantees (convert.h):
+// 1. The destination never holds an incomplete store.
+// 2. A store that was there before is still there.
+// 3. A resumed conversion writes the bytes of an uninterrupted conversion.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -36,7 +37,7 @@ ConvertOptions options(How how = How::kNew) {
   return out;
 }
 
-// Whether a store opens at `path`, is whole, and holds exactly `volume`.
+// Tests that `path` is a whole store and holds exactly `volume`.
 bool holds(const fs::path& path, const DenseVolume& volume) {
   try {
     const StoreReader store(path);
@@ -59,7 +60,7 @@ bool holds(const fs::path& path, const DenseVolume& volume) {
   }
 }
 
-// Whether anything at `path` is taken for a store, whole or not.
+// Tests that `path` opens as a store, whole or not.
 bool opens(const fs::path& path) {
   try {
     StoreReader store(path);
@@ -78,12 +79,12 @@ int temporaryFiles(const fs::path& directory) {
 DenseVolume newVolume() { return cheese({{33, 18, 9}, VoxelType::i16}, 1, usualRange(VoxelType::i16)); }
 DenseVolume oldVolume() { return cheese({{20, 9, 9}, VoxelType::i16}, 2, usualRange(VoxelType::i16)); }
 
-// One conversion that meets `fault`; the error it ended with, if it did.
+// Runs a conversion on `disk` and returns its error, if any.
 std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out, How how, FaultyFileSystem& disk) {
   DenseSource source(volume);
   Progress silent;
   ConvertOptions asked = options(how);
-  // None is left for parts, so that each is a file, whose writing may fail, too.
+  // Leaves no memory for half bricks, so that each is a file whose writing may fail.
   const ConversionPlan ample = planConversion(source, asked);
   asked.memory_bytes = ample.total() - ample.parts_bytes;
   try {
@@ -94,7 +95,7 @@ std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out,
   }
 }
 
-// A store that a user stopped waiting for once some of its bricks were there.
+// Returns a store that a user stopped after some of its bricks were written.
 fs::path interruptedConversion(const DenseVolume& volume, const std::string& name) {
   const fs::path out = freshDirectory(name) / "volume.kiln";
   DenseSource source(volume);
@@ -103,7 +104,7 @@ fs::path interruptedConversion(const DenseVolume& volume, const std::string& nam
   return out;
 }
 
-// The files of a conversion that nothing stopped.
+// Returns the files of an uninterrupted conversion.
 std::map<std::string, std::vector<std::byte>> wholeStore(const DenseVolume& volume) {
   const fs::path directory = freshDirectory("fault_whole");
   FaultyFileSystem works;
@@ -123,9 +124,9 @@ std::uint64_t changesOf(bool overwrite) {
   return counted.calls();
 }
 
-// Known because the parts are the same, wherever they wait.
+// Known because half bricks have equal contents in memory and in files.
 TEST(ConvertParts, MayBeInMemoryOrInFiles) {
-  // How many wait at a time would be the threads' to decide.
+  // A single thread, because the number of waiting half bricks depends on the threads.
   const ThreadLimit one(1);
   const DenseVolume volume = cheese({{70, 40, 40}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
   DenseSource source(volume);
@@ -151,7 +152,7 @@ TEST(ConvertParts, MayBeInMemoryOrInFiles) {
   EXPECT_LT(changes[1], changes[2]);
 }
 
-// Known because the index is the same, wherever its sub-ranges wait.
+// Known because the index is equal whether sub-ranges wait in memory or in a file.
 TEST(ConvertSubRanges, MayBeInMemoryOrInAFile) {
   const ThreadLimit one(1);
   const DenseVolume volume = cheese({{70, 40, 40}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
@@ -204,8 +205,8 @@ class ConvertFault : public ::testing::TestWithParam<std::size_t> {
   }
 };
 
-// Known because a store is one if and only if its manifest is there (FORMAT.md), and no conversion that failed has
-// written it.
+// Known because a folder is a store if and only if its manifest is there (FORMAT.md), and a failed conversion writes no
+// manifest.
 TEST_P(ConvertFault, LeavesNoStore) {
   const std::uint64_t changes = changesOf(false);
   ASSERT_GT(changes, 10u);
@@ -225,7 +226,7 @@ TEST_P(ConvertFault, LeavesNoStore) {
       EXPECT_EQ(temporaryFiles(directory), 0);
     }
     EXPECT_FALSE(opens(out));
-    // What is left is no obstacle: the next conversion, told what it may, makes the store.
+    // Remains are no obstacle: the next conversion, with --resume or --overwrite, makes the store.
     FaultyFileSystem works;
     const std::optional<Error> again = convertWith(volume, out, n % 4 == 3 ? How::kOverwrite : How::kResume, works);
     EXPECT_FALSE(again) << again->what();
@@ -233,8 +234,8 @@ TEST_P(ConvertFault, LeavesNoStore) {
   }
 }
 
-// Known because the old store is left alone until the new one is whole. A crash before both exchange their names leaves
-// the new one at OUT.old, so that nothing is lost; OUT itself is whole at any time.
+// Known because the old store stays untouched until the new store is whole. A crash before the names are exchanged
+// leaves the new store at OUT.old, so nothing is lost; OUT itself is whole at any time.
 TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
   const std::uint64_t changes = changesOf(true);
   const DenseVolume old_volume = oldVolume(), new_volume = newVolume();
@@ -261,11 +262,11 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
       EXPECT_TRUE(holds(out, old_volume));
       EXPECT_EQ(temporaryFiles(directory), 0);
     }
-    // Both names may hold something now; a resumed conversion, or a new one where nothing was begun, cleans up.
+    // Both names may exist now. A resumed conversion, or a new one without a journal, cleans up.
     FaultyFileSystem again;
     const bool begun = fs::exists(out.string() + ".partial/journal.bin");
     std::optional<Error> second = convertWith(new_volume, out, begun ? How::kResume : How::kOverwrite, again);
-    // The exchange or the first removal may have failed: it is a store still, of which nobody can tell whose it is.
+    // If the exchange or the first removal failed, OUT.old is still a whole store of unknown origin and is kept.
     if (second && opens(old_path)) {
       EXPECT_TRUE(second->code() == ErrorCode::kExists && second->path() == old_path) << second->what();
       fs::remove_all(old_path);
@@ -273,14 +274,14 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     }
     EXPECT_FALSE(second) << second->what();
     EXPECT_TRUE(holds(out, new_volume));
-    // What it did not move aside itself it leaves.
+    // A conversion removes OUT.old only after moving it there itself.
     EXPECT_TRUE(!fs::exists(old_path) || holds(old_path, old_volume));
     EXPECT_FALSE(fs::exists(out.string() + ".partial"));
   }
 }
 
-// Known as above; with several threads bricks are written behind those that make them, chance decides which of them
-// meets the fault, and all others must stop.
+// Known as above. With several threads bricks are written behind their makers, so the failing thread is random, and all
+// other threads must stop.
 TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
   const std::uint64_t changes = changesOf(false);
   const DenseVolume volume = newVolume();
@@ -336,8 +337,8 @@ TEST(ConvertStopped, WhereNamesCannotBeExchanged_TheOldStoreIsKept) {
   }
 }
 
-// Known because convert asks before every brick, and there are nine in three levels: an interrupt is resumed wherever
-// it came, with the bytes of a conversion that met none.
+// Known because convert polls before every brick, and three levels have nine bricks. After an interrupt at any poll, a
+// resumed conversion writes the bytes of an uninterrupted conversion.
 TEST(ConvertStopped, ByTheUserIsResumed) {
   const DenseVolume volume = newVolume();
   const auto whole = wholeStore(volume);
@@ -361,8 +362,8 @@ TEST(ConvertStopped, ByTheUserIsResumed) {
   }
 }
 
-// Known because each is one byte away from what may be resumed: another value somewhere, another brick size, a brick
-// whose file was damaged meanwhile.
+// Known because each case differs by one byte from a conversion that may be resumed: another value, another brick size,
+// a brick file damaged meanwhile.
 TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   const DenseVolume volume = newVolume();
   const auto whole = wholeStore(volume);
@@ -385,7 +386,7 @@ TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   damage(out / "bricks/0/1_0_0.vdb");
   resume(volume, out, kBrickSize);
   EXPECT_EQ(filesOf(out.parent_path()), whole);
-  // The disk fails at the manifest: every brick is finished. One that is damaged then is made anew, its parents are
+  // The disk fails at the manifest, when every brick is finished. A damaged brick is then made again, its parents are
   // not.
   for (const char* brick : {"bricks/0/1_0_0.vdb", "bricks/1/0_0_0.vdb", "bricks/2/0_0_0.vdb"}) {
     SCOPED_TRACE(brick);
@@ -402,7 +403,7 @@ TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   EXPECT_EQ(filesOf(finished), before) << "a finished store is left as it is";
 }
 
-// The user's old store is as it was, to the byte, wherever the new conversion was stopped.
+// The user's old store stays equal to the byte, at every point where the new conversion stops.
 TEST(ConvertStopped, ByTheUserKeepsTheOldStore) {
   const DenseVolume volume = newVolume();
   for (const int polls : {0, 1, 5}) {
@@ -416,7 +417,7 @@ TEST(ConvertStopped, ByTheUserKeepsTheOldStore) {
   }
 }
 
-// A file that ends early: from the n-th read on, or at its very end, where a stream's own checksum is.
+// A truncated source file: reads fail from the n-th on, or at the very end, where a stream's own checksum is.
 class TruncatedSource : public VolumeSource {
  public:
   TruncatedSource(const DenseVolume& volume, ReadOrder order, int reads)
@@ -437,7 +438,7 @@ class TruncatedSource : public VolumeSource {
   std::atomic<int> left_;
 };
 
-// Known because the source never gives all voxels, or takes them back at the end.
+// Known because the source never delivers all voxels, or fails its checksum at the end.
 TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
   const DenseVolume volume = newVolume();
   for (const ReadOrder order : {ReadOrder::kAnyBox, ReadOrder::kForward}) {
@@ -462,7 +463,7 @@ TEST(ConvertStopped, ByATruncatedSourceLeavesNothing) {
   }
 }
 
-// Known because what is no store is somebody's data: it is replaced neither by default nor by --overwrite.
+// Known because a folder that is no store holds the user's data: it is replaced neither by default nor by --overwrite.
 TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   const fs::path out = makeStore(oldVolume(), "fault_exists", kBrickSize);
   const DenseVolume volume = newVolume();
@@ -492,7 +493,7 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   }
   fs::remove(out / "thesis.txt");
   EXPECT_TRUE(holds(out, oldVolume()));
-  // Nor is a store that has the name to which the old one is moved meanwhile; what is left of one is.
+  // A store at OUT.old, the name for moving the old store, is not replaced either; an incomplete store is.
   const fs::path kept = out.string() + ".old";
   fs::copy(out, kept, fs::copy_options::recursive);
   EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
@@ -504,7 +505,7 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_FALSE(fs::exists(kept));
 }
 
-// Known because desktops write these into every folder that they show, and nobody keeps anything in them.
+// Known because desktops write these files into every visited folder, and the files hold no user data.
 TEST(ConvertStopped, FilesOfADesktopInAStore_areReplacedWithIt) {
   const fs::path out = makeStore(oldVolume(), "fault_desktop", kBrickSize);
   for (const char* name : {".DS_Store", "Thumbs.db", "desktop.ini", "._manifest.json"})
@@ -517,7 +518,7 @@ TEST(ConvertStopped, FilesOfADesktopInAStore_areReplacedWithIt) {
   EXPECT_FALSE(fs::exists(out / ".DS_Store"));
 }
 
-// Known because bricks are whole when the journal says so, whatever fails after them.
+// Known because bricks recorded in the journal are whole, whatever fails later.
 TEST(ConvertStopped, WhatIsNoErrorOfOursCostsNoBrick) {
   const DenseVolume volume = newVolume();
   struct OutOfMemory : Progress {
@@ -538,7 +539,7 @@ TEST(ConvertStopped, WhatIsNoErrorOfOursCostsNoBrick) {
   EXPECT_TRUE(holds(out, volume));
 }
 
-// Known because the journal notes them before and after.
+// Known because the journal records the bricks before and after.
 TEST(ConvertStopped, AResumedConversionThatStopsAtOnceKeepsTheBricks) {
   const DenseVolume volume = newVolume();
   const ThreadLimit one(1);
@@ -564,7 +565,7 @@ TEST(ConvertStopped, AResumedConversionThatStopsAtOnceKeepsTheBricks) {
   EXPECT_TRUE(holds(out, volume));
 }
 
-// Known because the volume has three by two by one bricks, and as many levels as it takes to one.
+// Known because the volume has three by two by one bricks, and levels up to a single brick.
 TEST(ConvertStopped, ABrickOfTheJournalThatTheVolumeHasNotIsNone) {
   const DenseVolume volume = newVolume();
   const ThreadLimit one(1);

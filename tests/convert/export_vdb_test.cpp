@@ -1,5 +1,5 @@
-// A store exported to OpenVDB and read back by OpenVDB's own io::File and getValue: every voxel and the transform must
-// be what was put into the store, which the test made voxel by voxel.
+// A store exported to OpenVDB and read back with OpenVDB's own io::File and getValue. Known because the test made the
+// store voxel by voxel: every voxel and the transform must be equal.
 #include "convert/export_vdb.h"
 
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ SourceInfo denseInfo(VoxelType type, const Extent3& dims) {
   return info;
 }
 
-// Zero beyond x = 20 makes constant bricks of background; 7 beyond y = 20, constant bricks that are not.
+// Zero beyond x = 20 makes constant bricks of background; 7 beyond y = 20 makes other constant bricks.
 template <class T>
 double denseValue(std::int64_t x, std::int64_t y, std::int64_t z) {
   if (y > 20) return 7;
@@ -126,7 +126,7 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
   }
 }
 
-// The grid of 64-bit integers that an export of u32 is comes back as u32, up to the largest value.
+// u32 is exported as a grid of 64-bit integers and comes back as u32, up to the largest value.
 TEST_F(ExportVdb, UnsignedVolume_exportedAndReadAgain_isEqual) {
   const Extent3 dims = {20, 9, 11};
   const auto value = [](std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -146,7 +146,7 @@ TEST_F(ExportVdb, UnsignedVolume_exportedAndReadAgain_isEqual) {
   }
 }
 
-// Labels come back as whole numbers, which convert --labels takes.
+// Labels come back as integers, which convert --labels accepts.
 TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::u16, VoxelType::u32, VoxelType::i32}) {
     SourceInfo info = denseInfo(type, {33, 20, 17});
@@ -160,7 +160,7 @@ TEST_F(ExportVdb, LabelsAreWholeNumbersUnderTheirOwnName) {
     EXPECT_EQ(test::gridNames(out()), std::vector<std::string>{"labels"});
     const std::unique_ptr<VolumeSource> back = openSource(out(), {});
     ASSERT_EQ(back->info().type, VoxelType::i32);
-    // Its box is that of what is not 0.
+    // The box of the exported grid bounds all voxels that are not 0.
     const VoxelBox box = boxOf(back->info().geometry.dims);
     const VoxelCoord& origin = back->info().vdb->index_origin;
     std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeof(std::int32_t));
@@ -199,7 +199,7 @@ TEST_F(ExportVdb, KeepsNanInfinityAndTheSignOfZero) {
   }
 }
 
-// From OpenVDB to a store and back: the two files hold the same value at every coordinate of the source's active box.
+// From OpenVDB to a store and back: both files hold equal values at every coordinate of the source's active box.
 void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& out) {
   const auto source = openVdb(in, {});
   makeStore(store, source->info(), [&](const VoxelBox& box, std::span<std::byte> to) { source->read(box, to); });
@@ -235,7 +235,7 @@ TEST_F(ExportVdb, GridsComeBackAtTheirOwnCoordinates) {
   }
 }
 
-// Known because OpenVDB refuses voxels of less than 3e-15 cubic units: they are told of before a brick is read.
+// Known because OpenVDB refuses voxels of less than 3e-15 cubic units: the error comes before any brick is read.
 TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
   struct Silent : Progress {
     void advance(const char*, const char*, std::uint64_t, std::uint64_t) override { ADD_FAILURE(); }
@@ -268,8 +268,7 @@ TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
   EXPECT_GT(exported(/*overwrite=*/true).voxels, 0u);
 }
 
-// A disk that cannot sync or rename, a directory that is not there, a user who stops: no file is left, and none is
-// lost.
+// A disk without sync or rename, a missing directory, a user who stops: no new file remains, and no old file is lost.
 TEST_F(ExportVdb, AFailureLeavesNothing) {
   struct Stop : Progress {
     bool cancelled() const override { return true; }

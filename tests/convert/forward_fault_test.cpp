@@ -1,7 +1,6 @@
-// Conversions of a source that is read forwards, with its slices in memory and on the disk, that are cut short: by the
-// disk at its n-th change for every n, by the source, by the user. Known because a directory is a store if and only if
-// it has a manifest, and because a conversion that works afterwards must give the files of one that was never
-// disturbed.
+// Interrupted conversions of a source that is read forwards, with its slices in memory and on disk. The disk fails at
+// its n-th change for every n, the source fails, or the user stops. Known because a directory is a store if and only if
+// it has a manifest, and because the next conversion must write the files of an undisturbed one.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -29,7 +28,7 @@ ConvertOptions options(bool on_disk) {
   out.brick_size = 16;
   out.overwrite = true;
   if (!on_disk) return out;
-  // What the lanes and the tables need and one strip more: no layer of slices fits.
+  // Memory for the lanes, the tables and a strip: no layer of slices fits.
   const ForwardSource source(volume());
   const ConversionPlan ample = planConversion(source, out);
   out.memory_bytes = ample.index_bytes + ample.lanes * ample.lane_bytes + stripBytes(source.info());
@@ -90,7 +89,7 @@ TEST_P(ForwardFault, ByTheDiskAtAnyChange) {
   ForwardSource first(volume());
   ASSERT_FALSE(errorOf(first, freshDirectory("count") / "volume.kiln", on_disk_, silent_, counted));
   ASSERT_GT(counted.calls(), 12u + (on_disk_ ? 25u : 0u));
-  // The bricks' own changes are those of convert_fault_test: every one counts where the slices are among them.
+  // The changes of the bricks are covered by convert_fault_test; every change is tested only if the slices are on disk.
   const std::uint64_t step = on_disk_ && ThreadLimit::active() == 1 ? 1 : 5;
   for (std::uint64_t n = 0; n < counted.calls(); n += step) {
     SCOPED_TRACE("change " + std::to_string(n) + " of " + std::to_string(counted.calls()));
@@ -131,15 +130,15 @@ INSTANTIATE_TEST_SUITE_P(Windows, ForwardFault, ::testing::Combine(::testing::Bo
                                   (std::get<1>(made.param) == 1 ? "" : "WithThreads");
                          });
 
-// A strip has as many thin slices as it has room for, and no list of layers is searched: 10,000 layers of bricks take
-// a time in proportion to them. Known by the count of reads, after which the source ends.
+// A strip holds as many thin slices as fit, and no list of layers is searched: 10,000 layers of bricks take time
+// proportional to their number. Known by the count of reads, after which the source ends.
 TEST(ForwardSourceOfThinSlices, IsReadManySlicesAtATime) {
   constexpr std::int64_t kSlices = 80'000;
   const DenseVolume thin = ramp({{1, 1, kSlices}, VoxelType::u8}, 7, 0);
   ConvertOptions asked;
   asked.brick_size = 8;
   asked.most_levels = 1;
-  // One for each layer of bricks that is cut, and few more at the ends of the ring.
+  // One read for each layer of bricks, and a few more at the ends of the ring buffer.
   ForwardSource source(thin, static_cast<int>(2 * kSlices / asked.brick_size));
   Progress silent;
   const ConvertReport report = convert(source, freshDirectory("thin_slices") / "v.kiln", asked, silent);

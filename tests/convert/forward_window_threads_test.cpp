@@ -1,5 +1,5 @@
-// Bricks cut from a source that is read forwards are those of the volume, in memory or on disk, for any number of
-// slices and threads; and whatever fails, all threads come back with it. Known because the volume is in memory as well.
+// Bricks cut from a source that is read forwards equal the volume's, in memory or on disk, for any number of slices and
+// threads. After any failure all threads return the error. Known because the volume is also in memory.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kBrickSize = 8;
 
-// Slices of more than a strip, and layers of one brick and a part.
+// Slices larger than a strip, and layers of one and a half bricks.
 const DenseVolume& volume() {
   static const DenseVolume made = noise({{1031, 130, 48}, VoxelType::u16}, 3, {0, 65535});
   return made;
@@ -40,7 +40,7 @@ std::vector<std::byte> voxelsIn(const VoxelBox& box) {
   return out;
 }
 
-// All bricks, one after the other.
+// Returns all bricks in order.
 ForwardWindow::Next all(std::int64_t brick_size) {
   return [next = std::int64_t{0},
           count = brickLattice(volume().geometry.dims, brick_size).count()]() mutable -> std::optional<std::int64_t> {
@@ -61,7 +61,7 @@ void expectBricks(bool on_disk, std::int64_t brick_size, std::int64_t slices, st
   ForwardSource source(volume());
   Progress silent;
   ForwardWindow window(source, ring(on_disk, slices, directory), brick_size, all(brick_size), silent);
-  EXPECT_TRUE(fs::is_empty(directory));  // whatever ends the process, nothing is left
+  EXPECT_TRUE(fs::is_empty(directory));  // no file remains, however the process ends
   std::vector<std::atomic<int>> taken(
       static_cast<std::size_t>(brickLattice(volume().geometry.dims, brick_size).count()));
   std::atomic<int> wrong = 0;
@@ -92,7 +92,7 @@ TEST(ForwardWindow, GivesTheBricksOfTheVolume) {
   }
 }
 
-// Known because the first brick does not end before slices beyond its own are there: who reads them is another thread.
+// Known because the first brick waits for slices beyond its own, so another thread must read them.
 TEST(ForwardWindow, ReadsAheadWhileABrickIsInTheMaking) {
   const std::int64_t layer = ForwardWindow::slicesOfLayer(volume().geometry.dims, kBrickSize);
   ForwardSource source(volume());
@@ -114,7 +114,7 @@ TEST(ForwardWindow, ReadsAheadWhileABrickIsInTheMaking) {
   EXPECT_TRUE(ahead);
 }
 
-// The code that all lanes together end with; kUsage stands for none.
+// Returns the error code of all lanes together, or kUsage for none.
 ErrorCode endOf(
     ForwardSource& source, bool on_disk, Progress& progress, FileSystem& disk,
     const std::function<void(std::int64_t)>& brick = [](std::int64_t) {}) {

@@ -1,4 +1,4 @@
-// What a conversion plans to hold, for sources of which nothing is read. Known by the sums in ARCHITECTURE.md.
+// The memory plan of a conversion, for sources that are never read. Known from the sums in ARCHITECTURE.md.
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -81,8 +81,9 @@ TEST(ConversionPlan, SlicesAreInMemoryWhereTheyFitBesideTheLanes) {
   EXPECT_EQ(ample.window_slices, 140 + 128);
   EXPECT_EQ(ample.window_bytes, 268 * 2 * kMiB + 3 * kMiB);
   EXPECT_EQ(ample.scratch_bytes, 0u);
-  // Of three layers of 8 x 8 bricks, then 4 x 4, then 2 x 2 x 2 in all: 64³ voxels and the ranges of 8³ cells each, 6
-  // voxels more along each axis for a neighbour, and a quarter; a piece for each of seven neighbours is an object, too.
+  // Half bricks of three layers: 8 x 8 bricks, then 4 x 4, then 2 x 2 x 2 in all. Each has 64³ voxels and the ranges of
+  // 8³ cells, enlarged by 6 voxels along each axis for a neighbour, plus a quarter. A piece for each of seven
+  // neighbours is an object of its own.
   const double voxels_bytes = 2.0 * 70 * 70 * 70, ranges_bytes = 16.0 * 8 * 8 * 8, pieces_bytes = 7 * 192;
   EXPECT_NEAR(static_cast<double>(ample.parts_bytes),
               (192 + 48 + 8) * 1.25 * (voxels_bytes + ranges_bytes + pieces_bytes), 80 * 1024);
@@ -103,12 +104,12 @@ TEST(ConversionPlan, SourcesThatGiveBoxesHaveNoWindow) {
   EXPECT_EQ(plan.window_slices, 0);
   EXPECT_EQ(plan.window_bytes, 0u);
   EXPECT_EQ(plan.lanes, 2u);
-  EXPECT_EQ(plan.kept_bytes, 268 * 2 * kMiB);  // what two layers of bricks are made of, decoded
-  EXPECT_EQ(plan.total(), 780 * kMiB);         // the rest is for parts; those beyond it have files
+  EXPECT_EQ(plan.kept_bytes, 268 * 2 * kMiB);  // decoded slices of two layers of bricks
+  EXPECT_EQ(plan.total(), 780 * kMiB);         // the rest is for half bricks; the overflow goes to files
   EXPECT_EQ(plan.scratch_bytes, planOf({1024, 1024, 1000}, 4096 * kMiB).parts_bytes - plan.parts_bytes);
 }
 
-// Thin volumes have many small bricks, whose index is the most that a conversion holds.
+// Thin volumes have many small bricks, so the index is the largest part of the memory.
 TEST(ConversionPlan, TheIndexIsWithinTheBudget) {
   const Extent3 thin = {1, 1, 200'000'000};  // 1.6 million bricks of level 0
   const ConversionPlan plan = planOf(thin, 2048 * kMiB);
@@ -118,12 +119,12 @@ TEST(ConversionPlan, TheIndexIsWithinTheBudget) {
   EXPECT_LE(plan.index_bytes, bricks * kBrickBytes + kMiB);  // a few parts wait at a time
   EXPECT_TRUE(plan.sub_ranges_on_disk);
   EXPECT_LE(plan.total(), 2048 * kMiB);
-  // Parts of rows, not of cubes, wait for their parents.
+  // A row of bricks has rows of waiting half bricks, not cubes.
   const ConversionPlan row = planOf({3'000'000, 1, 1}, 2048 * kMiB);
   EXPECT_LT(row.total() - row.sub_ranges_bytes, 32 * kMiB);
 }
 
-// Tables of bricks are in memory whatever else is on disk: below them, one line names bricks, memory and remedies.
+// Tables of bricks are always in memory. A smaller budget fails with an error that names bricks, memory and remedies.
 TEST(ConversionPlan, TablesBeyondTheBudgetAreRefused) {
   const Extent3 thin = {1, 1, 200'000'000};
   try {
@@ -141,7 +142,7 @@ TEST(ConversionPlan, TablesBeyondTheBudgetAreRefused) {
   }
 }
 
-// The ranges of a brick's cells are a cube, also of a volume of a few voxels: 512³ of them have 2 GiB.
+// The ranges of a brick's cells form a cube, even for a volume of a few voxels: 512³ ranges take 2 GiB.
 TEST(ConversionPlan, LargeBricksAreWithinTheBudget) {
   ConvertOptions options;
   options.brick_size = 4096;

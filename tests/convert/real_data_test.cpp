@@ -1,5 +1,5 @@
-// Every real volume goes in, passes verification and comes back out as it was: the exported file is read again by the
-// same door and compared with the source, voxel by voxel and matrix by matrix. The answer is the input itself.
+// Every real volume is converted, verified and exported. The exported file is read by the same reader as the source and
+// compared with the source, voxel by voxel and matrix by matrix. The answer is the input itself.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct RealVolume {
   const char* file;
-  Extent3 dims;          // {0,0,0}: what the file says is taken as it is
+  Extent3 dims;          // {0,0,0}: the extents in the file are used
   VoxelType raw_type{};  // for headerless raw
   bool raw = false;
 };
@@ -42,7 +42,7 @@ const RealVolume kVolumes[] = {
     {"vdb/wdas_cloud_sixteenth.vdb", {}},
 };
 
-// The whole source, slice by slice, so that streams are read as they must be.
+// Reads the whole source slice by slice, as streams require.
 std::vector<double> allVoxels(VolumeSource& source) {
   const Extent3& dims = source.info().geometry.dims;
   const std::size_t slice = static_cast<std::size_t>(dims.x * dims.y);
@@ -60,7 +60,7 @@ std::vector<double> allVoxels(VolumeSource& source) {
   return out;
 }
 
-// By bits, so that NaN equals NaN and -0 is not 0.
+// Compares bits, so that NaN equals NaN and -0 differs from 0.
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 class RealData : public ::testing::TestWithParam<RealVolume> {};
@@ -94,7 +94,7 @@ TEST_P(RealData, ComesBackAsItWas) {
   const VoxelCoord origin = info.vdb ? info.vdb->index_origin : VoxelCoord{};
   EXPECT_EQ(back.vdb->world_from_grid, info.vdb ? info.vdb->world_from_grid : info.geometry.world_from_index);
   const std::vector<double> found = allVoxels(*exported);
-  // The exported grid ends where its active voxels do; what lies beyond must be background.
+  // The exported grid ends with its active voxels; all voxels beyond must be background.
   const Extent3& dims = info.geometry.dims;
   const Extent3& inner = back.geometry.dims;
   const VoxelBox box = boxOf(inner);

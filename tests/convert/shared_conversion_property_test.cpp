@@ -1,5 +1,5 @@
-// A conversion that several ranks share. Known because one process makes the same volume's store: whatever their
-// number, memory or bricks, however the volume is read and whichever of them failed before, all files have its bytes.
+// Conversions shared by several ranks. Known because a single process makes the same volume's store: all files have
+// equal bytes for every number of ranks, memory, brick size, read order and earlier failure.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// Nothing here asks what a power cut leaves, and syncing waits for everyone's writing.
+// Skips syncing, which would wait for all processes' writes; no test here covers a power cut.
 class UnsyncedDisk : public FileSystem {
  public:
   void syncFile(const fs::path& /*path*/) override {}
@@ -132,8 +132,8 @@ TEST(SharedConversion, HasTheBytesOfOneProcess) {
 
 bool opens(const fs::path& path) { return fs::exists(path / "manifest.json"); }
 
-// The n-th change of one rank's disk fails, whichever rank it is; the others are ended wherever they are. Then others,
-// or one process alone, go on.
+// The n-th change of a rank's disk fails, for each rank; all other ranks end. Then new ranks or a single process
+// resume.
 TEST(SharedConversion, GoesOnAfterARankHasFailed) {
   const std::vector<Case> all = cases();
   int failed = 0;
@@ -158,7 +158,7 @@ TEST(SharedConversion, GoesOnAfterARankHasFailed) {
         failed += ended ? 1 : 0;
         RankWorld again;
         again.resume = true;
-        // Before the first rank has begun a journal there is nothing to go on with, and nothing in the way.
+        // Before the first rank has written a journal, there is neither anything to resume nor an obstacle.
         if (after % 2 == 0) {
           convertBy(after % 4 == 0 ? 4 : 2, c, directory / "volume.kiln", again);
         } else {
@@ -204,7 +204,7 @@ TEST(BrickShares, GiveEachBrickToOneRank) {
       runRanks(4, [&](Ranks& ranks) {
         BrickShares shares(ranks, places, 32, in_order);
         std::int64_t last = 0;
-        // The last rank comes when the others are through.
+        // The last rank starts when the others have finished.
         if (ranks.rank() == 3) ranks.barrier();
         while (const std::optional<std::int64_t> brick = shares.next()) {
           if (in_order) {

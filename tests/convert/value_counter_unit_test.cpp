@@ -1,5 +1,5 @@
-// Counting is exact for 8 and 16 bits, and for wider types every voxel is counted once, in a bin within 1/128 of its
-// value or nearer: checked against a count made the plain way.
+// Counting is exact for 8 and 16 bits. For wider types every voxel is counted once, in a bin within 1/128 of its value
+// or nearer. Known from a plain count.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -64,9 +64,8 @@ TEST(ValueCounter, FindsTheMiddleOfUniformFloats) {
   EXPECT_NEAR(below / 64000, 0.5, 0.02);
 }
 
-// Known because the noise is from -10 to 30, and it is known what else there is, and how much of it.
-// Known because an offset moves a histogram and changes nothing else: a ball 20 above its surroundings, a spot of 2000,
-// noise of 1, and all of it at a pressure of 101325.
+// Known because an offset only shifts a histogram: a ball 20 above its surroundings, a spot of 2000, noise of 1, and
+// all of it at a pressure of 101325.
 TEST(ValueCounter, FloatsWithAnOffset_haveTheHistogramOfFloatsWithout) {
   const auto histogramAt = [](double offset) {
     const DenseVolume volume = fill({{40, 40, 40}, VoxelType::f32}, [&](auto x, auto y, auto z) {
@@ -87,7 +86,7 @@ TEST(ValueCounter, FloatsWithAnOffset_haveTheHistogramOfFloatsWithout) {
   EXPECT_LT(difference, 0.02 * 64000);
 }
 
-// The order in which boxes are counted, and who counts them, must not change a store.
+// The order of counting and the distribution of boxes to counters must not change a store.
 TEST(ValueCounter, FloatsCountedInParts_areTheSameHistogram) {
   const DenseVolume volume = fill({{32, 8, 8}, VoxelType::f32}, [](auto x, auto y, auto z) {
     const auto place = static_cast<std::uint64_t>(x + 32 * (y + 8 * z));
@@ -107,6 +106,7 @@ TEST(ValueCounter, FloatsCountedInParts_areTheSameHistogram) {
   EXPECT_EQ(whole.take().keys.size(), parts.take().keys.size());
 }
 
+// Known because the noise ranges from -10 to 30, and the test adds the stray values in known numbers.
 TEST(ValueCounter, FindsWhatIsNotStray) {
   const DenseVolume clean = noise({{40, 40, 40}, VoxelType::f32}, 5, {-10, 30});
   const auto commonOf = [&](float stray, std::int64_t voxels) {
@@ -127,11 +127,11 @@ TEST(ValueCounter, FindsWhatIsNotStray) {
     EXPECT_NEAR(common.lo, -10, 0.1) << stray;
     EXPECT_NEAR(common.hi, 30, 0.2) << stray;
   }
-  // What half of the voxels have is no stray value, unless it is very far away.
+  // A value of half of the voxels is no stray value, unless it is extremely far away.
   EXPECT_TRUE(commonOf(1e4f, 32000).empty());
   EXPECT_NEAR(commonOf(1e30f, 32000).hi, 30, 0.2);
   EXPECT_NEAR(commonOf(-9.97e36f, 32000).lo, -10, 0.1);
-  // Nor is what makes the range a few times as wide.
+  // A value that only widens the range a few times is no stray value either.
   EXPECT_TRUE(commonOf(300, 1).empty());
   EXPECT_TRUE(commonOf(7, 1).empty());
 }

@@ -20,7 +20,7 @@ TEST_P(WriteBehindOf, WritesAllInOrder) {
     for (std::int32_t n = 0; n < 50; ++n) disk.add(numbered(n));
     disk.finish();
     EXPECT_EQ(written.size(), 50u);
-    disk.add(numbered(50));  // written though nobody waits for it
+    disk.add(numbered(50));  // written without a call of finish()
   }
   ASSERT_EQ(written.size(), 51u);
   for (std::int32_t n = 0; n < 51; ++n) EXPECT_EQ(written[static_cast<std::size_t>(n)], n);

@@ -1,4 +1,4 @@
-// Known because the least and greatest of a few voxels is plain to compute one by one.
+// Known because the minimum and maximum of a few voxels are computed by a plain loop.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,8 +26,8 @@ VoxelType voxelTypeOf() {
   return out;
 }
 
-// Volumes narrower and wider than what is taken at a time, spans that overlap, are the whole edge or empty, and all NaN
-// somewhere.
+// Volumes narrower and wider than a vector step; spans that overlap, cover the whole edge or are empty; and regions of
+// NaN only.
 TYPED_TEST(BoxRanges, AreThoseOfTheVoxels) {
   std::mt19937 random(7);
   const auto below = [&](std::int64_t n) { return static_cast<std::int64_t>(random() % static_cast<unsigned>(n)); };

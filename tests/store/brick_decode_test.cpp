@@ -1,5 +1,5 @@
-// What a decoder gets that is no file of today's writer: frames as earlier ones had them, another brick's leaves, and
-// bytes that are damaged behind the back of the checksum.
+// Decoding of input that the current writer does not produce: frames of earlier writers, another brick's leaves, and
+// damaged bytes that the checksum did not catch.
 #include <blosc.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::int64_t kBrickEdge = 32;
 
-// At the corner of the volume, cut off on one side, with neighbours on the others.
+// A brick at the corner of the volume, cut off on one side, with neighbours on the others.
 BrickDesc brickFrame(VoxelType type) {
   BrickDesc out;
   out.key = {0, {1, 0, 1}};
@@ -37,7 +37,7 @@ BrickDesc brickFrame(VoxelType type) {
   return out;
 }
 
-// Slopes, noise and an even part, over numbers of which the type needs all bytes, and of which halves do not hold all.
+// Slopes, noise and a constant part. The values need all bytes of the type, and some are not representable as half.
 template <class T>
 T brickValue(int number) {
   if constexpr (std::is_floating_point_v<T>)
@@ -73,7 +73,7 @@ std::vector<std::byte> encodedBrick(const BrickDesc& frame, const std::vector<st
       cellRanges(voxels, frame.type, frame.stored(), frame.core(), static_cast<int>(frame.brick_size / kCellSize)));
 }
 
-// Of what is beyond the volume, too, which repeats its last voxels.
+// Compares all voxels of the block; beyond the volume the block repeats the last voxels.
 void expectBrickVoxels(const BrickBlock& block, const BrickDesc& frame, const std::vector<std::byte>& voxels) {
   const VoxelBox box = frame.stored(), all = dilated(frame.core(), frame.apron);
   const Extent3 n = box.extent();
@@ -92,7 +92,7 @@ void expectBrickVoxels(const BrickBlock& block, const BrickDesc& frame, const st
   }
 }
 
-// Which are kept as such.
+// Values representable as half are stored as half.
 TEST(BrickDecode, GivesBackHalves) {
   for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
     const BrickDesc frame = brickFrame(type);
@@ -116,7 +116,7 @@ TEST(BrickDecode, GivesBackWhatWasEncoded) {
   }
 }
 
-// Before, Blosc split its blocks by the bytes' places.
+// Earlier writers let Blosc split its blocks into byte planes.
 TEST(BrickDecode, ReadsSplitBlocks) {
   for (const VoxelType type : kAllTypes) {
     SCOPED_TRACE(nameOf(type));
@@ -149,7 +149,7 @@ TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
   }
 }
 
-// Damaged values, and what is said of their length, are either refused by name or other values.
+// Damaged values and damaged lengths either throw an error with the file's name or decode to different values.
 TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
   const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
@@ -179,7 +179,7 @@ TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {
   EXPECT_LT(refused, kRounds);
 }
 
-// Where the frames of a grid's leaves begin: behind its name and before the next one's.
+// Returns the offsets of the leaf frames of a grid, between the grid's name and the next grid's name.
 std::vector<std::size_t> framesOf(const std::vector<std::byte>& file, const char* grid, const char* next) {
   const auto placeOf = [&](const std::string& name) {
     const auto bytes = std::as_bytes(std::span(name));
@@ -189,7 +189,7 @@ std::vector<std::size_t> framesOf(const std::vector<std::byte>& file, const char
   std::vector<std::size_t> out;
   for (auto at = placeOf(grid); at + 16 < end; ++at) {
     if (at[0] != std::byte{2} || at[1] != std::byte{1} || at[3] != std::byte{4}) continue;
-    // Its length is said twice.
+    // The length is stored twice, before the frame and in the frame's header.
     std::uint64_t outside;
     std::uint32_t inside;
     std::memcpy(&outside, &at[-8], sizeof outside);
@@ -199,16 +199,17 @@ std::vector<std::size_t> framesOf(const std::vector<std::byte>& file, const char
   return out;
 }
 
-// OpenVDB and Blosc believe what a leaf says of its length, and write as much.
+// OpenVDB and Blosc trust a leaf's length and write as many bytes.
 TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
   const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> whole = encodedBrick(frame, brickVoxels(frame));
   for (const auto& [grid, next] :
        {std::pair{kCellMinGrid, kCellMaxGrid}, std::pair{kCellMaxGrid, static_cast<const char*>(nullptr)}}) {
     const std::vector<std::size_t> frames = framesOf(whole, grid, next);
-    // Of two nodes, which hold tiles, and of the only leaf.
+    // Two frames belong to nodes that hold tiles, the last to the only leaf.
     ASSERT_EQ(frames.size(), 3u) << grid;
-    // The number of bytes before the frame, and in Blosc's head those that it unpacks to, and that it has itself.
+    // Offsets of lengths: bytes of the frame (before the frame), and in Blosc's header the unpacked and the packed
+    // size.
     for (const int place : {-8, 4, 12}) {
       for (const std::int32_t length : {1, 1 << 20, std::numeric_limits<std::int32_t>::max()}) {
         std::vector<std::byte> file = whole;
@@ -226,8 +227,8 @@ TEST(BrickDecode, CellsThatSayTheyAreLongerAreRefused) {
   }
 }
 
-// The heads of the file and of its four grids, every four bytes as a length of some GiB: an error, or the voxels as
-// they were. OpenVDB would clear as many bytes as a length says before it reads them.
+// In the headers of the file and of its four grids, every four bytes are overwritten with a length of some GiB. Known
+// result: an error or unchanged voxels. OpenVDB would clear as many bytes as the length before reading.
 TEST(BrickDecode, HostileLengthsInMetadata_areRefusedInLittleMemory) {
   const BrickDesc frame = brickFrame(VoxelType::u16);
   const std::vector<std::byte> voxels = brickVoxels(frame), whole = encodedBrick(frame, voxels);

@@ -1,5 +1,5 @@
-// A store on a disk that lies: cut off, flipped, swapped, gone. Opening it, reading all of it and drawing it gives the
-// picture or a kiln::Error that names a file of the store; never a crash, and never another picture.
+// A store with damaged files: truncated, flipped, swapped or missing. Opening, reading and drawing gives the picture or
+// a kiln::Error with a file of the store. The program never crashes and never draws a different picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<std::byte>;
 
 void overwrite(const fs::path& path, std::span<const std::byte> data) {
-  fs::remove(path);  // ext4 waits for the disk where a file is cut to nothing and written again
+  fs::remove(path);  // ext4 flushes a file that is truncated and rewritten
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
   ASSERT_TRUE(out.flush().good()) << path;
@@ -59,8 +59,8 @@ class StoreDamage : public ::testing::Test {
            std::memcmp(image.rgba.data(), picture_.rgba.data(), image.rgba.size() * sizeof(float)) == 0;
   }
 
-  // What opening, reading and drawing says; empty where the picture is the right one. Fails where it is another, or
-  // where what is thrown is no kiln::Error with a path in the store.
+  // Returns the error of opening, reading and drawing, or nothing if the picture is right. Fails for a wrong picture,
+  // and for exceptions other than a kiln::Error with a path in the store.
   std::optional<Error> complaint() const {
     try {
       const StoreReader reader(store_);
@@ -109,7 +109,7 @@ class StoreDamage : public ::testing::Test {
       const int bit = random.between(0, 7);
       flipped[byte] ^= std::byte(1 << bit);
       overwrite(file, flipped);
-      // Every bit of every file lies under a checksum, so each is found even where no picture would show it.
+      // Every bit of every file is covered by a checksum, so each flip is found, even if invisible in the picture.
       expectFound(file.string() + " byte " + std::to_string(byte) + " bit " + std::to_string(bit));
       overwrite(file, whole);
     }
@@ -125,7 +125,7 @@ class StoreDamage : public ::testing::Test {
   std::vector<fs::path> files_;
 };
 
-// Known because a test that cannot tell pictures apart proves nothing.
+// Known because a test of equal pictures needs a picture with content.
 TEST_F(StoreDamage, ThePictureShowsSomething) {
   EXPECT_FALSE(complaint());
   int seen = 0;
@@ -133,7 +133,7 @@ TEST_F(StoreDamage, ThePictureShowsSomething) {
   EXPECT_GT(seen, 64 * 64 / 10);
 }
 
-// Known because a manifest that is cut off has lost its last member, which is its checksum, or the line's end under it.
+// Known because a truncated manifest lacks its last member, the checksum, or the line's end after the checksum.
 TEST_F(StoreDamage, EveryTruncationOfTheManifestIsFound) {
   truncate(store_ / "manifest.json", everyLength(store_ / "manifest.json"));
 }
@@ -159,7 +159,7 @@ TEST_F(StoreDamage, NightlyEveryTruncationOfABrickIsFound) { truncate(brick(1, 1
 TEST_F(StoreDamage, FlippedBitsAreFound) { flip(31, 300); }
 TEST_F(StoreDamage, NightlyFlippedBitsAreFound) { flip(32, 10000); }
 
-// Known because bytes that were never written are none of the store's.
+// Known because appended bytes belong to no file of the store.
 TEST_F(StoreDamage, BytesBeyondTheEndAreFound) {
   for (const fs::path& file : files_) {
     const Bytes whole = readFile(file);
@@ -173,8 +173,8 @@ TEST_F(StoreDamage, BytesBeyondTheEndAreFound) {
   }
 }
 
-// Known because two whole brick files at each other's place are a different volume. Inner bricks of noise have one
-// shape, and some of them one size: there only the checksum can tell.
+// Known because two exchanged whole brick files form a different volume. Inner bricks of noise have equal shapes, and
+// some have equal sizes: only the checksum detects these.
 TEST_F(StoreDamage, SwappedBricksOfEqualSizeAreFound) {
   const DenseVolume volume = noise({{64, 8, 8}, VoxelType::u8}, 3, {0, 255});
   const fs::path store = makeStore(volume, "damage_swap", 8);
@@ -205,8 +205,9 @@ TEST_F(StoreDamage, SwappedBricksOfEqualSizeAreFound) {
   EXPECT_GT(equal_sizes, 0) << "no two bricks of equal size: the test lost its point";
 }
 
-// Known because no brick of noise equals one of other noise, nor one that is gone: what is read is another store's, and
-// nothing is damaged. Nobody may draw or count such bricks.
+// Known because the files of two noise volumes differ: a read after the replacement gets another store's bytes or a
+// missing file. No file is damaged, so the error names the replacement, and no such brick may be drawn or counted as
+// damaged.
 TEST_F(StoreDamage, AStoreThatIsReplacedWhileItIsRead_IsSaidToBe) {
   const auto noisy = [](std::uint64_t seed) { return noise({{32, 8, 8}, VoxelType::u8}, seed, {0, 255}); };
   const fs::path store = makeStore(noisy(1), "replaced", 8), next = makeStore(noisy(2), "replaced_next", 8);
@@ -248,7 +249,7 @@ TEST_F(StoreDamage, AStoreThatIsReplacedWhileItIsRead_IsSaidToBe) {
   EXPECT_FALSE(fs::exists(store.string() + ".part"));
 }
 
-// Known because the index says which bricks have files.
+// Known because the index lists the bricks with files.
 TEST_F(StoreDamage, AMissingFileIsNamed) {
   for (const fs::path& file : files_) {
     const Bytes whole = readFile(file);
@@ -275,12 +276,13 @@ TEST_F(StoreDamage, ADirectoryInAFilesPlaceIsNamed) {
   }
 }
 
-// Known because without gradients a sample is drawn by its own value: a brick drawn as nothing is a brick of a value
-// that the transfer function does not show. (The pixel lattice interpolates between it and its neighbours, which have
-// its voxels in their aprons.)
+// Known because without gradients a sample depends only on its own value. A skipped brick therefore equals a brick of a
+// value that the transfer function hides. (The pixel lattice would interpolate between the brick and its neighbours,
+// whose aprons hold its voxels.)
 TEST_F(StoreDamage, ASkippedBrickIsDrawnAsNothing) {
   const ValueRange range = volume_.range();
-  volume_.set(39, 32, 20, range.hi);  // in a brick that stays: the classes of values are the same without the others
+  // in a brick that stays, so that the value range is equal without the other bricks
+  volume_.set(39, 32, 20, range.hi);
   store_ = makeStore(volume_, "damage_with");
   request_.transfer_function = {0, {{range.lo, {1, 1, 1}, 0}, {range.hi, {1, 0.5, 0}, 0.9}}};
   request_.shading.phong = false;
@@ -316,7 +318,8 @@ TEST_F(StoreDamage, AManifestWithoutBricksIsFound) {
   expectFound("nothing but the manifest");
 }
 
-// Known because the store of another volume is whole, but not this one: the manifest knows its index.
+// Known because another volume's store is whole in itself, but this store's manifest stores the checksum of its own
+// index.
 TEST_F(StoreDamage, AnotherStoresIndexIsFound) {
   const fs::path other = makeStore(noise({{40, 33, 21}, VoxelType::i16}, 4, {0, 9}), "damage_other_index");
   ASSERT_EQ(fs::file_size(other / "index.bin"), fs::file_size(store_ / "index.bin"));
@@ -326,8 +329,8 @@ TEST_F(StoreDamage, AnotherStoresIndexIsFound) {
   EXPECT_EQ(error->code(), ErrorCode::kDamaged);
 }
 
-// Known because 64 bytes of index.bin describe a brick: a manifest that claims more bricks than the index has bytes is
-// refused before anything of the claimed size is allocated, with a right checksum, too.
+// Known because index.bin has 64 bytes per brick. A manifest with more bricks than the index has room for is refused
+// before an allocation of the claimed size, even with a valid checksum.
 TEST_F(StoreDamage, AManifestThatPromisesTooMuchIsRefused) {
   using Json = nlohmann::ordered_json;
   const Json whole = Json::parse(readTextFile(store_ / "manifest.json"));

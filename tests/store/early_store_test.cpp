@@ -1,6 +1,6 @@
-// Stores that were written before voxels of 8 and 16 bits were Int32 on disk: float grids, saved as half where every
-// value survives it (FORMAT.md, brick files). Known because the same volume is in a store of today: whatever a reader,
-// `verify` or a picture gets of one, it must get of the other, bit for bit.
+// Stores of early writers, before voxels of 8 and 16 bits became Int32 on disk: float grids, saved as half if every
+// value is representable (FORMAT.md, brick files). Known because a current store holds an equal volume: readers,
+// `verify` and pictures must give equal bits for both.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -35,7 +35,7 @@ void forEachBrick(const BrickIndex& index, F&& f) {
   }
 }
 
-// Writes every brick of the store anew as an early writer did, and what knows the bricks' bytes.
+// Rewrites every brick of the store as an early writer did, and updates the index and the manifest.
 void makeEarly(const fs::path& path, bool half) {
   const StoreReader store(path);
   Manifest manifest = store.manifest();
@@ -78,7 +78,7 @@ void expectSameBrick(const BrickBlock& early, const BrickBlock& today) {
   }
 }
 
-// `half` where all values of the type's volume below survive it.
+// `half`: all values of the type's volume below are representable as half.
 using EarlyCase = std::tuple<VoxelType, bool>;
 class EarlyStore : public ::testing::TestWithParam<EarlyCase> {};
 

@@ -1,4 +1,4 @@
-// What a store keeps is what it was given, bit for bit, and what it says of itself is what FORMAT.md says.
+// A store returns its voxels bit for bit, and its metadata follow FORMAT.md.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -51,8 +51,8 @@ void forEachVoxel(const VoxelBox& box, F&& f) {
   }
 }
 
-// The values a careless codec loses, at random places: extremes for integers; for floats also NaN, both infinities,
-// -0.0, the smallest denormal, and what half cannot hold.
+// Puts values that a careless codec loses at random positions: extremes for integers. For floats also NaN, both
+// infinities, -0.0, the smallest denormal, and values not representable as half.
 template <class T>
 void sprinkle(DenseVolume& volume, Random& random) {
   std::vector<T> specials = {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max(), T(0), T(1)};
@@ -88,7 +88,7 @@ DenseVolume makeVolume(Content content, const VolumeShape& shape, std::uint64_t 
     case Content::kCheese:
       return cheese(shape, seed, range);
     case Content::kConstant: {
-      // -0.0 is a value of its own, and an infinite one is legal.
+      // -0.0 differs from 0.0, and an infinite value is legal.
       const double floats[] = {-0.0, std::numeric_limits<double>::infinity(), 0.1, range.hi};
       const double value = isFloating(shape.type) ? floats[random.between(0, 3)]
                            : random.chance(0.5)   ? range.lo
@@ -107,7 +107,7 @@ DenseVolume makeVolume(Content content, const VolumeShape& shape, std::uint64_t 
   return volume;
 }
 
-// Equal bits; a NaN keeps its place, not its payload (FORMAT.md).
+// Equal bits; a NaN keeps its position, not its payload (FORMAT.md).
 template <class T>
 bool same(T a, T b) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -151,7 +151,7 @@ void expectOctree(const DenseVolume& volume, const BrickBlock& block, std::int64
   }
 }
 
-// Whether the voxels of `box` are one value, bit for bit, and no NaN.
+// Tests for equal bits of all voxels of `box`, without NaN.
 bool isConstant(const DenseVolume& volume, const VoxelBox& box) {
   return withVoxelType(volume.type, [&]<class T>(std::type_identity<T>) {
     const T first = volume.at<T>(box.lo.x, box.lo.y, box.lo.z);
@@ -164,7 +164,7 @@ bool isConstant(const DenseVolume& volume, const VoxelBox& box) {
   });
 }
 
-// Each range contains what it is of, and is wider by less than a step at either end.
+// Each range contains the values of its sub-brick, and is wider by less than a step at either end.
 void expectSubRanges(const DenseVolume& volume, const StoreReader& store, const BrickKey& key) {
   const BrickEntry& entry = store.index().at(key);
   ASSERT_EQ(entry.sub_ranges == nullptr, entry.constant);
@@ -198,7 +198,7 @@ void expectBrick(const DenseVolume& volume, const StoreReader& store, const Bric
   expectSubRanges(volume, store, key);
 }
 
-// Known: a reader and a writer of OpenVDB's own give the same file back, all but the UUID.
+// Known: OpenVDB's own reader and writer reproduce the file, except for the UUID.
 void expectWrittenAsByOpenVdb(const fs::path& file) {
   constexpr std::size_t kUuidAt = 21, kUuidEnd = 57;
   const std::vector<std::byte> ours = readFile(file);
@@ -277,7 +277,7 @@ void expectStore(VoxelType type, std::int64_t brick_size, std::uint64_t seed, in
   ValueRange all;
   for (const BrickKey& key : keysOf(store)) {
     expectBrick(volume, store, key);
-    if (::testing::Test::HasFailure()) return;  // one brick's story is enough
+    if (::testing::Test::HasFailure()) return;  // the messages of a single brick suffice
     files += !store.index().at(key).constant;
     bytes += store.index().at(key).file_bytes;
   }
@@ -297,7 +297,7 @@ void expectStore(VoxelType type, std::int64_t brick_size, std::uint64_t seed, in
   for (std::size_t level = 1; level < manifest.levels.size(); ++level) files += manifest.levels[level].stored_bricks;
   EXPECT_EQ(wholeFiles(path), files + 2);
 
-  // With one thread and with all of them: the same bytes in every file.
+  // A single thread and all threads write equal bytes to every file.
   const auto first = filesOf(path);
   const ThreadLimit one(1);
   EXPECT_EQ(filesOf(makeStore(volume, name.substr(0, name.find('/')), brick_size)), first);
@@ -305,14 +305,14 @@ void expectStore(VoxelType type, std::int64_t brick_size, std::uint64_t seed, in
 
 class StoreFormat : public ::testing::TestWithParam<VoxelType> {};
 
-// Known because the source is in memory: what comes back is compared with it voxel by voxel, and every derived number
-// with the plain loop that defines it.
+// Known because the source is in memory: the voxels read back are compared voxel by voxel, and every derived number
+// with the plain loop that defines the number.
 TEST_P(StoreFormat, KeepsEveryVoxel) {
   const std::uint64_t first = 1000 * (1 + static_cast<std::uint64_t>(GetParam()));
   std::cout << "seeds from " << first << '\n';
   std::uint64_t seed = first;
   for (const std::int64_t brick_size : kBrickSizes) {
-    // Small bricks carry large aprons: fewer voxels cost the same time.
+    // Small bricks have relatively large aprons: fewer voxels take the same time.
     for (int i = 0; i < 3; ++i)
       expectStore(GetParam(), brick_size, seed++, brick_size == 8 ? 24 : brick_size == 16 ? 40 : 70);
   }
@@ -327,7 +327,7 @@ TEST_P(StoreFormat, NightlyKeepsEveryVoxel) {
   }
 }
 
-// Known because every content meets every type once, at a shape with more bricks than one along each axis.
+// Known because every content meets every type once, in a volume of several bricks along each axis.
 TEST_P(StoreFormat, OpensInPlainOpenVdb) {
   for (int content = 0; content < static_cast<int>(Content::kContents); ++content) {
     SCOPED_TRACE(content);
@@ -343,7 +343,7 @@ TEST_P(StoreFormat, OpensInPlainOpenVdb) {
 INSTANTIATE_TEST_SUITE_P(Types, StoreFormat, ::testing::ValuesIn(kAllTypes),
                          [](const auto& type) { return std::string(nameOf(type.param)); });
 
-// Known by FORMAT.md: voxel (0,0,0) alone is a volume; its store has one constant brick and no brick file.
+// Known from FORMAT.md: voxel (0,0,0) alone is a volume; its store has one constant brick and no brick file.
 TEST(StoreFormatEdges, OneVoxelIsAStore) {
   const DenseVolume volume = fill({{1, 1, 1}, VoxelType::f64}, [](auto, auto, auto) { return -0.0; });
   const StoreReader store(makeStore(volume, "format_one"));
@@ -383,7 +383,7 @@ TEST(StoreFormatEdges, VoxelsThatAreNotToldApartAreRefused) {
   }
 }
 
-// Known because NaN is never equal to itself: bricks of nothing else are stored, and the range of all of them is empty.
+// Known because NaN never equals itself: bricks of only NaN are stored with files, and their range is empty.
 TEST(StoreFormatEdges, NothingButNanIsAStore) {
   const DenseVolume volume = fill({{20, 9, 11}, VoxelType::f32}, [](auto, auto, auto) { return std::nan(""); });
   const StoreReader store(makeStore(volume, "format_nan", 8));
@@ -393,7 +393,7 @@ TEST(StoreFormatEdges, NothingButNanIsAStore) {
   for (const BrickKey& key : keysOf(store)) expectBrick(volume, store, key);
 }
 
-// Known because they differ in what the index has: it opens, is whole, and draws the picture.
+// Known because formats differ only in the index: an earlier store opens, passes verification and draws the picture.
 TEST(StoreFormatEdges, StoresOfEarlierFormatsOpen) {
   const DenseVolume volume = cheese({{60, 41, 37}, VoxelType::u8}, 3, usualRange(VoxelType::u8));
   const fs::path store = makeStore(volume, "earlier", 64);
@@ -450,7 +450,7 @@ Manifest unusualManifest() {
   return m;
 }
 
-// What parsing `json` says; empty where it is taken.
+// Returns the error of parsing `json`, or an empty text.
 std::string complaintOf(const Json& json, ErrorCode expected = ErrorCode::kFormat) {
   try {
     parseManifest(restamped(json.dump(1)), "M/manifest.json");
@@ -479,7 +479,7 @@ TEST(StoreManifest, ComesBackAsItWas) {
   EXPECT_EQ(manifestText(parseManifest(manifestText(other), "m")), manifestText(other));
 }
 
-// Known from FORMAT.md, Versions: a reader refuses a number it does not know, by name.
+// Known from FORMAT.md, Versions: a reader refuses an unknown format number and names the number.
 TEST(StoreManifest, RefusesAnotherFormat) {
   Json json = Json::parse(manifestText(unusualManifest()));
   for (const int format : {0, 5}) {
@@ -489,7 +489,7 @@ TEST(StoreManifest, RefusesAnotherFormat) {
   }
 }
 
-// Calls f(object, key, place) for every key of the manifest, those of inner objects too.
+// Calls f(object, key, place) for every key of the manifest, including keys of inner objects.
 template <class F>
 void forEachKey(const Json& root, F&& f) {
   for (const auto& [key, value] : root.items()) {
@@ -513,14 +513,14 @@ TEST(StoreManifest, RangeBeyondItsType_isRefused) {
   EXPECT_EQ(complaintOf(json).find("range"), std::string::npos);
 }
 
-// Known from FORMAT.md: every key is required. A manifest that lacks one, with a checksum that is right, is refused by
-// the key's name.
+// Known from FORMAT.md: every key is required. A manifest with a missing key and a valid checksum is refused by the
+// key's name.
 TEST(StoreManifest, NamesTheMissingKey) {
   const Json whole = Json::parse(manifestText(unusualManifest()));
   int keys = 0;
   forEachKey(whole, [&](const Json::json_pointer& place, const std::string& key) {
     if (place.to_string() == "/checksum" || key == "grid")
-      return;  // the first is tested with damage; without the second, the others are unknown
+      return;  // `checksum` is tested with damage; without `grid`, its sibling keys are unknown
     Json json = whole;
     json.at(place.parent_pointer()).erase(key);
     EXPECT_NE(complaintOf(json).find(key + ": is missing"), std::string::npos) << place;
@@ -530,12 +530,12 @@ TEST(StoreManifest, NamesTheMissingKey) {
 }
 
 TEST(StoreManifest, NamesTheUnknownKey) {
-  // Known from FORMAT.md, Versions: an unknown key is an error, wherever it stands.
+  // Known from FORMAT.md, Versions: an unknown key is an error in every object.
   const Json whole = Json::parse(manifestText(unusualManifest()));
   for (const char* place : {"", "/histogram", "/levels/0", "/codec", "/index", "/source"}) {
     Json json = whole;
     Json& object = json.at(Json::json_pointer(place));
-    Json with = {{"novelty", 1}};  // first, so that the checksum stays last
+    Json with = {{"novelty", 1}};  // inserted first, so that the checksum stays last
     with.update(object);
     object = with;
     EXPECT_NE(complaintOf(json).find("novelty"), std::string::npos) << place;
@@ -567,7 +567,8 @@ TEST(StoreManifest, NamesTheKeyOfAWrongValue) {
   }
 }
 
-// Known because OpenVDB's place of a grid and the counts of a histogram are whole numbers, and names have one value.
+// Known because OpenVDB's position of a grid and the counts of a histogram are integers, and some keys accept a single
+// value.
 TEST(StoreManifest, SaysWhatItFound) {
   const Json whole = Json::parse(manifestText(unusualManifest()));
   const auto expect = [&](const char* place, const Json& value, const std::string& says) {
@@ -587,7 +588,7 @@ TEST(StoreManifest, SaysWhatItFound) {
   expect("/source/files", 7, "source.files: expected a list of texts (found 7)");
 }
 
-// Known because two numbers of a manifest determine others: those that do not fit each other are refused.
+// Known because two numbers of a manifest determine others: inconsistent numbers are refused.
 TEST(StoreManifest, RefusesWhatContradictsItself) {
   const Json whole = Json::parse(manifestText(unusualManifest()));
   const auto with = [&](const char* place, const Json& value) {

@@ -1,4 +1,4 @@
-// Known because Blosc itself makes the frames, and because what unpacks to the bytes that went in is unpacked rightly.
+// Known because Blosc itself makes the frames, and because unpacking must return the packed bytes.
 #include <blosc.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ std::vector<std::byte> leafFrameOf(const std::vector<Stored>& values, const Blos
   return out;
 }
 
-// What voxels are like: noise in their last bits, on something even.
+// Returns values like real voxels: noise in the last bits on a constant.
 template <class Stored>
 std::vector<Stored> leafValuesOf(std::size_t count, double first, double range) {
   std::mt19937 random(static_cast<unsigned>(count));
@@ -84,7 +84,7 @@ TEST(LeafFrame, IsNoOtherFrame) {
     EXPECT_FALSE(isLeafFrame(std::span<const std::byte>(frame).first(length), bytes));
 }
 
-// Blosc packs what has something in common, and keeps what has not.
+// Blosc packs redundant bytes and stores random bytes unpacked.
 TEST(LeafFrame, IsPackedOrKept) {
   EXPECT_EQ(keptValues(leafFrameOf(leafValuesOf<std::int32_t>(512, 0, 1000))), nullptr);
   std::vector<std::int32_t> noise(512);
@@ -95,7 +95,7 @@ TEST(LeafFrame, IsPackedOrKept) {
   EXPECT_EQ(std::memcmp(keptValues(kept), noise.data(), 2048), 0);
 }
 
-// Where a frame is damaged it is either refused or unpacks to other bytes, and to no more of them.
+// A damaged frame is either refused or unpacks to other bytes, without writing beyond the buffer.
 TEST(LeafFrame, DamageStaysInItsPlace) {
   const auto values = leafValuesOf<std::int32_t>(512, 0, 300);
   const std::size_t bytes = values.size() * sizeof values[0];

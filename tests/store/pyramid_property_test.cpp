@@ -1,4 +1,4 @@
-// The coarser levels of a store, against the plain loops that define them (FORMAT.md, lattice).
+// The coarser levels of a store against the plain loops that define them (FORMAT.md, lattice).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace kiln::test {
 namespace {
 
-// A level as one array of doubles, which hold every value of the types tested here.
+// A level as an array of doubles, which represent every value of the tested types.
 struct Level {
   VolumeGeometry geometry;
   std::vector<double> values;
@@ -50,7 +50,7 @@ VoxelBox voxelsBelow(const VoxelBox& coarse, const Extent3& by, const Extent3& f
                       boxOf(fine_dims));
 }
 
-// The mean of the voxels that exist, rounded to the nearest value of the type, halves up.
+// Returns the mean of the existing voxels, rounded to the nearest value of the type, halves up.
 Level halved(const Level& fine, VoxelType type) {
   const Extent3 by = halvingOf(fine.geometry);
   Level out{coarserThan(fine.geometry), {}};
@@ -69,7 +69,7 @@ Level halved(const Level& fine, VoxelType type) {
   return out;
 }
 
-// The most frequent of the voxels there are, of equally frequent ones the smallest that is not 0.
+// Returns the most frequent of the existing labels; among equally frequent labels the smallest that is not 0.
 Level halvedLabels(const Level& fine) {
   const Extent3 by = halvingOf(fine.geometry);
   Level out{coarserThan(fine.geometry), {}};
@@ -118,7 +118,7 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
         wrong += !(found == expected || (std::isnan(found) && std::isnan(expected)));
       });
       ASSERT_EQ(wrong, 0) << "brick " << i;
-      // What a brick or a cell is said to hold covers every finer level, and interpolation at each of them.
+      // Ranges of bricks and cells cover every finer level, including interpolation at each level.
       VoxelBox core = block.core;
       for (int below = l; below >= 0; --below) {
         const Level& fine = levels[static_cast<std::size_t>(below)];
@@ -129,7 +129,7 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
           core = voxelsBelow(core, halvingOf(finer.geometry), finer.geometry.dims);
         }
       }
-      // A sub-brick's range is of its own level's voxels, whatever lies below.
+      // A sub-brick's range covers only voxels of its own level.
       if (!entry.constant) {
         forEachSubBrick(block.core, store.manifest().brick_size, level.geometry.dims,
                         [&](std::size_t sub_brick, const VoxelBox& voxels) {
@@ -153,7 +153,7 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
         below.include(rangeIn(levels.front(), cell));
         const ValueRange& stored = block.octree.cells()[static_cast<std::size_t>(c)];
         EXPECT_TRUE(stored.contains(below));
-        // Means lie between what they are means of: nothing but the finest voxels decides.
+        // Means lie between their inputs, so only the finest voxels determine the range.
         EXPECT_EQ(stored, below);
         cells.include(stored);
       }
@@ -162,7 +162,7 @@ void expectPyramid(const DenseVolume& volume, const StoreReader& store) {
   }
 }
 
-// Known because the volume is in memory: every level is made from it by the loops above.
+// Known because the volume is in memory: the loops above compute every level.
 TEST(Pyramid, IsTheMeanOfWhatExists) {
   const std::uint64_t first = 4711;
   std::cout << "seeds from " << first << '\n';
@@ -187,8 +187,8 @@ TEST(Pyramid, IsTheMeanOfWhatExists) {
   }
 }
 
-// The same of labels, whose values are names. A few of them, so that many are as frequent as others, 0 too, and some
-// are below it.
+// Levels of labels, whose values are names. Few labels make ties frequent, including ties with 0 and with labels below
+// 0.
 TEST(Pyramid, OfLabelsIsTheMostFrequent) {
   const std::uint64_t first = 815;
   std::cout << "seeds from " << first << '\n';
@@ -223,7 +223,7 @@ TEST(Pyramid, OfLabelsTakesTheSmallestOfEqualsThatIsNot0) {
     EXPECT_EQ(block.data<std::uint8_t>()[block.offsetOf({x, 3, 5})], cases[x].expected) << "case " << x;
 }
 
-// Known by the rule: 1 × 1 × 4 halves x and y twice before z is among them; an axis of one voxel never counts.
+// Known by the rule: 1 × 1 × 4 halves x and y twice before z joins; an axis of a single voxel never counts.
 TEST(Pyramid, HalvesTheAxesThatAreFine) {
   VolumeGeometry fine;
   fine.dims = {100, 100, 40};
@@ -241,14 +241,14 @@ TEST(Pyramid, HalvesTheAxesThatAreFine) {
   ASSERT_EQ(levels.size(), 6u);
   EXPECT_EQ(levels[2].dims, (Extent3{1, 25, 40}));
   EXPECT_EQ(levels.back().dims, (Extent3{1, 4, 5}));
-  // The centre of the first coarse voxel is the centre of the voxels below it.
+  // The centre of the first coarse voxel is the centre of its finer voxels.
   EXPECT_EQ(levels[1].worldOf({0, 0, 0}), fine.worldOf({0, 0.5, 0}));
   EXPECT_EQ(levels[1].worldOf({0, 3, 2}), fine.worldOf({0, 6.5, 2}));
   EXPECT_EQ(pyramidOf(fine, 8, 2).size(), 2u);
 }
 
-// Known because a coarse voxel is 0.5 in one half of the cells and nothing is in the other: the mean hides what is
-// below, the ranges do not, and a level of equal means is no constant brick.
+// Known because voxels alternate between 1 and 3 along x, so every coarse voxel is 2. The mean hides the finer values,
+// the range 1 to 3 does not, and a brick of equal means is not constant.
 TEST(Pyramid, MeansOfNoiseAreNotConstant) {
   const DenseVolume volume =
       fill({{32, 16, 16}, VoxelType::f32}, [](auto x, auto, auto) { return x % 2 == 0 ? 1.0 : 3.0; });

@@ -1,5 +1,5 @@
-// `verify` names every file that is not what the store says, and no other: known because the test damages the files
-// itself, or restamps an index or a manifest that lies about whole ones.
+// `verify` names exactly the files that differ from the store's metadata. Known because the test damages the files
+// itself, or writes a false index or manifest with valid checksums.
 #include "store/verify.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ Findings findingsOf(const fs::path& store, std::uint64_t memory_bytes = kPlenty)
   return out;
 }
 
-// The voxels of a block that a store keeps. shape: frame.stored(), x fastest.
+// Returns the voxels of a block that a store keeps. shape: frame.stored(), x fastest.
 std::vector<std::byte> storedVoxels(const BrickBlock& block, const BrickDesc& frame) {
   const VoxelBox box = frame.stored();
   const std::size_t row_bytes = static_cast<std::size_t>(box.extent().x) * sizeOf(block.type);
@@ -87,7 +87,7 @@ class Verify : public ::testing::Test {
     largest_ = reader.largestReadBytes();
   }
 
-  // Writes an index and a manifest that vouch for each other, whatever `lie` makes of them.
+  // Writes an index and a manifest with consistent checksums after `lie` has changed them.
   template <class Lie>
   void rewrite(Lie&& lie) {
     const StoreReader reader(store_);
@@ -181,7 +181,8 @@ TEST_F(Verify, RangesThatTheVoxelsContradictAreFound) {
   expectOne(brickPath(key), "core range in the index: has [");
 }
 
-// Known because coarser levels cover what lies below: their ranges may be wider than their voxels, not narrower.
+// Known because ranges of coarser levels cover the finer levels: they may be wider than the level's voxels, not
+// narrower.
 TEST_F(Verify, RangesOfCoarserLevelsMustContain) {
   const BrickKey key{1, {0, 0, 0}};
   rewrite([&](BrickIndex& index, Manifest&) {
@@ -195,7 +196,7 @@ TEST_F(Verify, RangesOfCoarserLevelsMustContain) {
   expectOne(brickPath(key), "core range in the index: has [");
 }
 
-// Known because the store is written with ranges that the test has made up.
+// Known because the store is written with false ranges made by the test.
 TEST_F(Verify, CellsThatTheVoxelsContradictAreFound) {
   const auto verified = [&](int level, double wider) {
     Manifest draft = StoreReader(store_).manifest();
@@ -238,7 +239,7 @@ TEST_F(Verify, AManifestThatTheIndexContradictsIsFound) {
   expectOne("manifest.json", "range");
 }
 
-// At every level: sub-bricks say what a brick's own voxels are.
+// At every level, sub-ranges must cover the brick's own voxels.
 TEST_F(Verify, ALyingSubRangeIsFound) {
   for (const int level : {0, 1}) {
     rewrite([&](BrickIndex& index, Manifest&) {
