@@ -20,8 +20,8 @@ namespace kiln {
 
 /// Depth and normal that a voxel contributes to AOVs.
 struct VoxelAov {
-  float depth;       // view space, unit length or 0
-  glm::vec3 normal;  // in view space, of unit length or 0
+  float depth;       // unit: world
+  glm::vec3 normal;  // view space, unit length or 0
 };
 
 /// Materials and gradients of a batch of projected voxels. shape: one number per voxel.
