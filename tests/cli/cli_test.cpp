@@ -285,7 +285,7 @@ TEST_F(Cli, LevelsOfDetailAreChosenOrForced) {
   EXPECT_EQ(drawn({"--size", "32x32", "--level", "1"}), std::pair(0, 1));
 }
 
-// Known from DESIGN §10: the keys that scripts outside of the project read.
+// Known: scripts outside of the project read these keys.
 TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   makeRampStore();
   expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "32x32", "--stats", in("s.json"), "--repeat", "3"});

@@ -1,4 +1,4 @@
-// Known answers: the example of DESIGN.md §10 with each value where it stands; each way to get a key wrong names that
+// Known answers: an example job with each value where it stands; each way to get a key wrong names that
 // key.
 #include "job/render_job.h"
 

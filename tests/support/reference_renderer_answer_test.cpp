@@ -273,7 +273,7 @@ TEST(ReferenceRenderer, EyeInsideAConstantMedium) {
 }
 
 // A planar ramp has one gradient, across its planes in the world: every sample of a ray has the same colour, which is
-// the formula of DESIGN §10 evaluated once. The edge clamp halves the gradient's length and keeps its direction.
+// the formula of shading (tools/kiln/manual/render.md) evaluated once. The edge clamp halves the gradient's length and keeps its direction.
 TEST(ReferenceRenderer, PlanarRampIsShadedByTheFormula) {
   const DenseVolume volume = ramp({{20, 20, 20}, VoxelType::f32, obliqueAffine()}, 0, 1);
   const glm::dvec3 normal = glm::normalize(planeNormal(volume.geometry, 0));
@@ -379,7 +379,7 @@ TEST(ReferenceRenderer, BackgroundShinesThrough) {
   }
 }
 
-// DESIGN §4: a ray that reaches the threshold is divided by its alpha and closed, so that in a medium of one colour it
+// A ray that reaches the threshold is divided by its alpha and closed, so that in a medium of one colour it
 // has exactly that colour; a ray that never reaches it (here 0.8^8 of the light passes) is what it was.
 TEST(ReferenceRenderer, ThresholdDividesAndCloses) {
   const DenseVolume volume = slab({{8, 8, 8}, VoxelType::u8}, 0, 0, 8, 1);

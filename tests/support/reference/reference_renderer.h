@@ -4,8 +4,8 @@
 //
 // The picture: the volume is the interpolation (trilinear, or a cubic of scene/interpolation.h) of its voxels on [-1/2,
 // N-1/2)³ of index space, beyond which the nearest voxel goes on. The transfer function classifies the interpolated
-// value; light is absorbed and emitted along each ray as DESIGN §6 and §10 say. Perspective rays start at the eye;
-// orthographic rays cross the whole volume.
+// value; light is absorbed and emitted along each ray by the formulas of tools/kiln/manual/render.md. Perspective rays
+// start at the eye; orthographic rays cross the whole volume.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct ReferenceSettings {
   int rays_per_axis = 4;
   /// unit: the smallest voxel spacing.
   double step_voxels = 0.1;
-  /// A ray that reaches this alpha is divided by it and ends (DESIGN §4); 1: never.
+  /// A ray that reaches this alpha is divided by it and ends; 1: never.
   double opacity_threshold = 1;
   /// Steps over what is transparent without sampling it, which changes no bit of the picture.
   bool skip_empty = true;
