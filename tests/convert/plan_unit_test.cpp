@@ -133,7 +133,7 @@ TEST(ConversionPlan, TablesBeyondTheBudgetAreRefused) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kBudget);
     const std::string text = error.what();
-    for (const char* part : {"bricks", "MiB", "(allowed: 64 MiB)", "--memory ", "--brick-size larger than 128"})
+    for (const char* part : {"bricks", "MiB", "(allowed: 64.0 MiB)", "--memory ", "--brick-size larger than 128"})
       EXPECT_NE(text.find(part), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos);
     const std::size_t at = text.find("give --memory ") + 14;
