@@ -116,6 +116,35 @@ TEST(BrickDecode, GivesBackWhatWasEncoded) {
   }
 }
 
+// The expected cells are those given to the encoder. A cell of only NaN has no value in the file, which changes the
+// tree of cells.
+TEST(BrickDecode, GivesBackCells) {
+  for (const VoxelType type : kAllTypes) {
+    for (const bool with_nan : {false, true}) {
+      SCOPED_TRACE(testing::Message() << nameOf(type) << (with_nan ? " with NaN" : ""));
+      const BrickDesc frame = brickFrame(type);
+      std::vector<std::byte> voxels = brickVoxels(frame);
+      const int edge = static_cast<int>(frame.brick_size / kCellSize);
+      if (with_nan) {
+        withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+          if constexpr (std::is_floating_point_v<T>) {
+            const Extent3 n = frame.stored().extent();
+            T* const values = reinterpret_cast<T*>(voxels.data());
+            std::fill_n(values, n.x * n.y * (frame.core().lo.z + kCellSize - frame.stored().lo.z), std::nan(""));
+          }
+        });
+      }
+      const std::vector<ValueRange> cells = cellRanges(voxels, type, frame.stored(), frame.core(), edge);
+      const BrickBlock block = decodeBrick(frame, encodeBrick(frame, voxels, cells), "b.vdb");
+      for (int i = 0; i < edge * edge * edge; ++i) {
+        const ValueRange& found = block.octree.at(0, i % edge, i / edge % edge, i / edge / edge);
+        EXPECT_EQ(found.lo, cells[static_cast<std::size_t>(i)].lo) << i;
+        EXPECT_EQ(found.hi, cells[static_cast<std::size_t>(i)].hi) << i;
+      }
+    }
+  }
+}
+
 // Earlier writers let Blosc split its blocks into byte planes.
 TEST(BrickDecode, ReadsSplitBlocks) {
   for (const VoxelType type : kAllTypes) {

@@ -46,6 +46,13 @@ class MemoryReader : public std::streambuf {
   }
 };
 
+// Prefetches up to `bytes` bytes from offset `at`.
+void prefetchBytes(std::span<const std::byte> from, std::size_t at, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
+  const std::size_t end = std::min(from.size(), at + bytes);
+  for (; at < end; at += kLine) __builtin_prefetch(from.data() + at);
+}
+
 // Reads the parts of a file in order, as Archive::readGrid does, but without trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
@@ -111,6 +118,8 @@ class LeafReader {
     const std::span<const std::byte> out = packedBytes(active);
     if (out.empty() || !isLeafFrame(out, active.countOn() * storedBytes())) return {};
     buffer_.skip(kHead + out.size());
+    // Assumes that the next leaf has about the length of this one.
+    prefetchBytes(buffer_.rest(), kHead + out.size(), kHead + kPrefetchedBytes);
     return out;
   }
   /// True if `read` may read the next leaf: Blosc and OpenVDB do not check its length.
@@ -134,6 +143,8 @@ class LeafReader {
  private:
   // Mask, kind of the inactive values, and length; the length is negative for uncompressed values.
   static constexpr std::size_t kHead = sizeof(Mask) + 1 + sizeof(std::int64_t);
+
+  static constexpr std::size_t kPrefetchedBytes = 64;
 
   std::size_t storedBytes() const { return half_ ? sizeof(openvdb::math::half) : sizeof(Value); }
   // Returns 0 if the next leaf does not have the form of the brick writer.
@@ -194,6 +205,7 @@ class Decoder {
   }
 
  private:
+  static constexpr std::size_t kLeavesAhead = 2;
   static constexpr std::array<std::string_view, 4> kGrids = {kCoreGrid, kApronGrid, kCellMinGrid, kCellMaxGrid};
 
   template <class Grid>
@@ -235,12 +247,19 @@ class Decoder {
       });
     }
     alignas(64) UnpackedFor<Value, T> values[Leaf::SIZE];
+    const bool halves = grid.saveFloatAsHalf();  // a search by name, too slow for each leaf
     forEachLeaf(box, [&](const VoxelBox& part) {
-      const auto frame = frames[lattice.indexOf(part.lo)];
+      const std::size_t at = lattice.indexOf(part.lo);
+      const auto frame = frames[at];
+      // Neighbouring leaves are far apart in the file.
+      if (at + kLeavesAhead < frames.size()) {
+        const auto& ahead = frames[at + kLeavesAhead];
+        prefetchBytes(ahead, 0, ahead.size());
+      }
       if (frame.empty()) return;
       const Extent3 n = part.extent();
       const auto count = static_cast<std::size_t>(n.count());
-      if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
+      if (!(halves ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
         fail(grid.getName() + " has values that cannot be decompressed");
       copyLeaf(values, {n.y * n.z, n.z}, part);
     });
@@ -265,23 +284,68 @@ class Decoder {
 
   template <class Grid>
   void takeCells(Grid& grid, bool least) {
-    grid.readTopology(in_);
-    LeafReader<Grid> leaves(grid, buffer_, in_);
-    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
-      if (!leaves.isSound(leaf->valueMask())) fail(grid.getName() + " has values that cannot be decompressed");
-      leaves.read(*leaf, [&](const auto& whole) {
-        for (auto voxel = whole.cbeginValueOn(); voxel; ++voxel) {
-          const openvdb::Coord c = voxel.getCoord();
-          const std::int64_t x = c.x() - core_.lo.x / kCellSize;
-          const std::int64_t y = c.y() - core_.lo.y / kCellSize;
-          const std::int64_t z = c.z() - core_.lo.z / kCellSize;
-          if (!boxOf({edge_, edge_, edge_}).contains({x, y, z}))
-            fail(grid.getName() + " has a cell outside the brick");
-          ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
-          (least ? range.lo : range.hi) = static_cast<double>(*voxel);
-        }
-      });
+    const auto set = [&](const VoxelCoord& cell, auto value) {
+      const std::int64_t x = cell.x - core_.lo.x / kCellSize;
+      const std::int64_t y = cell.y - core_.lo.y / kCellSize;
+      const std::int64_t z = cell.z - core_.lo.z / kCellSize;
+      if (!boxOf({edge_, edge_, edge_}).contains({x, y, z})) fail(grid.getName() + " has a cell outside the brick");
+      ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
+      (least ? range.lo : range.hi) = static_cast<double>(value);
+    };
+    if (!takeAllCells(grid, set)) takeSomeCells(grid, set);
+  }
+
+  // Reads cells without building a tree. Returns false, and reads nothing, unless every cell of the core has a value.
+  template <class Grid, class F>
+  bool takeAllCells(const Grid& grid, F&& set) {
+    using Leaf = typename LeafReader<Grid>::Leaf;
+    using Value = typename LeafReader<Grid>::Value;
+    VoxelBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = core_.lo[axis] / kCellSize;
+      box.hi[axis] = (core_.hi[axis] - 1) / kCellSize + 1;
     }
+    std::vector<PackedLeaves::Leaf> leaves;
+    forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      leaves.push_back({coordOf(origin), maskOf(origin, part)});
+    });
+    const bool halves = grid.saveFloatAsHalf();
+    const std::size_t bytes = matchTopology(buffer_.rest(), leaves, sizeof(Value), halves);
+    if (bytes == 0) return false;
+    buffer_.skip(bytes);
+    LeafReader<Grid> reader(grid, buffer_, in_);
+    forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
+      const typename LeafReader<Grid>::Mask active = maskOf(origin, part);
+      const std::span<const std::byte> frame = reader.frame(active);
+      if (frame.empty()) {
+        Leaf leaf(openvdb::PartialCreate(), coordOf(origin));
+        leaf.setValueMask(active);
+        readCells(grid, reader, leaf, set);
+        return;
+      }
+      Value values[Leaf::SIZE];
+      const auto count = static_cast<std::size_t>(part.count());
+      if (!(halves ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
+        fail(grid.getName() + " has values that cannot be decompressed");
+      const Value* next = values;
+      forCubes(part, 1, [&](const VoxelCoord& cell, const VoxelBox&) { set(cell, *next++); });
+    });
+    return true;
+  }
+
+  template <class Grid, class F>
+  void takeSomeCells(Grid& grid, F&& set) {
+    grid.readTopology(in_);
+    LeafReader<Grid> reader(grid, buffer_, in_);
+    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) readCells(grid, reader, *leaf, set);
+  }
+
+  template <class Grid, class F>
+  void readCells(const Grid& grid, LeafReader<Grid>& reader, typename LeafReader<Grid>::Leaf& leaf, F&& set) {
+    if (!reader.isSound(leaf.valueMask())) fail(grid.getName() + " has values that cannot be decompressed");
+    reader.read(leaf, [&](const auto& whole) {
+      for (auto cell = whole.cbeginValueOn(); cell; ++cell) set(voxelOf(cell.getCoord()), *cell);
+    });
   }
 
   // Fills voxels of the extent outside the volume with the nearest voxel inside, axis by axis.
