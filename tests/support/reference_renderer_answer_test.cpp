@@ -1,6 +1,6 @@
-// The judge is judged against closed forms: a slab, a ball, a ramp and a constant medium absorb what an integral on
-// paper says, a planar ramp has one normal, and a mirror mirrors. Lengths on paper come from plane distances in the
-// world, not from the renderer's index space.
+// The reference renderer against closed forms: a slab, a ball, a ramp and a constant medium absorb as their analytic
+// integrals, a planar ramp has a single normal, and a mirrored volume gives a mirrored picture. Expected lengths come
+// from plane distances in world space, not from the renderer's index space.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ View viewAlong(Projection projection, const VolumeGeometry& volume, const glm::d
   return resolve(camera, size);
 }
 
-/// `opacity` from half of `value` on, nothing below.
+/// Returns a step function: `opacity` from half of `value` on, 0 below.
 TransferFunction stepAtHalf(double value, double opacity, double unit = 0) {
   return {unit, {{value / 2, kRed, 0}, {value / 2, kRed, opacity}}};
 }
@@ -47,14 +47,14 @@ TransferFunction everywhere(double opacity, double unit = 0) { return {unit, {{0
 
 ReferenceSettings oneRay(double step_voxels = 0.1) { return {1, step_voxels, 1}; }
 
-/// World normal of the planes on which index coordinate `axis` is constant; its length is 1 / their distance.
+/// World normal of the planes where index coordinate `axis` is constant; its length is 1 / (distance of the planes).
 glm::dvec3 planeNormal(const VolumeGeometry& volume, int axis) {
   glm::dvec3 one(0);
   one[axis] = 1;
   return glm::transpose(glm::inverse(glm::dmat3(volume.world_from_index))) * one;
 }
 
-/// Length of the ray between two index planes of `axis` that are `planes` apart.
+/// Returns the length of the ray between two index planes of `axis` that are `planes` apart.
 double lengthBetween(const VolumeGeometry& volume, const Ray& ray, int axis, double planes) {
   return planes / std::abs(glm::dot(planeNormal(volume, axis), ray.direction));
 }
@@ -67,7 +67,7 @@ bool inBox(const VolumeGeometry& volume, const glm::dvec3& world) {
   return true;
 }
 
-/// True where the ray crosses the volume from face to face of `axis`, not through its sides.
+/// Returns true if the ray crosses the volume from face to face of `axis`, not through its sides.
 bool crossesFaces(const VolumeGeometry& volume, const Ray& ray, int axis) {
   const glm::dvec3 normal = planeNormal(volume, axis);
   for (const double plane : {-0.5, static_cast<double>(volume.dims[axis]) - 0.5}) {
@@ -95,7 +95,7 @@ void forPixels(const View& view, const Check& check) {
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// By the definition of View: a point of the ray projects to the pixel that the ray was made for.
+// Known from the definition of View: a point of a ray projects to the pixel of the ray.
 TEST(ReferenceRenderer, RayProjectsToItsPixel) {
   VolumeGeometry volume;
   volume.dims = {20, 30, 40};
@@ -114,8 +114,8 @@ TEST(ReferenceRenderer, RayProjectsToItsPixel) {
   }
 }
 
-// A medium of one value fills the box: along the lattice's z the depth is extinction times the box's exact length, half
-// a voxel beyond the outer voxel centres included, and the clipped last step makes it exact for any step.
+// A constant medium fills the box. Along the lattice's z the optical depth is extinction times the box's exact length,
+// including half a voxel beyond the outer voxel centres. The clipped last step makes the depth exact for any step.
 TEST(ReferenceRenderer, ConstantBoxHasItsExactLength) {
   const DenseVolume volume = slab({{8, 9, 10}, VoxelType::u8, anisotropicAffine()}, 2, 0, 10, 200);
   const View view = viewAlong(Projection::kOrthographic, volume.geometry, {0, 0, 1}, 4, {6, 6}, {0, -1, 0});
@@ -155,8 +155,8 @@ TEST(ReferenceRenderer, SlabSeenObliquely) {
   }
 }
 
-// As above, at the steps a picture is judged with: one view's steps may all meet a plane in the same phase, many views'
-// do not, so the mean has no error of its own.
+// A slab at the default step. In a single view all rays may meet a plane at an equal phase of their steps; over many
+// views phases vary, so the mean has no error.
 TEST(ReferenceRenderer, SlabHasNoBiasAtTheDefaultStep) {
   const DenseVolume volume = slab({{40, 40, 24}, VoxelType::f32, obliqueAffine()}, 2, 4, 20, 1);
   Random random(1);
@@ -184,9 +184,9 @@ double chordOf(const Ray& ray, const glm::dvec3& centre, double radius) {
   return reach > 0 ? 2 * std::sqrt(reach) : 0;
 }
 
-// The voxels of the ball add up to its volume and interpolation keeps the sum. For a faint medium extinction is linear
-// in the value (to 0.01 % at opacity 0.005), so in any parallel view the depths add up to extinction * (4/3)πr³ / pixel
-// area.
+// The voxels of the ball sum to its volume, and interpolation keeps the sum. For a faint medium extinction is linear in
+// the value (to 0.01 % at opacity 0.005). In any parallel view the depths therefore sum to extinction * (4/3)πr³ /
+// pixel area.
 TEST(ReferenceRenderer, FaintBallAbsorbsItsVolume) {
   const double radius = 12;
   const DenseVolume volume = ball({{31, 31, 31}, VoxelType::f32}, {15.2, 14.9, 15.3}, radius, 1);
@@ -204,9 +204,9 @@ TEST(ReferenceRenderer, FaintBallAbsorbsItsVolume) {
   }
 }
 
-// Under a step at half the value a ball is a medium with the chord's length in each ray. Box and tent filters move the
-// half-value surface inwards by about 1/(4r) voxel (their variance 1/4 times the mean curvature), 0.14 % of the depth
-// here.
+// With a step function at half the value, a ball is a medium with the chord's length in each ray. Box and tent filters
+// move the half-value surface inwards by about 1/(4r) voxel (variance 1/4 times the mean curvature): 0.14 % of the
+// depth here.
 TEST(ReferenceRenderer, BallHasTheChordsDepth) {
   const double radius = 23;
   const glm::dvec3 centre(26.3, 26.1, 25.8);
@@ -220,8 +220,9 @@ TEST(ReferenceRenderer, BallHasTheChordsDepth) {
       const double expected = extinction * chordOf(ray, centre, radius - 1 / (4 * radius));
       depth.push_back(expected);
       difference.push_back(image.transmittance[placeOf(view, column, row)] - std::exp(-expected));
-      // One ray is off by up to 0.3 voxel of its chord of 23 to 46: measured, 0.25 of it stays at a step of 0.02, so it
-      // is the half-value surface that sampling bends to and fro, not the step. The means below are free of it.
+      // A single ray is off by up to 0.3 voxel of its chord of 23 to 46. Measured: 0.25 voxel remains at a step of
+      // 0.02, so the error comes from the sampled half-value surface, not from the step. The means below are free of
+      // this error.
       if (expected > extinction * radius) {
         EXPECT_NEAR(image.depth[placeOf(view, column, row)] / expected, 1, 0.02);
       }
@@ -252,8 +253,8 @@ TEST(ReferenceRenderer, RampHasItsIntegral) {
   }
 }
 
-// A ray that starts inside a medium of one value meets exp(-τ d), d the way to the box's surface, found here by
-// bisection.
+// A ray that starts inside a constant medium has transmittance exp(-τ d), with d the distance to the box's surface,
+// found here by bisection.
 TEST(ReferenceRenderer, EyeInsideAConstantMedium) {
   const DenseVolume volume = slab({{20, 24, 28}, VoxelType::u16, obliqueAffine()}, 0, 0, 20, 1000);
   Camera camera;
@@ -272,8 +273,9 @@ TEST(ReferenceRenderer, EyeInsideAConstantMedium) {
   });
 }
 
-// A planar ramp has one gradient, across its planes in the world: every sample of a ray has the same colour, which is
-// the formula of shading (tools/kiln/manual/render.md) evaluated once. The edge clamp halves the gradient's length and keeps its direction.
+// A planar ramp has a constant gradient, perpendicular to its planes in world space. Every sample of a ray has an equal
+// colour, given by one evaluation of the shading formula (tools/kiln/manual/render.md). The edge clamp halves the
+// gradient's length and keeps its direction.
 TEST(ReferenceRenderer, PlanarRampIsShadedByTheFormula) {
   const DenseVolume volume = ramp({{20, 20, 20}, VoxelType::f32, obliqueAffine()}, 0, 1);
   const glm::dvec3 normal = glm::normalize(planeNormal(volume.geometry, 0));
@@ -298,8 +300,8 @@ TEST(ReferenceRenderer, PlanarRampIsShadedByTheFormula) {
   }
 }
 
-// Where nothing changes there is no normal: the colour stays as the transfer function has it, whatever the shading
-// says. A ramp of less than kGradientNoise of the range a voxel counts as nothing, one of more does not.
+// A constant region has no normal: the transfer function's colour stays unshaded for every shading. A slope below
+// kGradientNoise of the range per voxel counts as constant, a larger slope does not.
 TEST(ReferenceRenderer, GradientBelowNoiseIsUnshaded) {
   const Shading dark{true, 0.1, 0.1, 0, 1};
   const auto colorOf = [&](double slope, double outlier) {
@@ -311,12 +313,12 @@ TEST(ReferenceRenderer, GradientBelowNoiseIsUnshaded) {
   };
   EXPECT_NEAR(colorOf(0, 0), kRed.r, 1e-6);
   EXPECT_NEAR(colorOf(0.5 * kGradientNoise, 1), kRed.r, 1e-6);
-  // Past the half voxel at the edge, where the clamp halves it, the gradient counts.
+  // Slopes count beyond the first half voxel, where the edge clamp halves them.
   EXPECT_NEAR(colorOf(4 * kGradientNoise, 1), 0.2 * kRed.r, 1e-6);
 }
 
-// Mirroring the volume in a plane through eye and target mirrors the picture: left becomes right, pixel for pixel, and
-// mirroring voxels and affine both changes nothing.
+// Mirroring the volume in a plane through eye and target mirrors the picture: left becomes right, pixel for pixel.
+// Mirroring both voxels and affine changes nothing.
 TEST(ReferenceRenderer, AMirroredVolumeIsAMirroredPicture) {
   const Extent3 dims{18, 20, 22};
   const DenseVolume volume = cheese({dims, VoxelType::f32}, 7, {0, 1});
@@ -346,8 +348,8 @@ TEST(ReferenceRenderer, AMirroredVolumeIsAMirroredPicture) {
   }
 }
 
-// A NaN voxel has weight in the two voxel lengths around it; a ray a quarter of a voxel beside its centre loses exactly
-// these, and one whose eight neighbours never include it loses nothing.
+// A NaN voxel has weight within a voxel length on both sides. A ray a quarter of a voxel beside its centre loses
+// exactly this length, and a ray whose eight neighbours exclude the NaN loses nothing.
 TEST(ReferenceRenderer, NanIsTransparentWhereItHasWeight) {
   DenseVolume volume = slab({{9, 9, 9}, VoxelType::f32}, 2, 0, 9, 1);
   volume.set(4, 4, 4, std::numeric_limits<double>::quiet_NaN());
@@ -361,7 +363,7 @@ TEST(ReferenceRenderer, NanIsTransparentWhereItHasWeight) {
   });
 }
 
-// Over: what a medium of transmittance T lets through of a premultiplied background is T times it.
+// Over: a medium of transmittance T adds T times a premultiplied background.
 TEST(ReferenceRenderer, BackgroundShinesThrough) {
   const DenseVolume volume = slab({{8, 8, 8}, VoxelType::u8}, 0, 0, 8, 1);
   const View view = viewAlong(Projection::kOrthographic, volume.geometry, {0, 0, 1}, 16, {2, 2}, {0, -1, 0});
@@ -379,8 +381,8 @@ TEST(ReferenceRenderer, BackgroundShinesThrough) {
   }
 }
 
-// A ray that reaches the threshold is divided by its alpha and closed, so that in a medium of one colour it
-// has exactly that colour; a ray that never reaches it (here 0.8^8 of the light passes) is what it was.
+// A ray that reaches the threshold is divided by its alpha and ends, so in a medium of one colour it has exactly this
+// colour. A ray below the threshold (here 0.8^8 of the light passes) is unchanged.
 TEST(ReferenceRenderer, ThresholdDividesAndCloses) {
   const DenseVolume volume = slab({{8, 8, 8}, VoxelType::u8}, 0, 0, 8, 1);
   const View view = viewAlong(Projection::kOrthographic, volume.geometry, {0, 0, 1}, 2, {1, 1}, {0, -1, 0});
@@ -396,8 +398,8 @@ TEST(ReferenceRenderer, ThresholdDividesAndCloses) {
   }
 }
 
-// In a smooth, faint medium the midpoint rule is good at a step of a voxel, too, and one ray a pixel sees the same
-// mean.
+// In a smooth, faint medium the midpoint rule is accurate even at a step of a voxel, and a single ray a pixel gives an
+// equal mean.
 TEST(ReferenceRenderer, VtkLikeAgreesWhereThePictureIsSmooth) {
   const DenseVolume volume = ball({{31, 31, 31}, VoxelType::f32}, {15, 15, 15}, 12, 1);
   const TransferFunction faint{1, {{0, kRed, 0}, {1, kRed, 0.02}}};
@@ -408,8 +410,8 @@ TEST(ReferenceRenderer, VtkLikeAgreesWhereThePictureIsSmooth) {
   }
 }
 
-// Absorption alone and the picture are two integrals of one medium: alpha is one minus the transmittance. It lies in
-// [0,1] and every channel is finite, whatever is drawn from wherever, in every voxel type.
+// Absorption and picture integrate one medium: alpha is one minus the transmittance. Alpha lies in [0,1] and every
+// channel is finite, for random scenes in every voxel type.
 TEST(ReferenceRenderer, AlphaIsWhatIsAbsorbedInAnyScene) {
   const ReferenceSettings settings{1, 0.3, 1};
   int seen = 0;
@@ -437,8 +439,8 @@ TEST(ReferenceRenderer, AlphaIsWhatIsAbsorbedInAnyScene) {
   EXPECT_GT(seen, kScenes * 2 / 3) << "most random scenes should show something";
 }
 
-// What is stepped over would have added nothing, so both pictures are made of the same sums: their bits are equal. The
-// volumes have empty regions of every size, NaN and thin walls; the scenes look from everywhere, inside too.
+// Skipped samples would add nothing, so both pictures sum equal terms: their bits are equal. The volumes have empty
+// regions of every size, NaN and thin walls; the views come from everywhere, inside too.
 TEST(ReferenceRenderer, SteppingOverEmptyBlocksChangesNoBit) {
   DenseVolume volumes[] = {cheese({{31, 22, 40}, VoxelType::f32, obliqueAffine()}, 1, {0, 1}),
                            head({{40, 33, 21}, VoxelType::i16, anisotropicAffine()}, usualRange(VoxelType::i16)),

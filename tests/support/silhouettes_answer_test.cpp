@@ -1,5 +1,5 @@
-// The measure of edges: where silhouettes are, which pixels are near them, and how far two pictures are apart there.
-// Known because the pictures are made for it, and because a uniform medium has its closed form.
+// The measure of edges: positions of silhouettes, pixels near them, and the difference of two pictures there. Known
+// because the pictures are made for the test, and from the closed form of a uniform medium.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ TEST(Silhouettes, ReachTwoPixelsToEitherSide) {
     EXPECT_EQ(one[i], beside) << x << ", " << y;
     EXPECT_EQ(two[i], beside || around) << x << ", " << y;
   }
-  // A tenth in all channels is 20 dB; nothing else counts.
+  // A difference of a tenth in all channels of the band is 20 dB; pixels outside the band have no influence.
   Image other = picture;
   for (std::size_t i = 0; i < depth.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) other.rgba[4 * i + c] += one[i] ? 0.1f : 0.7f;

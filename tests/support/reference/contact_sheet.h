@@ -1,4 +1,4 @@
-// Many pictures as one, to be looked at.
+// A contact sheet: many pictures in a single image, for inspection.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace kiln::test {
 
-/// A row of cells a row, each picture shrunk by means of whole blocks of pixels until it is `cell_px` wide or less, and
-/// laid over black. requires: no row is empty.
+/// Lays cells out row by row. Each picture is shrunk by averaging whole blocks of pixels until at most `cell_px` wide,
+/// and composited over black. requires: no row is empty.
 Image contactSheet(const std::vector<std::vector<Image>>& rows, int cell_px);
-/// Writes it among the tests' output, and says where. `name` ends in .png.
+/// Writes the sheet to the tests' output folder and prints its path. `name` ends in .png.
 void writeContactSheet(const std::vector<std::vector<Image>>& rows, int cell_px, const std::string& name);
 
 }  // namespace kiln::test

@@ -25,7 +25,7 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
     opened.push_back(std::make_unique<StoreReader>(store));
     readers.push_back(opened.back().get());
   }
-  // As the program does: one thread reads nothing ahead.
+  // As in the program: a single thread has no read-ahead.
   BrickCache cache(readers, budget_bytes, ThreadLimit::active() == 1 ? 0 : 2);
   Progress silent;
   FrameStatistics unused;

@@ -1,4 +1,4 @@
-// The lattices that the renderer draws, for tests that hold for every one of them.
+// The renderer's lattices, for tests that hold for each lattice.
 #pragma once
 
 #include "frame/render_frame.h"

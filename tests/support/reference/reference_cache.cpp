@@ -8,10 +8,10 @@
 namespace kiln::test {
 namespace {
 
-/// To be raised when the reference renderer draws other pictures than before.
+/// Raise the version whenever the reference renderer's pictures change.
 constexpr int kReferenceVersion = 1;
 
-// Hexadecimal floats, so that no two values have one text.
+// Hexadecimal floats, so that different values have different texts.
 std::string textOf(const glm::dmat4& m) {
   std::string out;
   for (int column = 0; column < 4; ++column) {
@@ -45,7 +45,7 @@ std::string textOf(const Shading& s) {
 
 std::string textOf(const ReferenceSettings& s) {
   std::string out = fmt::format("settings {} {:a} {:a}\n", s.rays_per_axis, s.step_voxels, s.opacity_threshold);
-  // Pictures kept from before there was a choice stay what they are.
+  // Linear interpolation adds no text, so that older pictures stay valid.
   if (s.interpolation != Interpolation::kLinear)
     out += fmt::format("interpolation {}\n", static_cast<int>(s.interpolation));
   return out;
@@ -65,7 +65,7 @@ ReferencePictures::ReferencePictures(const DenseVolume& volume, std::optional<st
 Image ReferencePictures::draw(const View& view, const TransferFunction& transfer_function, const Shading& shading,
                               const ReferenceSettings& settings) const {
   const auto make = [&] { return referenceImage(volume_, view, transfer_function, shading, {0, 0, 0, 0}, settings); };
-  // Keys say nothing of what is cut.
+  // Keys do not include the clipping, so clipped pictures are not stored.
   if (!folder_ || settings.clipping != Clipping()) return make();
   const std::string key = volume_key_ + textOf(view) + textOf(transfer_function) + textOf(shading) + textOf(settings);
   const std::filesystem::path file = *folder_ / (toHex(hashOf(key)) + ".exr");

@@ -1,4 +1,4 @@
-// Reference pictures take minutes: they are kept on disk under the hash of everything that they depend on.
+// Reference pictures take minutes: they are kept on disk under a hash of all their inputs.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,14 @@
 
 namespace kiln::test {
 
-/// The pictures of one volume and the hash of it.
+/// The pictures of a volume, and the volume's hash.
 class ReferencePictures {
  public:
-  /// Without a `folder` every picture is made anew. requires: `volume` outlives this.
+  /// Without a `folder` every picture is drawn again. requires: `volume` outlives the object.
   ReferencePictures(const DenseVolume& volume, std::optional<std::filesystem::path> folder);
 
-  /// referenceImage over nothing, from the folder where it is there. throws: Error where the folder cannot be written.
+  /// Returns referenceImage over a clear background, from the folder if stored. throws: Error if the folder cannot be
+  /// written.
   Image draw(const View& view, const TransferFunction& transfer_function, const Shading& shading,
              const ReferenceSettings& settings) const;
 

@@ -8,7 +8,7 @@
 namespace kiln::test {
 namespace {
 
-// What a voxel weighs at distance x from it. unit: voxels.
+// Weight of a voxel at distance x. unit: voxels.
 double bSplineKernel(double x) {
   const double d = std::abs(x);
   return d < 1 ? 2.0 / 3 - d * d + d * d * d / 2 : d < 2 ? (2 - d) * (2 - d) * (2 - d) / 6 : 0;
@@ -25,7 +25,7 @@ double catmullRomKernel(double x) {
   return d < 1 ? 1 + d * d * (1.5 * d - 2.5) : d < 2 ? 2 + d * (-4 + d * (2.5 - 0.5 * d)) : 0;
 }
 
-// Of the eight corners of a cell, n-th bits: x, y, z.
+// Weight of the n-th of the eight corners of a cell; bits of n: x, y, z.
 double weightOf(int n, const double (&fraction)[3]) {
   return ((n & 1) != 0 ? fraction[0] : 1 - fraction[0]) * ((n & 2) != 0 ? fraction[1] : 1 - fraction[1]) *
          ((n & 4) != 0 ? fraction[2] : 1 - fraction[2]);
@@ -82,13 +82,13 @@ double ReferenceField::linearAt(const glm::dvec3& index) const {
     const auto base = static_cast<std::int64_t>(place);
     fraction[axis] = place - static_cast<double>(base);
     offset[axis] = base * stride[axis];
-    step[axis] = base + 1 < dims_[axis] ? stride[axis] : 0;  // else that corner has no weight
+    step[axis] = base + 1 < dims_[axis] ? stride[axis] : 0;  // otherwise the far corner has no weight
   }
   const double* const corner = values_.data() + offset[0] + offset[1] + offset[2];
   double sum = 0;
   for (int n = 0; n < 8; ++n) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];
   if (!std::isnan(sum)) return sum;
-  // 0 * NaN is NaN, too: only corners that have weight may spoil the sum.
+  // 0 * NaN is NaN, too: corners without weight must not spoil the sum.
   sum = 0;
   for (int n = 0; n < 8; ++n) {
     if (weightOf(n, fraction) > 0) sum += weightOf(n, fraction) * corner[offsetOf(n, step)];

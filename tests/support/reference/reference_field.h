@@ -1,4 +1,4 @@
-// A volume as a function of index space: interpolation in double precision, one voxel after the other.
+// A volume as a function of index space: interpolation in double precision, voxel by voxel.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ class ReferenceField {
  public:
   ReferenceField(const DenseVolume& volume, Interpolation interpolation);
 
-  /// NaN where a voxel that has weight is NaN. unit: index space, beyond the volume, too.
+  /// Returns NaN if a voxel with weight is NaN. unit: index space, also beyond the volume.
   double at(const glm::dvec3& index) const;
   /// At voxel scale: the central difference of the linear interpolation over two voxels along each axis; of a cubic the
   /// derivative of the cubic B-spline. unit: value per voxel.
@@ -29,7 +29,7 @@ class ReferenceField {
   using Kernel = double (*)(double);
   struct Filtered {
     double sum = 0;
-    ValueRange range;  // of the voxels that have weight
+    ValueRange range;  // of the voxels with weight
   };
   double linearAt(const glm::dvec3& index) const;
   Filtered filtered(const glm::dvec3& index, const std::array<Kernel, 3>& kernels) const;

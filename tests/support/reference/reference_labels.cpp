@@ -7,7 +7,7 @@
 namespace kiln::test {
 namespace {
 
-// What `of` says of each voxel's label.
+// Returns the volume of `of` applied to each voxel's label.
 template <class Of>
 DenseVolume voxelByVoxel(const DenseVolume& volume, const Of& of) {
   return fill({volume.geometry.dims, VoxelType::f64, volume.geometry.world_from_index},

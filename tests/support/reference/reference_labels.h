@@ -1,6 +1,5 @@
-// A label volume as a function of index space, in double precision: of each label that is shown what it has of a place
-// is interpolated by itself, a place is solid where all of them together have half of it, and it is the one that has
-// most.
+// A label volume as a function of index space, in double precision. The share of each shown label is interpolated
+// separately. A position is solid if the shares sum to at least a half; it belongs to the label with the largest share.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -21,10 +20,10 @@ class ReferenceLabels {
 
   struct There {
     Classified look;
-    double solid;  // how much of it is there, from 0 to 1
+    double solid;  // solidity from 0 to 1: a ramp around a sum of shares of 1/2
   };
   There at(const glm::dvec3& index) const;
-  /// Of the labels' smoothed opacities, the derivative of the cubic B-spline. unit: opacity per voxel.
+  /// Gradient of the labels' smoothed opacities: the derivative of the cubic B-spline. unit: opacity per voxel.
   glm::dvec3 gradient(const glm::dvec3& index) const { return opacity_.gradient(index); }
 
  private:

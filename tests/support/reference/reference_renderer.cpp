@@ -19,10 +19,10 @@
 namespace kiln::test {
 namespace {
 
-/// Beyond this, what is behind adds less than a picture can hold.
+/// At smaller transmittance, the rest of the ray adds less than a picture can represent.
 constexpr double kStopTransmittance = 1e-6;
 
-/// A face of the clip region; shows where normal·index + offset >= 0, in index space.
+/// A face of the clip region; the half space normal·index + offset >= 0 is shown, in index space.
 struct Face {
   glm::dvec3 normal;
   double offset;
@@ -30,7 +30,7 @@ struct Face {
 
   double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
   double distance(const glm::dvec3& index) const { return at(index) / glm::length(world_normal); }
-  /// How far a voxel's cube reaches along the normal.
+  /// Extent of a voxel's cube along the normal.
   double voxel() const { return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z); }
 };
 
@@ -39,7 +39,7 @@ std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume
   for (int axis = 0; axis < 3 && clipping.region; ++axis) {
     glm::dvec3 along(0);
     along[axis] = 1;
-    // A face at the border of the volume cuts nothing.
+    // A face at the border of the volume clips nothing.
     const auto lo = static_cast<double>(clipping.region->lo[axis]), hi = static_cast<double>(clipping.region->hi[axis]);
     if (lo > 0) faces.push_back({along, 0.5 - lo, {}});
     if (hi < static_cast<double>(volume.dims[axis])) faces.push_back({-along, hi - 0.5, {}});
@@ -54,7 +54,7 @@ std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume
   return faces;
 }
 
-/// Everything about a picture that no ray changes.
+/// All data of a picture that are equal for all rays.
 struct Scene {
   Scene(const DenseVolume& volume, const View& the_view, const TransferFunction& function,
         const ReferenceSettings& the_settings)
@@ -82,7 +82,7 @@ struct Scene {
     }
   }
 
-  /// What is at a place of index space, and the gradient that its surfaces have there.
+  /// Returns the label at a position in index space, and the gradient of its surface.
   ReferenceLabels::There at(const glm::dvec3& index) const {
     if (labels) return labels->at(index);
     return {transfer_function.at(field.at(index)), 1};
@@ -92,7 +92,7 @@ struct Scene {
   }
 
   ReferenceField field;
-  std::optional<ReferenceLabels> labels;  // of a function of labels
+  std::optional<ReferenceLabels> labels;  // if the function is a function of labels
   const View& view;
   const TransferFunction& transfer_function;
   const ReferenceSettings& settings;
@@ -104,7 +104,7 @@ struct Scene {
   std::optional<EmptyBlocks> empty_blocks;
 };
 
-/// The part [begin, end] of the ray that lies in the volume's box; empty where begin >= end.
+/// The interval [begin, end] of the ray inside the volume's box; empty if begin >= end.
 struct Segment {
   double begin, end;
 };
@@ -133,13 +133,13 @@ Segment clipped(const Scene& scene, const Ray& ray) {
   return segment;
 }
 
-/// Calls sample(index position, length of the step) at the middle of each step, front to back, until it returns false;
-/// steps in empty blocks are passed over. Steps begin where the ray enters; the last one is as long as what is left.
+/// Calls sample(index position, length of the step) at the middle of each step, front to back, until false is returned.
+/// Steps in empty blocks are skipped. Steps begin at the ray's entry; the last step is as long as the rest.
 template <class Sample>
 void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   const Segment segment = clipped(scene, ray);
   if (!(segment.begin < segment.end)) return;
-  // A remainder of a billionth of a step is rounding and belongs to the step before it.
+  // A remainder of a billionth of a step is rounding and belongs to the step before.
   const double steps = std::max(1.0, std::ceil((segment.end - segment.begin) / scene.step_world - 1e-9));
   const glm::dvec3 step_index = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0)) * scene.step_world;
   for (double step = 0; step < steps;) {
@@ -153,8 +153,8 @@ void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   }
 }
 
-/// The direction of the surface at a sample: of the nearest face less than a voxel away, else of the gradient;
-/// zero where there is none.
+/// Returns the normal at a sample: of the nearest face less than a voxel away, else of the gradient; zero if there is
+/// none.
 glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
   const Face* nearest = nullptr;
   for (const Face& face : scene.faces) {
@@ -162,7 +162,7 @@ glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
   }
   if (nearest) return glm::normalize(nearest->world_normal);
   const glm::dvec3 difference = scene.gradient(index);
-  // Written so that a gradient with a NaN, which has no direction either, is unshaded, too.
+  // The negated comparison also leaves a NaN gradient, which has no direction, unshaded.
   if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
   return glm::normalize(scene.gradient_world_from_index * difference);
 }
@@ -188,7 +188,7 @@ glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& 
   return color * matte + gloss;
 }
 
-/// Extinction at a sample, by the length of the gradient where the function asks for it.
+/// Returns the extinction at a sample, scaled by the gradient's length if the function has an opacity by gradient.
 double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, const glm::dvec3& index) {
   double factor = 1;
   if (!scene.transfer_function.gradient_opacity.empty()) {
@@ -198,7 +198,7 @@ double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, con
   return there.solid * extinctionOf(factor * std::min(there.look.opacity, 0.9999), scene.unit_world);
 }
 
-/// Premultiplied RGBA of one ray over nothing.
+/// Returns the premultiplied RGBA of a ray over a clear background.
 glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray) {
   glm::dvec3 light(0);
   double transmittance = 1;
@@ -217,7 +217,7 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
   return {light, 1 - transmittance};
 }
 
-/// The same of several volumes: their extinctions add up.
+/// Returns the light of several volumes along a ray: their extinctions add up.
 glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const std::vector<ReferenceVolume>& volumes,
                       const Ray& ray) {
   std::vector<Segment> segments;
@@ -235,7 +235,7 @@ glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const s
     double depth = 0;
     glm::dvec3 sent(0);
     for (std::size_t v = 0; v < scenes.size(); ++v) {
-      // Of the step, what lies in the volume.
+      // The part of the step inside the volume.
       const double from = std::max(at, segments[v].begin), to = std::min(at + step, segments[v].end);
       if (!(from < to)) continue;
       const Scene& scene = *scenes[v];
@@ -294,7 +294,7 @@ Ray rayThrough(const View& view, const glm::dvec2& pixel) {
   const glm::dmat4 world_from_view = glm::inverse(view.view_from_world);
   const glm::dvec2 offset = (pixel - view.centre_px) / view.focal_px;
   if (view.projection == Projection::kEquirectangular) {
-    // Turned about what is up, then raised. View space has down.
+    // Rotated about the up axis, then raised. View space has y down.
     const double longitude = 2 * glm::pi<double>() * (pixel.x / view.size.width - 0.5);
     const double latitude = glm::pi<double>() * (0.5 - pixel.y / view.size.height);
     const glm::dvec3 level = std::cos(longitude) * glm::dvec3(0, 0, 1) + std::sin(longitude) * glm::dvec3(1, 0, 0);

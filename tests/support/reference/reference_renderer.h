@@ -1,11 +1,11 @@
-// The judge of every picture: a ray caster in double precision that is slow and obviously right. It shares with the
-// renderer only what defines the picture (View, TransferFunction, Shading) and none of what makes it fast: no bricks,
-// no pyramid, no occlusion, no tables.
+// Reference renderer, the truth for every picture: a slow and simple ray caster in double precision. It shares with the
+// renderer only the picture's definition (View, TransferFunction, Shading). No bricks, no pyramid, no occlusion, no
+// tables.
 //
-// The picture: the volume is the interpolation (trilinear, or a cubic of scene/interpolation.h) of its voxels on [-1/2,
-// N-1/2)³ of index space, beyond which the nearest voxel goes on. The transfer function classifies the interpolated
-// value; light is absorbed and emitted along each ray by the formulas of tools/kiln/manual/render.md. Perspective rays
-// start at the eye; orthographic rays cross the whole volume.
+// Picture: the volume is the interpolation (trilinear, or a cubic of scene/interpolation.h) of its voxels on [-1/2,
+// N-1/2)³ of index space, extended by the nearest voxel. The transfer function classifies the interpolated value; each
+// ray integrates emission and absorption by the formulas of tools/kiln/manual/render.md. Perspective rays start at the
+// eye; orthographic rays cross the whole volume.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@
 
 namespace kiln::test {
 
-/// A central difference (index units) shorter than this part of the volume's value range has no direction worth the
-/// name: the sample is unshaded. So is one next to a NaN, whose gradient is NaN.
+/// A central difference (index units) below this share of the volume's value range has no reliable direction: the
+/// sample is unshaded. Samples next to a NaN have a NaN gradient and are unshaded, too.
 inline constexpr double kGradientNoise = 1e-5;
 
 struct ReferenceSettings {
@@ -28,17 +28,18 @@ struct ReferenceSettings {
   int rays_per_axis = 4;
   /// unit: the smallest voxel spacing.
   double step_voxels = 0.1;
-  /// A ray that reaches this alpha is divided by it and ends; 1: never.
+  /// A ray that reaches this alpha is divided by its alpha and ends; 1: never.
   double opacity_threshold = 1;
-  /// Steps over what is transparent without sampling it, which changes no bit of the picture.
+  /// Skips transparent blocks without sampling, which changes no bit of the picture.
   bool skip_empty = true;
-  /// Rays end at its faces exactly. Within a voxel of one (its extent along the normal) the normal is the face's.
+  /// Rays end exactly at the faces of the clipping. Within a voxel of a face (its extent along the normal) the face's
+  /// normal is used.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
-  /// Over how many voxels to either side opacities of labels are smoothed for their gradients.
+  /// Number of voxels to either side over which opacities of labels are smoothed for their gradients.
   int label_smoothing = 0;
 
-  /// What VTK and the like draw: one ray a pixel, a step of one voxel.
+  /// Settings like VTK's: one ray a pixel, a step of one voxel.
   static ReferenceSettings vtkLike() { return {1, 1.0, 1}; }
 };
 
@@ -47,15 +48,15 @@ Image referenceImage(const DenseVolume& volume, const View& view, const Transfer
                      const Shading& shading, const std::array<double, 4>& background = {0, 0, 0, 0},
                      const ReferenceSettings& settings = {});
 
-/// A volume of several in one picture.
+/// A volume in a picture of several volumes.
 struct ReferenceVolume {
   const DenseVolume* volume = nullptr;
   TransferFunction transfer_function;
   Shading shading = {};
   Clipping clipping = {};
 };
-/// The picture of all of them: where they overlap, their extinctions add up, and light comes from each as much as it
-/// absorbs. The settings' clipping says nothing; steps are as short as the smallest spacing of all asks for.
+/// Returns the picture of all volumes. Extinctions of overlapping volumes add up, and each contributes light in
+/// proportion to its absorption. The settings' clipping is ignored; steps follow the smallest spacing of all volumes.
 Image referenceImage(const std::vector<ReferenceVolume>& volumes, const View& view,
                      const ReferenceSettings& settings = {});
 
@@ -68,14 +69,14 @@ struct OpticalDepthImage {
 OpticalDepthImage opticalDepthImage(const DenseVolume& volume, const View& view,
                                     const TransferFunction& transfer_function, const ReferenceSettings& settings = {});
 
-/// How far along the ray through a pixel's centre, from Ray::origin, alpha passes one half; infinity where it does not.
-/// shape: view.size, row 0 at the top. unit: world.
+/// Returns the distance from Ray::origin, along the ray through a pixel's centre, at which alpha passes one half;
+/// infinity if alpha stays below. shape: view.size, row 0 at the top. unit: world.
 std::vector<double> firstHits(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
                               ReferenceSettings settings = {});
 
-/// What `--mode mip|minip|average` projects along the ray through each pixel's centre, in doubles: NaN where the ray
-/// meets no value. shape: view.size, row 0 at the top. Of the settings, rays_per_axis, threshold and skip_empty say
-/// nothing.
+/// Projections of `--mode mip|minip|average` along the ray through each pixel's centre, in doubles: NaN if the ray
+/// meets no value. shape: view.size, row 0 at the top. The settings rays_per_axis, threshold and skip_empty are
+/// ignored.
 struct ProjectedImage {
   int width = 0, height = 0;
   std::vector<double> greatest, least, mean;
@@ -85,7 +86,7 @@ ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const
 /// A ray of the picture in world space.
 struct Ray {
   glm::dvec3 origin, direction;  // direction has unit length
-  double begin;                  // distance from origin where it starts: 0, or -infinity for parallel rays
+  double begin;                  // distance from origin to the start: 0, or -infinity for parallel rays
 };
 Ray rayThrough(const View& view, const glm::dvec2& pixel);
 

@@ -11,7 +11,7 @@
 namespace kiln::test {
 
 void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f) {
-  // The lowest bit is the best. For one that there are no kernels for, another one's are taken.
+  // The lowest bit is the best set. A set without kernels dispatches to another set, which is called only once.
   std::vector<std::int64_t> targets;
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
   std::set<std::string> done;

@@ -1,5 +1,4 @@
-// Kernels as anyone would write them: one voxel after the other. Every instruction set is held against them, and
-// measured beside them.
+// Kernels as plain loops, voxel by voxel: the truth for every instruction set, and the baseline of benchmarks.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +8,7 @@
 
 namespace kiln::test {
 
-/// Calls f() with each instruction set that this machine has and that there are kernels for, the best one last.
+/// Calls f() with each instruction set that has kernels and is supported by the machine, the best set last.
 void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f);
 
 /// loadUnit.

@@ -9,7 +9,7 @@ namespace kiln::test {
 namespace {
 
 constexpr float kRadius = static_cast<float>(kFootprintRadius);
-constexpr float kHalfLog = -0.72134752f;  // of e, to base 2
+constexpr float kHalfLog = -0.72134752f;  // half the logarithm of e, to base 2
 
 // 2^x = whole + whole · rest.
 struct Power {
@@ -29,7 +29,7 @@ float opacityOf(float x) {
   const Power p = powerOf(std::max(x * -1.44269504f, -120.0f));
   return std::fma(-p.whole, p.rest, 1 - p.whole);
 }
-// Where all of a footprint is `thin`.
+// A footprint whose depth is small everywhere (`thin`) uses a series.
 float opacityOf(float x, bool thin) {
   if (!thin) return opacityOf(x);
   float p = -1.0f / 720;
@@ -47,7 +47,7 @@ float log2Of(float x) {
 
 float squared(float a, float b, float c) { return std::fma(a, a, std::fma(b, b, c * c)); }
 
-// The colour that a voxel sends to the eye.
+// Returns the colour of a voxel as seen from the eye.
 glm::vec3 colorOf(const VoxelView& view, const float* material, const glm::vec3& measured, float u, float v,
                   float oblique) {
   const glm::vec3 color(material[0], material[1], material[2]);
@@ -93,7 +93,7 @@ Form formOf(const VoxelView& view, const ProjectedVoxels& p, std::size_t n) {
   return out;
 }
 
-// shape: the footprint's rows, one after the other.
+// shape: the footprint's rows, concatenated.
 std::vector<float> weightsOf(const Form& form, const ProjectedVoxels& p, std::size_t n) {
   std::vector<float> out;
   for (int j = 0; j < p.y1[n] - p.y0[n]; ++j) {
@@ -106,7 +106,8 @@ std::vector<float> weightsOf(const Form& form, const ProjectedVoxels& p, std::si
   return out;
 }
 
-// Of every sixteenth number, counted in all or, of many columns, in each row; of those sums halves are added.
+// Adds every sixteenth weight, counted over the whole footprint, or within each row of a wide footprint. The 16 sums
+// are then added in halves.
 float sumOf(const std::vector<float>& weights, std::size_t columns) {
   const std::size_t row = columns <= 8 && weights.size() <= 16 * columns ? weights.size() : columns;
   float sums[16] = {};
@@ -117,7 +118,7 @@ float sumOf(const std::vector<float>& weights, std::size_t columns) {
   return sums[0];
 }
 
-// The opacity that a voxel has over each pixel of its footprint; its optical depth in all of them is `depth`.
+// Returns the opacity of a voxel over each pixel of its footprint; the optical depths sum to `depth`.
 std::vector<float> opacitiesOf(const VoxelView& view, const ProjectedVoxels& p, std::size_t n, float depth) {
   const PixelRect rect = p.rect(n);
   const auto width = static_cast<std::size_t>(rect.width()), height = static_cast<std::size_t>(rect.height());

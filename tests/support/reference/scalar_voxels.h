@@ -1,5 +1,5 @@
-// The kernels of the voxel lattice as anyone would write them: one voxel, one pixel after the other. What every
-// instruction set is held against, and measured beside.
+// Kernels of the voxel lattice as plain loops, voxel by voxel and pixel by pixel: the truth for every instruction set,
+// and the baseline of benchmarks.
 #pragma once
 
 #include "engine/voxel/rasterize_footprints.h"

@@ -1,4 +1,4 @@
-// Edges of what a picture shows, and the pixels around these edges: there a ray meets a body or passes it by.
+// Silhouettes of a picture and the pixels around them, where a ray either meets a body or misses it.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,13 @@
 
 namespace kiln::test {
 
-/// Pixels at most two away from a silhouette, on either side: two neighbours are parted by one where alpha passes one
-/// half between them, or where their depths are farther apart than `jump`. shape: `depth` and the result as the
-/// picture's pixels, row by row. unit: `depth` and `jump` world, infinity where nothing is met.
+/// Returns the pixels at most two away from a silhouette, on either side. A silhouette separates two neighbours if
+/// alpha passes one half between them, or if their depths differ by more than `jump`. shape: `depth` and the result as
+/// the picture's pixels, row by row. unit: `depth` and `jump` world, infinity for pixels without a hit.
 std::vector<bool> silhouetteBand(const Image& picture, const std::vector<double>& depth, double jump);
 
-/// Over RGB of linear premultiplied values, peak 1. unit: dB; infinity where equal, or where `band` has no pixel.
+/// Returns the PSNR over RGB of linear premultiplied values, peak 1. unit: dB; infinity for equal pixels, or if `band`
+/// is empty.
 double psnrWithin(const std::vector<bool>& band, const Image& a, const Image& b);
 
 }  // namespace kiln::test

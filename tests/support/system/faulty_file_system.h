@@ -1,5 +1,5 @@
-// A disk that fails when it is told to: the n-th change, for every n, is how a test finds the writer that believes in
-// disks. Source: leveldb's db/fault_injection_test.cc.
+// A file system whose n-th change fails. Repeating a test for every n finds writers that ignore errors. Source:
+// leveldb's db/fault_injection_test.cc.
 #pragma once
 
 #include <cerrno>
@@ -14,7 +14,7 @@
 namespace kiln::test {
 
 struct DiskFault {
-  /// Changes that succeed before the one that fails; the default never fails.
+  /// Number of successful changes before the failing change; the default never fails.
   std::uint64_t after_calls = std::numeric_limits<std::uint64_t>::max();
   int error_number = ENOSPC;
   /// A failing write leaves the first half of its bytes behind.
@@ -23,18 +23,19 @@ struct DiskFault {
   bool crash = false;
 };
 
-/// Changes the real disk until the fault. thread: safe; with several threads, which of them meets the fault is chance.
+/// Forwards changes to the real disk until the fault. thread: safe; with several threads, chance selects the failing
+/// thread.
 class FaultyFileSystem : public FileSystem {
  public:
   explicit FaultyFileSystem(const DiskFault& fault = {}) : fault_(fault) {}
 
-  /// Changes asked for so far, the failed ones included. A run without a fault tells a test how many n there are.
+  /// Number of changes so far, including failed changes. A run without a fault gives a test the number of changes.
   std::uint64_t calls() const;
   /// True once the fault has happened.
   bool failed() const { return calls() > fault_.after_calls; }
 
-  /// Puts back what a power cut at the fault would have left and a tidy process has since removed: the half of a
-  /// torn write, or the whole temporary file that was not renamed. Call it after a crash, before looking at the disk.
+  /// Restores the files that a power cut at the fault would have left and that the process has since removed: the half
+  /// of a torn write, or the whole temporary file before its rename. Call it after a crash, before inspecting the disk.
   void leaveWreckage();
 
   void makeDirectories(const std::filesystem::path& path) override;

@@ -1,4 +1,4 @@
-// A user who stops waiting.
+// Progress of a user who cancels after a number of polls.
 #pragma once
 
 #include <atomic>

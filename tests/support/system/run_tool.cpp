@@ -18,7 +18,7 @@
 namespace kiln::test {
 namespace {
 
-// From the child to us, as it may see a terminal.
+// A pipe from the child to the test; optionally a pseudo-terminal.
 struct Pipe {
   explicit Pipe(unsigned short terminal_columns = 0) {
     if (terminal_columns > 0)
@@ -66,7 +66,7 @@ struct Pipe {
   ::_exit(127);
 }
 
-// Appends what is there to read. Returns false at the end of the stream.
+// Appends all available bytes. Returns false at the end of the stream.
 bool drain(int descriptor, std::string& into) {
   std::array<char, 4096> buffer;
   const ssize_t got = ::read(descriptor, buffer.data(), buffer.size());

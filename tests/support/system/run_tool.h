@@ -1,4 +1,4 @@
-// Runs the real program as a child process: what a user types, and what they get to see.
+// Runs the real program as a child process and captures its output.
 #pragma once
 
 #include <cstdint>
@@ -13,40 +13,41 @@ namespace kiln::test {
 struct ToolResult;
 
 struct ToolOptions {
-  /// After this the child is killed and `timed_out` is set. unit: seconds.
+  /// Time limit, after which the child is killed and `timed_out` is set. unit: seconds.
   double seconds = 600;
-  /// The largest file the child may write: a full disk for one process. unit: bytes.
+  /// Largest file the child may write: simulates a full disk for a single process. unit: bytes.
   std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
-  /// The child's limits, as `ulimit -v` and `ulimit -n` set them. unit: bytes; files.
+  /// Limits of the child, as set by `ulimit -v` and `ulimit -n`. unit: bytes; files.
   std::uint64_t address_bytes = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t open_files = std::numeric_limits<std::uint64_t>::max();
-  /// The child's working directory; this process's if empty.
+  /// Working directory of the child; empty keeps the current directory.
   std::filesystem::path directory{};
-  /// Under mpirun with so many ranks, on this machine; 0 without. requires: canRunRanks().
+  /// Number of ranks under mpirun, on this machine; 0 runs without mpirun. requires: canRunRanks().
   int ranks = 0;
-  /// Asked every millisecond; once it says true the child gets SIGINT.
+  /// Called every millisecond; once it returns true the child gets SIGINT.
   std::function<bool()> interrupt_when;
-  /// Asked whenever the child has said something, with all that it has said; once it says true the child gets SIGINT.
+  /// Called with all output so far whenever the child has printed something; once it returns true the child gets
+  /// SIGINT.
   std::function<bool(const ToolResult&)> interrupt_at;
-  /// The child's stderr is a terminal of so many columns; 0: it is none.
+  /// Columns of the terminal that is the child's stderr; 0: no terminal.
   unsigned short terminal_columns = 0;
 };
 
 struct ToolResult {
-  /// What the child returned; minus the signal's number where one ended it.
+  /// Exit code of the child; minus the signal's number if a signal ended the child.
   int exit_code = 0;
   bool timed_out = false;
-  bool interrupted = false;  // SIGINT was sent while it ran
+  bool interrupted = false;  // SIGINT was sent while the child ran
   std::string out, err;
-  std::uint64_t peak_resident_bytes = 0;  // as the system counted it; under mpirun, of mpirun itself
-  /// shape: the lines of `err`, without those a slow machine adds: progress, one every ten seconds.
+  std::uint64_t peak_resident_bytes = 0;  // as counted by the system; under mpirun, of mpirun itself
+  /// shape: the lines of `err`, without progress lines, which a slow machine prints every ten seconds.
   std::vector<std::string> errorLines() const;
 };
 
-/// Whether Kiln is built with MPI and mpirun is there.
+/// Returns true if Kiln is built with MPI and mpirun is installed.
 bool canRunRanks();
 
-/// Runs KILN_TOOL with `arguments` and waits for its end. throws: std::runtime_error where no child can be started.
+/// Runs KILN_TOOL with `arguments` and waits for its end. throws: std::runtime_error if no child can be started.
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options = {});
 
 }  // namespace kiln::test

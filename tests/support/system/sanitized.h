@@ -1,4 +1,4 @@
-// Whether a sanitizer watches: it slows what is done tenfold and more, and keeps what is freed.
+// True under a sanitizer, which slows code tenfold or more and keeps freed memory.
 #pragma once
 
 namespace kiln::test {
@@ -9,7 +9,7 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// `all`, or `few` where a sanitizer watches: it looks at what is done, not at how often.
+/// Returns `all`, or `few` under a sanitizer, which checks operations, not their number.
 constexpr auto casesOf(auto all, decltype(all) few) { return kSanitized ? few : all; }
 
 }  // namespace kiln::test

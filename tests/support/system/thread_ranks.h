@@ -1,5 +1,5 @@
-// Ranks that are threads of the test: what several processes do together, without any, so that sanitizers see it and
-// each may have a disk of its own that fails.
+// Ranks as threads of the test. They behave like several processes, but sanitizers cover them, and each may have a
+// faulty disk of its own.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace kiln::test {
 
-/// Calls body for each of `count` ranks at once and waits for all. As under mpirun the first that throws ends the
-/// others: what they wait for throws in them, too. throws: what the first threw.
+/// Calls body for each of `count` ranks concurrently and waits for all. As under mpirun, the first rank that throws
+/// ends the others: their waiting calls throw, too. throws: the first exception.
 void runRanks(int count, const std::function<void(Ranks&)>& body);
 
 }  // namespace kiln::test

@@ -1,4 +1,4 @@
-// A test that runs the program in a directory of its own: what it must do, and what it must refuse in one line.
+// A test that runs the program in a separate directory: expected results, and refusals with a one-line error.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -12,7 +12,7 @@
 namespace kiln::test {
 namespace {
 
-// Elements one after the other, in one of the three encodings.
+// Appends elements in one of the three encodings.
 class Elements {
  public:
   explicit Elements(DicomSyntax syntax)
@@ -43,7 +43,7 @@ class Elements {
     }
     bytes_ += value;
   }
-  // A sequence of items, which hold elements of their own.
+  // Appends a sequence of items, which hold elements of their own.
   void sequence(std::uint16_t group, std::uint16_t element, const std::vector<Elements>& items) {
     std::string value;
     for (const Elements& item : items) {

@@ -1,5 +1,4 @@
-// DICOM files made element by element from PS3.5, independently of the reader they test; only the compressed ones are
-// GDCM's work.
+// DICOM files written element by element from PS3.5, independently of the tested reader; only compression uses GDCM.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +8,12 @@
 namespace kiln::test {
 
 enum class DicomSyntax { kExplicitLittle, kImplicitLittle, kExplicitBig, kDeflated };
-/// What is in front of the elements: 128 zeros or the head of a TIFF, then DICM and the first group; or nothing at all.
+/// Bytes before the elements: 128 zeros or the header of a TIFF, then DICM and the first group; or none.
 enum class DicomPreamble { kZeros, kTiff, kNone };
 enum class DicomCodec { kRle, kJpegLossless, kJpegLs, kJpeg2000 };
 
-/// What tests vary; the default is a CT slice of 5 x 4 signed 16-bit pixels at the origin. Numbers that DICOM writes as
-/// text are text; empty ones are left out.
+/// Attributes that tests vary; the default is a CT slice of 5 x 4 signed 16-bit pixels at the origin. Numbers that
+/// DICOM writes as text are text; empty texts are left out.
 struct DicomSpec {
   DicomSyntax syntax = DicomSyntax::kExplicitLittle;
   DicomPreamble preamble = DicomPreamble::kZeros;
@@ -25,12 +24,12 @@ struct DicomSpec {
   std::string photometric = "MONOCHROME2";
   std::string series = "1.2.3.4", description = "a series", modality = "CT", instance;
   std::string position = "0\\0\\0", orientation = "1\\0\\0\\0\\1\\0", spacing = "1\\1", thickness, slope, intercept;
-  /// Of each frame, in functional groups, the other attributes being shared by all.
+  /// Position of each frame, in functional groups; frames share all other attributes.
   std::vector<std::string> frame_positions;
   bool pixels = true;
   bool image = true;  // false: without rows and columns, as reports are
   bool modality_lut = false;
-  /// Of a dose grid.
+  /// Attributes of a dose grid.
   std::string frame_offsets, dose_scaling;
   /// Elements right before the pixels, as bytes of the syntax.
   std::string elements;
@@ -41,10 +40,10 @@ struct DicomSpec {
 /// The bytes of the file.
 std::string dicomFile(const DicomSpec& spec);
 
-/// The list of a CD that names these files, each as FOLDER\\FILE.
+/// Returns the DICOMDIR of a CD with these files, each as FOLDER\\FILE.
 std::string dicomDirectory(const std::vector<std::string>& files);
 
-/// Rewrites the file at `path` with its pixels compressed.
+/// Compresses the pixels of the file at `path`.
 void compressDicom(const std::filesystem::path& path, DicomCodec codec);
 
 }  // namespace kiln::test

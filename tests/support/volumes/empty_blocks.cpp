@@ -23,7 +23,7 @@ EmptyBlocks::EmptyBlocks(const Extent3& dims,
   parallelFor(static_cast<std::size_t>(blocks_.z), [&](std::size_t slice) {
     for (std::int64_t b = static_cast<std::int64_t>(slice) * blocks_.x * blocks_.y, n = 0; n < blocks_.x * blocks_.y;
          ++b, ++n) {
-      // One voxel more on every side is for rounding of positions.
+      // A voxel more on every side covers rounding of positions.
       const VoxelBox support =
           intersection(dilated(coreBox(brickAt(blocks_, b), kBlock, dims_), reach + 1), boxOf(dims_));
       ValueRange range;
@@ -32,7 +32,7 @@ EmptyBlocks::EmptyBlocks(const Extent3& dims,
           for (std::int64_t i = support.lo.x; i < support.hi.x; ++i) range.include(voxel(i, j, k));
         }
       }
-      // The sum of rounded weights times values may leave their range by a few units in the last place.
+      // The sum of rounded weights times values may exceed the range by a few units in the last place.
       const double slack = 1e-9 * std::max(std::abs(range.lo), std::abs(range.hi));
       if (!range.empty()) range = {range.lo - slack, range.hi + slack};
       empty_[static_cast<std::size_t>(b)] = transparent(transfer_function, range);

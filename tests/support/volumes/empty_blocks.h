@@ -1,5 +1,5 @@
-// Where a ray may step on without looking: blocks of a volume around which the transfer function makes every value
-// transparent. A sample that is skipped would have added nothing, so no picture changes by a bit.
+// Empty blocks of a volume: the transfer function makes every value around the block transparent. Skipped samples would
+// add nothing, so the picture does not change by a bit.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@
 
 namespace kiln::test {
 
-/// Whether all values of `range` are transparent; true where it is empty. Conservative: a point of the function that
-/// lies in the range counts even where another one at the same value overrides it.
+/// Returns true if all values of `range` are transparent, or if the range is empty. Conservative: every point of the
+/// function inside the range counts, even if overridden by a point at an equal value.
 bool transparent(const TransferFunction& transfer_function, const ValueRange& range);
 
 class EmptyBlocks {
  public:
   static constexpr std::int64_t kBlock = 4;  // unit: voxels
 
-  /// `voxel` is asked for the voxels (i,j,k) of `dims`, from several threads. Interpolation in a block takes the voxels
-  /// up to `reach` beyond it.
+  /// `voxel` is called for the voxels (i,j,k) of `dims`, from several threads. Interpolation in a block reads voxels up
+  /// to `reach` beyond the block.
   EmptyBlocks(const Extent3& dims, const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& voxel,
               std::int64_t reach, const TransferFunction& transfer_function);
 
-  /// How many further steps of `step` from `index` on are known to add nothing: 0 where `index` itself may add
-  /// something, else 1 or more, `index` being the first of them. unit: index space, which is clamped to the volume.
+  /// Returns the number of further steps of `step` from `index` on that add nothing: 0 if `index` itself may add
+  /// something, else 1 or more, including `index`. unit: index space, clamped to the volume.
   double stepsToSkip(const glm::dvec3& index, const glm::dvec3& step) const;
 
  private:

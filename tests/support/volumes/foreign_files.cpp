@@ -38,7 +38,7 @@ VoxelBox randomBox(const Extent3& dims, std::mt19937_64& random) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto n = static_cast<std::uint64_t>(dims[axis]);
     const auto a = static_cast<std::int64_t>(random() % n), b = static_cast<std::int64_t>(random() % n);
-    // Whole axes often: they take the roads of their own in the reader.
+    // Often selects whole axes, which take separate code paths in the reader.
     const bool whole = random() % 3 == 0;
     box.lo[axis] = whole ? 0 : std::min(a, b);
     box.hi[axis] = whole ? dims[axis] : std::max(a, b) + 1;
@@ -46,7 +46,7 @@ VoxelBox randomBox(const Extent3& dims, std::mt19937_64& random) {
   return box;
 }
 
-// Whole slices from `at` on, or rows of its slice.
+// Returns a box of whole slices from `at` on, or of rows within its slice.
 VoxelBox randomRun(const Extent3& dims, const VoxelCoord& at, std::mt19937_64& random) {
   const auto upTo = [&](std::int64_t n) {
     return 1 + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
@@ -82,7 +82,7 @@ ForeignFiles::~ForeignFiles() {
 
 fs::path ForeignFiles::write(const std::string& name, std::string_view bytes) const {
   const fs::path path = directory_ / name;
-  // A file that is cut to nothing and written again goes to the disk at once on some file systems; a new one does not.
+  // Some file systems flush a file that is truncated and rewritten at once, but not a new file.
   fs::remove(path);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -219,7 +219,7 @@ void expectBitFlipsAreHarmless(const ForeignFiles& files, const std::string& vic
     try {
       const std::unique_ptr<VolumeSource> source = openSource(open, options);
       const Extent3 dims = source->info().geometry.dims;
-      // Only what fits a test: the reader itself keeps no more than it is asked for.
+      // Reads only volumes of a test's size; the reader itself allocates only the requested box.
       if (dims.x < 2000 && dims.y < 2000 && dims.z < 2000 && dims.count() < 1'000'000) readWhole(*source);
     } catch (const Error& error) {
       expectOneLine(error);

@@ -17,7 +17,7 @@
 
 namespace kiln::test {
 
-/// A directory of its own for a test, removed with everything in it.
+/// A directory for a single test, removed with all its files.
 class ForeignFiles {
  public:
   ForeignFiles();
@@ -25,7 +25,7 @@ class ForeignFiles {
   ForeignFiles(const ForeignFiles&) = delete;
   ForeignFiles& operator=(const ForeignFiles&) = delete;
   const std::filesystem::path& directory() const { return directory_; }
-  /// Writes `bytes` as `name` and returns its path.
+  /// Writes `bytes` to the file `name` and returns the path.
   std::filesystem::path write(const std::string& name, std::string_view bytes) const;
 
  private:
@@ -35,7 +35,7 @@ class ForeignFiles {
 /// The bytes of a file.
 std::string bytesOf(const std::filesystem::path& path);
 
-/// Voxels in the machine's order, every bit pattern that is a number among them.
+/// Voxels in the machine's byte order, including every bit pattern that is a number.
 struct ForeignVolume {
   Extent3 dims;
   VoxelType type;
@@ -47,7 +47,7 @@ struct ForeignVolume {
   std::vector<std::byte> box(const VoxelBox& box) const;
 };
 
-/// Random voxels, with the type's smallest and largest value first. shape: no NaN, so that equal means equal bytes.
+/// Random voxels; the type's smallest and largest value come first. shape: no NaN, so that equality means equal bytes.
 ForeignVolume randomVolume(const Extent3& dims, VoxelType type, std::uint64_t seed);
 
 std::string gzipped(std::string_view bytes);
@@ -55,25 +55,25 @@ std::string zlibbed(std::string_view bytes);
 /// Without the head and the checksum of either.
 std::string deflatedAlone(std::string_view bytes);
 
-/// The size of volumes that are written and read back.
+/// Size of volumes in round trips.
 inline constexpr Extent3 kFewVoxels = {5, 4, 3};
 
 inline constexpr VoxelType kAllTypes[] = {VoxelType::u8,  VoxelType::i8,  VoxelType::u16, VoxelType::i16,
                                           VoxelType::u32, VoxelType::i32, VoxelType::f32, VoxelType::f64};
 
-/// All voxels of a source in one read, and `finish`. throws: Error as the source does.
+/// Reads all voxels of a source in one call, then calls `finish`. throws: Error from the source.
 std::vector<std::byte> readWhole(VolumeSource& source);
-/// A failed expectation where the source does not give back exactly `volume`: as a whole, and by random boxes, or
-/// slices and rows in their order. requires: nothing has been read from the source that `open` returns.
+/// Expects that the source returns exactly `volume`: as a whole, and by random boxes, or by slices and rows in order.
+/// requires: nothing has been read from the source that `open` returns.
 void expectReadsBack(const ForeignVolume& volume, const std::function<std::unique_ptr<VolumeSource>()>& open,
                      std::uint64_t seed);
-/// The same of the file or folder at `path`.
+/// Expects that the file or folder at `path` returns exactly `volume`.
 void expectReadsBack(const ForeignVolume& volume, const std::filesystem::path& path, std::uint64_t seed);
-/// A failed expectation where opening and reading `path` does not fail with `code` and one line that holds `part`.
+/// Expects that opening and reading `path` fails with `code` and a single line that contains `part`.
 void expectRefused(const std::filesystem::path& path, ErrorCode code, const std::string& part,
                    const SourceOptions& options = {});
-/// Writes `bytes` as `victim` cut to every length and opens `open`: each cut must throw Error, and one that does not
-/// must give exactly `volume` (a cut that takes nothing but an optional end of line).
+/// Truncates `bytes` to every length, writes the result to `victim` and opens `open`. Each cut must throw Error or
+/// return exactly `volume` (if only an optional end of line is missing).
 void expectNoCutGoesUnnoticed(const ForeignVolume& volume, const ForeignFiles& files, const std::string& victim,
                               std::string_view bytes, const std::filesystem::path& open,
                               const SourceOptions& options = {});
@@ -82,7 +82,7 @@ void expectBitFlipsAreHarmless(const ForeignFiles& files, const std::string& vic
                                std::size_t header_bytes, const std::filesystem::path& open, std::uint64_t seed,
                                const SourceOptions& options = {});
 
-/// The real volumes, or empty where they are not here.
+/// Returns the path of a real volume, or an empty path if the data are not installed.
 std::filesystem::path realData(const std::string& name);
 
 }  // namespace kiln::test

@@ -1,4 +1,4 @@
-// A dense volume that can only be read forwards, and holds its reader to the contract of ReadOrder::kForward.
+// A dense volume that can only be read forwards, and checks its reader against the contract of ReadOrder::kForward.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class ForwardSource : public VolumeSource {
     reading_ = false;
   }
 
-  /// How far it has been read. unit: slices. thread: any.
+  /// Number of slices read so far. unit: slices. thread: any.
   std::int64_t slicesRead() const { return next_voxel_ / (info().geometry.dims.x * info().geometry.dims.y); }
   std::size_t largestReadBytes() const { return largest_read_bytes_; }
 

@@ -1,4 +1,4 @@
-// A level of a store as a plain volume: what a picture of that level is judged against.
+// A level of a store as a plain volume, for comparison with a picture of this level.
 #pragma once
 
 #include "store/store_reader.h"
@@ -6,7 +6,7 @@
 
 namespace kiln::test {
 
-/// throws: what StoreReader::read throws.
+/// throws: all errors of StoreReader::read.
 DenseVolume levelVolume(const StoreReader& store, int level);
 
 }  // namespace kiln::test

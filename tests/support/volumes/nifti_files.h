@@ -1,4 +1,4 @@
-// NIfTI-1 files made byte by byte from the offsets in nifti1.h, independently of the reader they test.
+// NIfTI-1 files written byte by byte from the offsets in nifti1.h, independently of the tested reader.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace kiln::test {
 
-/// The fields of a header that tests vary. The default is 5×4×3 unsigned bytes, 1 mm apart, in one file.
+/// Header fields that tests vary. The default is 5×4×3 unsigned bytes, 1 mm apart, in a single file.
 struct NiftiHeader {
   std::array<int, 8> dim = {3, 5, 4, 3, 1, 1, 1, 1};
   int intent_code = 0, datatype = 2, bitpix = 8;
@@ -26,17 +26,17 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// The 348 bytes.
 Bytes niftiHeader(const NiftiHeader& header);
-/// Header, zeros up to vox_offset, and `voxels` as they are.
+/// Returns the header, zeros up to vox_offset, and `voxels` unchanged.
 Bytes niftiFile(const NiftiHeader& header, const Bytes& voxels);
-/// `value` as `size` bytes of an integer in that order.
+/// Appends `value` as an integer of `size` bytes in this byte order.
 void appendInteger(Bytes& out, std::int64_t value, std::size_t size, bool big_endian);
-/// As NIfTI stores a value of this data type code.
+/// Appends `value` as NIfTI stores this data type code.
 void appendValue(Bytes& out, double value, int datatype, bool big_endian);
 
 Bytes gzipped(const Bytes& data);
 void writeBytes(const std::filesystem::path& path, const Bytes& data);
 
-/// A directory that goes away with the object.
+/// A directory that is removed with the object.
 class ScratchDirectory {
  public:
   ScratchDirectory();

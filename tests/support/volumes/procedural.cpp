@@ -166,7 +166,7 @@ DenseVolume cheese(const VolumeShape& shape, std::uint64_t seed, const ValueRang
   const glm::dvec3 phase = 6.283185307179586 * glm::dvec3(hashUnit(seed, 0), hashUnit(seed, 1), hashUnit(seed, 2));
   const std::uint64_t noise_seed = hashBits(seed, 3);
   return fill(shape, [=, n = shape.dims](std::int64_t i, std::int64_t j, std::int64_t k) {
-    // Two wavelengths, 13 and 41 voxels, that share no divisor with bricks or cells.
+    // Two wavelengths, 13 and 41 voxels, coprime to the sizes of bricks and cells.
     const glm::dvec3 p = glm::dvec3(i, j, k) * (6.283185307179586 / 13) + phase;
     const glm::dvec3 q = glm::dvec3(j, k, i) * (6.283185307179586 / 41) - phase;
     const double walls = std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x);
@@ -183,7 +183,7 @@ DenseVolume head(const VolumeShape& shape, const ValueRange& range) {
     glm::dvec3 centre, radius;
     double fraction;
   };
-  // Later layers lie inside earlier ones, or cut into them.
+  // Later layers lie inside earlier layers, or cut into them.
   static constexpr int kLayers = 8;
   static const Layer kHead[kLayers] = {
       {{0, 0, 0}, {0.80, 0.92, 0.90}, 0.35},            // skin
@@ -202,7 +202,7 @@ DenseVolume head(const VolumeShape& shape, const ValueRange& range) {
     for (const Layer& layer : kHead) {
       const glm::dvec3 radius_voxels = layer.radius * half;
       const double smallest = std::min({radius_voxels.x, radius_voxels.y, radius_voxels.z});
-      // A boundary about one voxel wide, as a scanner makes it.
+      // A boundary about a voxel wide, as in scans.
       const double outside_voxels = (glm::length((u - layer.centre) / layer.radius) - 1) * smallest;
       fraction = glm::mix(fraction, layer.fraction, std::clamp(0.5 - outside_voxels, 0.0, 1.0));
     }

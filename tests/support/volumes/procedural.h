@@ -1,5 +1,5 @@
-// Small volumes whose every voxel is known: the inputs of tests with closed-form answers, and of property tests. They
-// are whole in memory and plain, because what judges a renderer must be easier to trust than the renderer.
+// Small volumes with known voxels: inputs of tests with closed-form answers, and of property tests. They are plain
+// arrays in memory, because the input of a test must be simpler than the renderer.
 #pragma once
 
 #include <algorithm>
@@ -32,11 +32,11 @@ struct DenseVolume {
     std::memcpy(&value, voxels.data() + clampedOffset(i, j, k) * sizeof(T), sizeof(T));
     return value;
   }
-  /// The same as a double, which holds every voxel type exactly.
+  /// Returns the voxel as a double, which represents every voxel type exactly.
   double valueAt(std::int64_t i, std::int64_t j, std::int64_t k) const;
   /// Rounds to the nearest value of `type`, saturating. requires: (i,j,k) inside the volume.
   void set(std::int64_t i, std::int64_t j, std::int64_t k, double value);
-  /// Of the finite voxels.
+  /// Range of the finite voxels.
   ValueRange range() const;
 
  private:
@@ -49,7 +49,7 @@ struct DenseVolume {
   }
 };
 
-/// What every generator needs to know. The default affine has spacing 1 and voxel (0,0,0) at the origin.
+/// Shape of a generated volume. The default affine has spacing 1 and voxel (0,0,0) at the origin.
 struct VolumeShape {
   Extent3 dims;
   VoxelType type = VoxelType::u8;
@@ -59,9 +59,9 @@ struct VolumeShape {
 glm::dmat4 spacingAffine(const glm::dvec3& spacing, const glm::dvec3& origin = glm::dvec3(0));
 /// Edges of 0.7, 0.9 and 2.1: a CT with thick slices.
 glm::dmat4 anisotropicAffine();
-/// Anisotropic, rotated about no axis of the world and sheared: the worst that is legal.
+/// Anisotropic, rotated about no axis of the world and sheared: the hardest legal affine.
 glm::dmat4 obliqueAffine();
-/// The affine of the same voxels mirrored in place: `axis` of the index space runs the other way.
+/// The affine of equal voxels mirrored in place: `axis` of the index space is reversed.
 glm::dmat4 mirroredAffine(const glm::dmat4& world_from_index, int axis, const Extent3& dims);
 
 /// A range that exercises the type: all of u8, i8 and u16; CT numbers for i16; for i32 and u32 more bits than a float
@@ -72,11 +72,11 @@ ValueRange usualRange(VoxelType type);
 DenseVolume fill(const VolumeShape& shape,
                  const std::function<double(std::int64_t, std::int64_t, std::int64_t)>& value);
 
-/// `value` in voxels [lo, hi) along `axis`, else 0. Its trilinear half-value planes lie exactly at lo - 1/2 and hi -
+/// `value` in voxels [lo, hi) along `axis`, else 0. The trilinear half-value planes lie exactly at lo - 1/2 and hi -
 /// 1/2.
 DenseVolume slab(const VolumeShape& shape, int axis, std::int64_t lo, std::int64_t hi, double value);
-/// `value` times the part of each voxel that a ball of index space covers, by 8³ sub-samples in boundary voxels: the
-/// sum of the voxels is the ball's volume times `value`, and trilinear interpolation keeps it. unit: voxels.
+/// `value` times the share of each voxel that a ball in index space covers, by 8³ sub-samples in boundary voxels. The
+/// sum of the voxels is the ball's volume times `value`, and trilinear interpolation keeps the sum. unit: voxels.
 DenseVolume ball(const VolumeShape& shape, const glm::dvec3& centre, double radius, double value);
 /// first + slope * i.
 DenseVolume ramp(const VolumeShape& shape, double first, double slope);
@@ -89,9 +89,9 @@ DenseVolume head(const VolumeShape& shape, const ValueRange& range);
 /// A head of 38 × 45 × 33 voxels of unequal edges; of floats some are NaN.
 DenseVolume smallHead(VoxelType type);
 
-/// 64 well-mixed bits of (seed, counter): the same on every machine, in any order of asking. source: SplitMix64.
+/// 64 well-mixed bits of (seed, counter): equal on every machine, in any order of calls. source: SplitMix64.
 std::uint64_t hashBits(std::uint64_t seed, std::uint64_t counter);
-/// The same in [0, 1).
+/// `hashBits` mapped to [0, 1).
 double hashUnit(std::uint64_t seed, std::uint64_t counter);
 
 /// A dense volume as the conversion reads a file. requires: the volume outlives the source.

@@ -29,7 +29,7 @@ glm::dvec3 randomColor(Random& random) { return {random.uniform(0, 1), random.un
 
 TransferPoint point(Random& random, double value, double opacity) { return {value, randomColor(random), opacity}; }
 
-/// Nothing below a value, and (nearly) everything above it: sharp or over a stretch.
+/// Transparent below a value, and (nearly) opaque above: a sharp edge or a slope.
 void addSurface(Random& random, const ValueRange& range, std::vector<TransferPoint>& points) {
   const double width = range.hi - range.lo;
   const double at = range.lo + width * random.uniform(0.2, 0.8);

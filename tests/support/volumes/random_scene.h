@@ -1,5 +1,5 @@
-// Pictures nobody would think of, for properties that must hold for all of them. One seed is one scene, on every
-// machine: a test prints the seed, and the seed is the bug report.
+// Random scenes for properties that must hold for all scenes. A seed determines the scene on every machine; a test
+// prints its seed, which reproduces a failure.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace kiln::test {
 
-/// A sequence of numbers that a seed determines (the standard library's distributions differ between libraries).
+/// A sequence of numbers determined by a seed (the standard library's distributions differ between libraries).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
@@ -32,15 +32,15 @@ class Random {
   std::uint64_t counter_ = 0;
 };
 
-/// Either projection, from any side of the volume's box, looking at some point of it; now and then from inside, or so
+/// Either projection, from any side of the volume's box, towards a random point inside. Some cameras are inside, or so
 /// near that much of the volume is out of the picture.
 Camera randomCamera(Random& random, const VolumeGeometry& volume);
-/// One to six points over `range` (a little beyond it, too): surfaces, translucent media, windows, steps, constants.
+/// One to six points over `range` (and slightly beyond): surfaces, translucent media, windows, steps, constants.
 TransferFunction randomTransferFunction(Random& random, const ValueRange& range, double mean_spacing);
 Shading randomShading(Random& random);
 /// Up to three lights of any kind, in and around the volume.
 std::vector<Light> randomLights(Random& random, const VolumeGeometry& volume);
-/// Half of the time nothing; else a region, planes or both, each of which leaves some of the volume.
+/// Half of the results clip nothing; the rest have a region, planes or both, each of which leaves some of the volume.
 Clipping randomClipping(Random& random, const VolumeGeometry& volume);
 
 struct RandomScene {
@@ -55,11 +55,11 @@ struct RandomScene {
 };
 RandomScene randomScene(std::uint64_t seed, const DenseVolume& volume, const ImageSize& size);
 
-/// As a job says it.
+/// Returns the camera as written in a job.
 CameraSpec specOf(const Camera& camera);
 /// The picture of the scene.
 FrameRequest requestOf(const RandomScene& scene, Lattice lattice, double opacity_threshold);
-/// A threshold that the seed determines, from 0.3 to 1.
+/// Returns a threshold determined by the seed, from 0.3 to 1.
 double randomThreshold(std::uint64_t seed);
 
 }  // namespace kiln::test

@@ -1,13 +1,13 @@
-// What FORMAT.md says of sub-bricks, as plain loops.
+// The definition of sub-bricks in FORMAT.md, as plain loops.
 #pragma once
 
 #include "grid/coords.h"
 
 namespace kiln::test {
 
-/// Calls f(i, voxels) for each sub-brick of a brick in the order of the index: `voxels` are those of its own, 2 beyond,
-/// and the 6 of the apron where it is at the brick's face, as far as the volume has them; empty where the brick ends
-/// before it.
+/// Calls f(i, voxels) for each sub-brick of a brick in the order of the index. `voxels` are the sub-brick's own, 2
+/// beyond, and the 6 of the apron at the brick's faces, clipped to the volume; empty if the brick ends before the
+/// sub-brick.
 template <class F>
 void forEachSubBrick(const VoxelBox& core, std::int64_t brick_size, const Extent3& dims, F&& f) {
   const std::int64_t size = brick_size >= 64 ? brick_size / 8 : 8, n = brick_size / size;

@@ -33,7 +33,7 @@ fs::path makeStore(const DenseVolume& volume, const std::string& name, std::int6
   options.brick_size = brick_size;
   options.labels = labels;
   options.command = "test " + name;
-  options.time = "2000-01-01T00:00:00Z";  // the same in every run, so that equal stores are equal bytes
+  options.time = "2000-01-01T00:00:00Z";  // constant, so that equal stores are equal bytes
   Progress silent;
   convert(source, store, options, silent);
   return store;
@@ -62,7 +62,7 @@ std::uint64_t wholeFiles(const fs::path& store) {
 
 namespace {
 
-// Of format 2, which had no number of them.
+// Clears the counts of sub-bricks, which format 2 does not have.
 void zeroSubBrickCounts(const BrickIndex& index, std::vector<std::byte>& data) {
   std::size_t at = 12;
   for (int level = 0; level < index.levels(); ++level) {

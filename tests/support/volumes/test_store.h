@@ -1,4 +1,4 @@
-// Stores made of small volumes, in a place of their own on the disk.
+// Writes small volumes as stores, each in a separate folder.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,7 @@
 
 namespace kiln::test {
 
-/// An empty directory of the running test's own, under the build's test output; what an earlier run left there is
-/// removed.
+/// Returns an empty directory of the running test under the build's test output. Files of an earlier run are removed.
 std::filesystem::path freshDirectory(const std::string& name);
 
 /// Converts `volume` by the public API and returns the store's path, in freshDirectory(name). throws: as convert.
@@ -23,16 +22,16 @@ std::filesystem::path makeStore(const DenseVolume& volume, const std::string& na
 /// Writes `text` to a file; a failure fails the test.
 void writeText(const std::filesystem::path& path, std::string_view text);
 
-/// Every file below `directory`, by its path from there.
+/// Returns every file below `directory`, keyed by its relative path.
 std::map<std::string, std::vector<std::byte>> filesOf(const std::filesystem::path& directory);
 
-/// How many files of the store there are, each of them whole. throws: Error, the first damage that `verify` finds.
+/// Verifies the store and returns the number of its files. throws: Error, the first damage found by `verify`.
 std::uint64_t wholeFiles(const std::filesystem::path& store);
 
-/// Makes of a store one of format 1, whose index says nothing of sub-bricks, or of format 2, where they are larger.
+/// Converts a store to format 1, whose index has no sub-bricks, or to format 2, whose sub-bricks are larger.
 void makeFormat(int format, const std::filesystem::path& store);
 
-/// The text of a manifest with the checksum that it would have been written with.
+/// Returns the manifest's text with a valid checksum.
 std::string restamped(std::string manifest);
 
 }  // namespace kiln::test

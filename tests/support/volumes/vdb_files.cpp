@@ -13,8 +13,9 @@
 
 #include "grid/openvdb_glue.h"
 
-// OpenVDB 10 loses the node it is reading when the file ends there (RootNode and InternalNode::readTopology, a plain
-// new): a leak for each damaged file, which is OpenVDB's to mend. Its library names no function of its own in a stack.
+// OpenVDB 10 leaks the current node if the file ends inside it (RootNode and InternalNode::readTopology, a plain new):
+// a leak for each damaged file, inside OpenVDB. The library's stack frames have no function names, so the suppression
+// names the library.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libopenvdb"; }
 
@@ -45,7 +46,7 @@ typename Grid::Ptr fog() {
 
 openvdb::FloatGrid::Ptr tiles() {
   auto grid = newGrid<openvdb::FloatGrid>(0.5f);
-  grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);  // one 8³ tile
+  grid->tree().addTile(1, openvdb::Coord(-16, 0, 8), 2.25f, true);  // a single 8³ tile
   grid->fill(openvdb::CoordBBox(4, 3, 2, 23, 22, 21), -7, true);    // tiles and leaves
   grid->tree().setValueOn(openvdb::Coord(30, -5, 1), 9);
   return grid;
@@ -58,7 +59,7 @@ openvdb::GridBase::Ptr single(const Value& value) {
   return grid;
 }
 
-// Empty: it is by its type that it is no volume.
+// Empty: the test needs only a type that is no volume.
 template <class Grid>
 openvdb::GridBase::Ptr points() {
   return openvdb::GridBase::createGrid(Grid::gridType());
@@ -161,14 +162,14 @@ std::vector<std::uint8_t> earlyVdb() {
     out.insert(out.end(), words.begin(), words.end());
   };
   const auto zeros = [&](std::size_t bytes) { out.resize(out.size() + bytes); };
-  // The mask of a node of 2^bits children or values, of which the first, or all, are on.
+  // Writes a node's mask of `bits` children or values: only the first bit is on, or none.
   const auto mask = [&](std::size_t bits, bool first) {
     zeros(bits / 8);
     if (first) out[out.size() - bits / 8] = 1;
   };
   put(std::int64_t{0x56444220});
   put(std::uint32_t{221});
-  put(std::uint32_t{1});  // of the library
+  put(std::uint32_t{1});  // version of the library
   put(std::uint32_t{2});
   put(std::uint8_t{0});  // no places of grids
   put(std::uint8_t{0});  // not compressed
@@ -191,8 +192,8 @@ std::vector<std::uint8_t> earlyVdb() {
   put(std::uint32_t{1});  // children
   zeros(3 * sizeof(std::int32_t));
   for (const std::size_t children : {std::size_t{1} << 15, std::size_t{1} << 12}) {
-    mask(children, true);                   // of children
-    mask(children, false);                  // of active tiles
+    mask(children, true);                   // mask of children
+    mask(children, false);                  // mask of active tiles
     zeros((children - 1) * sizeof(float));  // the child has no value
   }
   out.insert(out.end(), 64, 0xff);
@@ -246,7 +247,7 @@ int DirectGrid::unitExponent() const {
 }
 
 glm::dmat4 DirectGrid::worldFromGrid() const {
-  // By what the transform does to points, not by its matrix.
+  // Compares the images of points, not the matrix.
   const auto at = [&](double x, double y, double z) {
     const openvdb::Vec3d p = grid_->base->transform().indexToWorld(openvdb::Vec3d(x, y, z));
     return glm::dvec4(p.x(), p.y(), p.z(), 1);
@@ -299,7 +300,7 @@ class SeekableArchive : public openvdb::io::Archive {
   }
 };
 
-// The bytes of an archive that holds change(grid) of every grid of the file, and its metadata.
+// Returns the bytes of an archive with change(grid) for every grid of the file, and the file's metadata.
 template <class Change>
 std::vector<std::byte> writtenWith(const std::filesystem::path& path, Change&& change) {
   openvdb::initialize();

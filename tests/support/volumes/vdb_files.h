@@ -1,5 +1,5 @@
-// OpenVDB files, brick files among them, as a stranger's program writes and reads them: with OpenVDB's own io::File and
-// accessors, which share neither the stream nor the dense copy of the reader they test.
+// OpenVDB files and brick files, written and read as by another program: with OpenVDB's own io::File and accessors.
+// Nothing is shared with the tested reader, neither the stream nor the dense copy.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace kiln::test {
 
-/// What a test grid holds. The scalar ones fill a box at kVdbOrigin with vdbValue; each seventh voxel is inactive.
+/// Contents of a test grid. The scalar grids fill a box at kVdbOrigin with vdbValue; each seventh voxel is inactive.
 enum class VdbKind {
   kFloat,
   kHalf,
@@ -33,13 +33,13 @@ enum class VdbKind {
   kUnsigned,  // Int64, values from 0 to 2^32 - 1
   kFar,       // float: two voxels, 5 apart along each axis, the first at VdbSpec::at
   kPointIndex,
-  kPointData  // what is not a scalar volume
+  kPointData  // no scalar volume
 };
 
 inline constexpr VoxelCoord kVdbOrigin = {-13, 5, -9};
 inline constexpr Extent3 kVdbDims = {13, 9, 11};
 inline constexpr double kVdbBackground = 3;
-/// A whole number in [-1024, 1023], which every scalar type and half hold, different from its neighbours.
+/// An integer in [-1024, 1023], representable by every scalar type and half, and different from its neighbours.
 double vdbValue(const VoxelCoord& grid_coord);
 
 struct VdbSpec {
@@ -50,18 +50,18 @@ struct VdbSpec {
   VoxelCoord at = {};
 };
 
-/// How a file's trees are compressed. Blosc is OpenVDB's default, with active values only.
+/// Compression of a file's trees. Blosc is OpenVDB's default, with active values only.
 enum class VdbCompression { kBlosc, kZip, kActiveValues, kNone };
 
 /// `seekable` false writes as to a pipe, without grid offsets.
 void writeVdb(const std::filesystem::path& path, const std::vector<VdbSpec>& specs, bool seekable = true,
               VdbCompression compression = VdbCompression::kBlosc);
 
-/// The file of one grid whose only leaf is full, without compression, in the form of version 221, of before
-/// OpenVDB 2.0. shape: voxel (x, y, z) of the box 8 x 8 x 8 at 0 is x + 8 y + 64 z.
+/// A file of a single grid with a single full leaf, uncompressed, in the format of version 221, before OpenVDB 2.0.
+/// shape: voxel (x, y, z) of the box 8 x 8 x 8 at 0 is x + 8 y + 64 z.
 std::vector<std::uint8_t> earlyVdb();
 
-/// One grid as OpenVDB itself reads it.
+/// A grid as OpenVDB itself reads it.
 class DirectGrid {
  public:
   DirectGrid(const std::filesystem::path& path, const std::string& name);
@@ -72,12 +72,12 @@ class DirectGrid {
   glm::dmat4 worldFromGrid() const;
   /// The metadata kiln_unit_exponent; 0 without.
   int unitExponent() const;
-  /// Of active voxels and tiles.
+  /// Box of the active voxels and tiles.
   VoxelBox activeBox() const;
   std::uint64_t activeVoxels() const;
   double value(const VoxelCoord& grid_coord) const;
   bool active(const VoxelCoord& grid_coord) const;
-  /// All active voxels with their values, in the tree's order. throws: std::runtime_error where a tile stands for some.
+  /// Returns all active voxels with their values, in the tree's order. throws: std::runtime_error for active tiles.
   std::vector<std::pair<VoxelCoord, double>> activeValues() const;
 
  private:
@@ -88,11 +88,11 @@ class DirectGrid {
 /// The names of all grids of a file, in alphabetical order.
 std::vector<std::string> gridNames(const std::filesystem::path& path);
 
-/// The bytes that OpenVDB's own archive makes of the file's grids and metadata, in the file's order of grids and with
-/// Blosc and active-mask compression. The 36 bytes of the UUID are random.
+/// Rewrites the file's grids and metadata with OpenVDB's own archive and returns the bytes, with the file's order of
+/// grids and with Blosc and active-mask compression. The 36 bytes of the UUID are random.
 std::vector<std::byte> writtenAgain(const std::filesystem::path& path);
-/// The same of a brick file of Int32 grids, but every grid holds floats, saved as half or not, in Blosc's split blocks.
-/// thread: while nothing else compresses.
+/// Rewrites a brick file of Int32 grids with float grids, saved as half or not, in Blosc's split blocks. thread: while
+/// nothing else compresses.
 std::vector<std::byte> writtenAsFloat(const std::filesystem::path& path, bool half);
 
 }  // namespace kiln::test
