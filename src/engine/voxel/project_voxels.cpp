@@ -24,7 +24,7 @@ class VoxelProjector {
 
  public:
   VoxelProjector(const VoxelView& view, const VoxelCoord& lo, const PixelRect& tile, ProjectedVoxels& out)
-      : w_(view), lo_(lo), tile_(tile), out_(out) {}
+      : view_(view), lo_(lo), tile_(tile), out_(out) {}
 
   void run(const std::int32_t* codes, int count) {
     for (std::size_t n = 0; n < static_cast<std::size_t>(count); n += hn::Lanes(D())) project(codes, n);
@@ -43,22 +43,23 @@ class VoxelProjector {
     };
     const V x = axis(code, lo_.x), y = axis(hn::ShiftRight<4>(code), lo_.y), z = axis(hn::ShiftRight<8>(code), lo_.z);
     const auto view = [&](int c) {
-      const V plane = hn::Add(hn::Set(d, w_.origin[c]), hn::Mul(z, hn::Set(d, w_.step[2][c])));
-      return hn::Add(hn::Add(plane, hn::Mul(y, hn::Set(d, w_.step[1][c]))), hn::Mul(x, hn::Set(d, w_.step[0][c])));
+      const V plane = hn::Add(hn::Set(d, view_.origin[c]), hn::Mul(z, hn::Set(d, view_.step[2][c])));
+      return hn::Add(hn::Add(plane, hn::Mul(y, hn::Set(d, view_.step[1][c]))),
+                     hn::Mul(x, hn::Set(d, view_.step[0][c])));
     };
     const V px = view(0), py = view(1);
-    V scale = hn::Set(d, w_.focal), half_x = hn::Set(d, static_cast<double>(w_.ellipse.half_x)),
-      half_y = hn::Set(d, static_cast<double>(w_.ellipse.half_y));
+    V scale = hn::Set(d, view_.focal), half_x = hn::Set(d, static_cast<double>(view_.ellipse.half_x)),
+      half_y = hn::Set(d, static_cast<double>(view_.ellipse.half_y));
     M drawn = hn::Eq(scale, scale);
-    if (w_.perspective) {
+    if (view_.perspective) {
       const V pz = view(2);
-      drawn = hn::Ge(pz, hn::Set(d, w_.near_depth));
+      drawn = hn::Ge(pz, hn::Set(d, view_.near_depth));
       const V r = hn::Div(hn::Set(d, 1.0), hn::IfThenElse(drawn, pz, hn::Set(d, 1.0)));
       scale = hn::Mul(scale, r);
       sizes(n, hn::Mul(px, r), hn::Mul(py, r), r, half_x, half_y);
     }
-    const V at_x = hn::Add(hn::Set(d, w_.centre.x), hn::Mul(scale, px));
-    const V at_y = hn::Add(hn::Set(d, w_.centre.y), hn::Mul(scale, py));
+    const V at_x = hn::Add(hn::Set(d, view_.centre.x), hn::Mul(scale, px));
+    const V at_y = hn::Add(hn::Set(d, view_.centre.y), hn::Mul(scale, py));
     // Positions far outside the image would overflow a 32-bit pixel number; such voxels touch no image.
     const V far = hn::Set(d, 1e8);
     drawn = hn::And(drawn,
@@ -76,7 +77,7 @@ class VoxelProjector {
     const DF df;
     const VF uf = hn::DemoteTo(df, u), vf = hn::DemoteTo(df, v), rf = hn::DemoteTo(df, r);
     const VF squared = hn::Mul(rf, rf);
-    const float* const c = w_.covariance;
+    const float* const c = view_.covariance;
     const auto variance = [&](VF slope, float own, float mixed) {
       const VF tilted = hn::Mul(slope, hn::Sub(hn::Mul(slope, hn::Set(df, c[5])), hn::Set(df, 2 * mixed)));
       return hn::Add(hn::Mul(squared, hn::Add(hn::Set(df, own), tilted)),
@@ -115,7 +116,7 @@ class VoxelProjector {
                    hn::Lt(at, hn::Set(d, static_cast<double>(end))));
   }
 
-  const VoxelView& w_;
+  const VoxelView& view_;
   const VoxelCoord lo_;
   const PixelRect tile_;
   ProjectedVoxels& out_;

@@ -22,53 +22,53 @@ class FootprintRasterizer {
  public:
   FootprintRasterizer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
                       TilePlanes& planes, float opaque_at, Visibility& visibility)
-      : w_(view),
-        p_(voxels),
-        s_(shaded),
+      : view_(view),
+        projected_(voxels),
+        shaded_(shaded),
         planes_(planes),
         opaque_at_(opaque_at),
         visibility_(visibility),
-        v_(view, voxels, shaded) {}
+        weighed_(view, voxels, shaded) {}
 
   void run(std::uint32_t drawn) {
-    v_.prepare(drawn);
-    w_.footprint != nullptr ? runOf<true>(drawn) : runOf<false>(drawn);
+    weighed_.prepare(drawn);
+    view_.footprint != nullptr ? drawBatch<true>(drawn) : drawBatch<false>(drawn);
   }
 
  private:
   // Blends the voxels of a pixel in order, front to back.
   template <bool kOfTable>
-  HWY_INLINE void runOf(std::uint32_t drawn) {
-    if constexpr (!kOfTable) v_.weigh(drawn);
+  HWY_INLINE void drawBatch(std::uint32_t drawn) {
+    if constexpr (!kOfTable) weighed_.weigh(drawn);
     if constexpr (!kAovs) {
       if (sharesRows<kOfTable>(drawn)) {
-        layTogether<kOfTable>(drawn);
+        drawTogether<kOfTable>(drawn);
         return;
       }
     }
-    if constexpr (kOfTable) v_.weighByTable(drawn);
-    forEachBit(drawn, [&](std::size_t n) { lay<kOfTable>(n); });
+    if constexpr (kOfTable) weighed_.weighByTable(drawn);
+    forEachBit(drawn, [&](std::size_t n) { drawFootprint<kOfTable>(n); });
   }
   // Returns true if many voxels of the batch share few pixels per row, so that a row is better loaded and stored once
   // for all of them. Without a table opacities are already computed, and each row selects its part.
   template <bool kOfTable>
   bool sharesRows(std::uint32_t drawn) const {
     constexpr int kMostColumns = kOfTable ? 6 : 4, kLeastVoxels = 12;
-    return !v_.anyLarge() && std::popcount(drawn) >= kLeastVoxels &&
-           p_.width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
+    return !weighed_.anyLarge() && std::popcount(drawn) >= kLeastVoxels &&
+           projected_.width(static_cast<std::size_t>(std::countr_zero(drawn))) <= kMostColumns;
   }
 
   // Draws footprint n. With kOfTable rows have eight pixels; pixels beyond the footprint have an opacity of zero.
   template <bool kOfTable>
-  HWY_INLINE void lay(std::size_t n) {
-    const PixelRect within = intersection(p_.rect(n), planes_.rect());
-    if (!kOfTable && v_.opacities(n) == nullptr) return layLarge(n, within);
-    const int columns = p_.width(n), stride = kOfTable ? kWide : columns, x = p_.x0[n];
-    const float* row = v_.opacities(n) + (within.y0 - p_.y0[n]) * stride;
+  HWY_INLINE void drawFootprint(std::size_t n) {
+    const PixelRect within = intersection(projected_.rect(n), planes_.rect());
+    if (!kOfTable && weighed_.opacities(n) == nullptr) return drawLarge(n, within);
+    const int columns = projected_.width(n), stride = kOfTable ? kWide : columns, x = projected_.x0[n];
+    const float* row = weighed_.opacities(n) + (within.y0 - projected_.y0[n]) * stride;
     if constexpr (kAovs) {
       for (int y = within.y0; y < within.y1; ++y, row += stride) blendRow(n, row, x, columns, y);
     } else {
-      const Brush brush(v_, n);
+      const Brush brush(weighed_, n);
       const V8 opaque = hn::Set(D8(), opaque_at_);
       float* pixels = planes_.at(x, within.y0);
       unsigned closing[kPackedRows], any = 0;
@@ -83,19 +83,20 @@ class FootprintRasterizer {
   // blended into them. Drawing voxel by voxel would spend most time on loads and stores, each waiting for the store
   // before it.
   template <bool kOfTable>
-  HWY_INLINE void layTogether(std::uint32_t drawn) {
-    const PixelRect all = intersection(rectAround(p_, drawn), planes_.rect());
+  HWY_INLINE void drawTogether(std::uint32_t drawn) {
+    const PixelRect all = intersection(rectAround(projected_, drawn), planes_.rect());
     constexpr int kLanes = static_cast<int>(hn::MaxLanes(D8()));
-    const bool is_thin = kOfTable && v_.areThin(drawn);
+    const bool is_thin = kOfTable && weighed_.areThin(drawn);
     for (int x = all.x0; x < all.x1; x += kLanes) {
-      const std::uint32_t here = all.width() <= kLanes ? drawn : drawn & reaching(p_.x0, p_.x1, x, x + kLanes);
+      const std::uint32_t here =
+          all.width() <= kLanes ? drawn : drawn & reaching(projected_.x0, projected_.x1, x, x + kLanes);
       for (int y = all.y0; y < all.y1; ++y) {
-        const std::uint32_t of_row = here & reaching(p_.y0, p_.y1, y, y + 1);
+        const std::uint32_t of_row = here & reaching(projected_.y0, projected_.y1, y, y + 1);
         if (of_row == 0) continue;
         if (is_thin)
-          layRow<kOfTable, true>(of_row, x, y);
+          drawRow<kOfTable, true>(of_row, x, y);
         else
-          layRow<kOfTable, false>(of_row, x, y);
+          drawRow<kOfTable, false>(of_row, x, y);
       }
     }
   }
@@ -113,7 +114,7 @@ class FootprintRasterizer {
   // Blends the voxels of one row. A pixel that reaches the threshold takes nothing from later voxels. Its division by
   // alpha happens at the end of the row, so that the loop has no branch per pixel.
   template <bool kOfTable, bool kIsThin>
-  HWY_INLINE void layRow(std::uint32_t voxels, int x, int y) {
+  HWY_INLINE void drawRow(std::uint32_t voxels, int x, int y) {
     const D8 d;
     float* const at = planes_.at(x, y);
     const std::ptrdiff_t plane = planes_.plane();
@@ -121,8 +122,8 @@ class FootprintRasterizer {
     const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_), one = hn::Set(d, 1.0f);
     if (hn::AllFalse(d, hn::Lt(held, one))) return;
     forEachBit(voxels, [&](std::size_t n) {
-      const auto opacity = v_.template opacities<kOfTable, kIsThin>(n, x, y);
-      blend(Brush(v_, n), hn::IfThenElseZero(hn::Lt(pixels.alpha, opaque), opacity), pixels);
+      const auto opacity = weighed_.template opacities<kOfTable, kIsThin>(n, x, y);
+      blend(Brush(weighed_, n), hn::IfThenElseZero(hn::Lt(pixels.alpha, opaque), opacity), pixels);
     });
     const M8 closing = closingOf(held, pixels.alpha, opaque);
     std::uint32_t closed = bitsOf(d, closing);
@@ -169,20 +170,20 @@ class FootprintRasterizer {
   }
 
   // Draws a footprint with more pixels, sixteen pixels of a row at a time.
-  HWY_NOINLINE void layLarge(std::size_t n, const PixelRect& within) {
+  HWY_NOINLINE void drawLarge(std::size_t n, const PixelRect& within) {
     alignas(64) float chunk[kChunk];
     constexpr int kColumns = static_cast<int>(kChunk);
-    const Brush brush(v_, n);
+    const Brush brush(weighed_, n);
     const V8 opaque = hn::Set(D8(), opaque_at_);
-    const int first = (within.x0 - p_.x0[n]) / kColumns * kColumns;
+    const int first = (within.x0 - projected_.x0[n]) / kColumns * kColumns;
     for (int y = within.y0; y < within.y1; ++y) {
-      for (int i = first; i < within.x1 - p_.x0[n]; i += kColumns) {
-        v_.opacitiesOfChunk(n, i, y - p_.y0[n], chunk);
+      for (int i = first; i < within.x1 - projected_.x0[n]; i += kColumns) {
+        weighed_.opacitiesOfChunk(n, i, y - projected_.y0[n], chunk);
         for (int k = 0; k < kColumns; k += kWide) {
-          const int x = p_.x0[n] + i + k;
+          const int x = projected_.x0[n] + i + k;
           if (x + kWide <= within.x0 || x >= within.x1) continue;
           if constexpr (kAovs)
-            blendRow(n, chunk + k, x, std::min(kWide, p_.width(n) - i - k), y);
+            blendRow(n, chunk + k, x, std::min(kWide, projected_.width(n) - i - k), y);
           else
             close(x, y, blendEight<false>(brush, opaque, chunk + k, kWide, planes_.at(x, y)));
         }
@@ -234,10 +235,10 @@ class FootprintRasterizer {
       const float before = pixel[3 * plane];
       if (!(before < 1)) continue;
       const float added = fused(-opacities[i], before, opacities[i]);
-      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = fused(added, v_.light(c, n), pixel[c * plane]);
+      for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = fused(added, weighed_.light(c, n), pixel[c * plane]);
       pixel[3 * plane] = before + added;
       const bool closes = pixel[3 * plane] >= opaque_at_;
-      addAovs(s_.aov[n], planes_.placeOf(x + i, y), before, added, closes);
+      addAovs(shaded_.aov[n], planes_.placeOf(x + i, y), before, added, closes);
       if (closes) closeOne(x + i, y);
     }
   }
@@ -250,17 +251,17 @@ class FootprintRasterizer {
     if (aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes)) aovs.first[at] = voxel.depth;
   }
 
-  const VoxelView& w_;
-  const ProjectedVoxels& p_;
-  const ShadedVoxels& s_;
+  const VoxelView& view_;
+  const ProjectedVoxels& projected_;
+  const ShadedVoxels& shaded_;
   TilePlanes& planes_;
   const float opaque_at_;
   Visibility& visibility_;
-  WeighedVoxels v_;
+  WeighedVoxels weighed_;
 };
 
-void layVoxelsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-                 TilePlanes& planes, float opaque_at, Visibility& visibility) {
+void rasterizeFootprintsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
+                           std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) {
   planes.aovs().any() ? FootprintRasterizer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
                       : FootprintRasterizer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
 }
@@ -273,11 +274,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kiln {
 
-HWY_EXPORT(layVoxelsOn);
+HWY_EXPORT(rasterizeFootprintsOn);
 
 void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
                          std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
-  HWY_DYNAMIC_DISPATCH(layVoxelsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+  HWY_DYNAMIC_DISPATCH(rasterizeFootprintsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
 }
 
 }  // namespace kiln

@@ -72,12 +72,12 @@ class OpenFootprints {
  public:
   OpenFootprints(const ProjectedVoxels& voxels, std::uint32_t asked, const PixelRect& tile, const float* alpha,
                  std::ptrdiff_t stride)
-      : p_(voxels), asked_(asked), tile_(tile), alpha_(alpha), stride_(stride) {}
+      : voxels_(voxels), asked_(asked), tile_(tile), alpha_(alpha), stride_(stride) {}
 
   // Neighbouring footprints overlap, so each pixel is tested once for all footprints. A row of pixels becomes a mask,
   // and each footprint tests its columns of the mask.
   std::uint32_t find() {
-    const PixelRect all = intersection(rectAround(p_, asked_), tile_);
+    const PixelRect all = intersection(rectAround(voxels_, asked_), tile_);
     if (all.width() > kMost || all.height() > kMost) return findEach();
     std::int32_t rows[kMost];
     for (int y = 0; y < all.height(); ++y) rows[y] = openOfRow(all.x0, all.y0 + y, all.width());
@@ -85,8 +85,8 @@ class OpenFootprints {
     const VI most = hn::Set(d, kMost), one = hn::Set(d, 1);
     std::uint32_t out = 0;
     for (std::size_t n = 0; n < kVoxelBatch; n += hn::Lanes(d)) {
-      const VI y0 = hn::Sub(hn::Load(d, p_.y0 + n), hn::Set(d, all.y0));
-      const VI y1 = hn::Sub(hn::Load(d, p_.y1 + n), hn::Set(d, all.y0));
+      const VI y0 = hn::Sub(hn::Load(d, voxels_.y0 + n), hn::Set(d, all.y0));
+      const VI y1 = hn::Sub(hn::Load(d, voxels_.y1 + n), hn::Set(d, all.y0));
       VI open = hn::Zero(d);
       for (int y = 0; y < all.height(); ++y) {
         const VI row = hn::Set(d, y);
@@ -96,7 +96,7 @@ class OpenFootprints {
       const auto column = [&](const std::int32_t* x) {
         return hn::Min(hn::Max(hn::Sub(hn::Load(d, x + n), hn::Set(d, all.x0)), hn::Zero(d)), most);
       };
-      const VI columns = hn::Sub(hn::Shl(one, column(p_.x1)), hn::Shl(one, column(p_.x0)));
+      const VI columns = hn::Sub(hn::Shl(one, column(voxels_.x1)), hn::Shl(one, column(voxels_.x0)));
       out |= bitsOf(d, hn::Ne(hn::And(open, columns), hn::Zero(d))) << n;
     }
     return out & asked_;
@@ -116,7 +116,7 @@ class OpenFootprints {
   std::uint32_t findEach() const {
     std::uint32_t out = 0;
     forEachBit(asked_, [&](std::size_t n) {
-      const PixelRect rect = intersection(p_.rect(n), tile_);
+      const PixelRect rect = intersection(voxels_.rect(n), tile_);
       out |= static_cast<std::uint32_t>(anyOpen(at(rect.x0, rect.y0), rect.width(), rect.height(), stride_)) << n;
     });
     return out;
@@ -124,7 +124,7 @@ class OpenFootprints {
 
   const float* at(int x, int y) const { return alpha_ + (y - tile_.y0) * stride_ + (x - tile_.x0); }
 
-  const ProjectedVoxels& p_;
+  const ProjectedVoxels& voxels_;
   const std::uint32_t asked_;
   const PixelRect tile_;
   const float* const alpha_;

@@ -56,7 +56,7 @@ using M8 = hn::Mask<D8>;
 class WeighedVoxels {
  public:
   WeighedVoxels(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded)
-      : w_(view), p_(voxels), s_(shaded) {}
+      : view_(view), projected_(voxels), shaded_(shaded) {}
 
   void prepare(std::uint32_t drawn) {
     const std::uint32_t of_vector = (1u << hn::Lanes(D())) - 1;
@@ -68,13 +68,13 @@ class WeighedVoxels {
   // Computes weights, or only their sum if a footprint has too many pixels, and then opacities.
   void weigh(std::uint32_t drawn) {
     float* to = weights_ + kBeside;
-    forEachBit(drawn, [&](std::size_t n) { to = weighOne(n, to); });
+    forEachBit(drawn, [&](std::size_t n) { to = weighFootprint(n, to); });
     forEachBit(drawn, [&](std::size_t n) { makeOpaque(n); });
   }
   // Computes opacities from the table, eight per row.
   void weighByTable(std::uint32_t drawn) {
     float* to = weights_ + kBeside;
-    forEachBit(drawn, [&](std::size_t n) { to = makeOpaqueOfTable(n, to); });
+    forEachBit(drawn, [&](std::size_t n) { to = makeOpaqueByTable(n, to); });
   }
 
   // Returns true if all drawn voxels are thin enough for opacityOfThin. Only meaningful with a table.
@@ -82,25 +82,25 @@ class WeighedVoxels {
   // Returns true if opacities of some footprint are not stored but computed row by row; opacities(n) is null for such a
   // voxel.
   bool anyLarge() const { return any_large_; }
-  const float* opacities(std::size_t n) const { return q_.weights[n]; }
-  float light(std::size_t channel, std::size_t n) const { return q_.light[channel][n]; }
+  const float* opacities(std::size_t n) const { return prepared_.weights[n]; }
+  float light(std::size_t channel, std::size_t n) const { return prepared_.light[channel][n]; }
 
   // Opacities of voxel n at the pixels from (x, y) on, zero outside its footprint. requires: row y intersects the
   // footprint.
   template <bool kOfTable, bool kIsThin>
   HWY_INLINE V8 opacities(std::size_t n, int x, int y) const {
     const D8 d;
-    const int before = p_.x0[n] - x, row = y - p_.y0[n];
+    const int before = projected_.x0[n] - x, row = y - projected_.y0[n];
     if constexpr (kOfTable) {
-      const float* const columns = w_.footprint->columns(q_.column[n]) - before;
-      const float of_row = q_.depth[n] * w_.footprint->rows(q_.row[n])[row];
+      const float* const columns = view_.footprint->columns(prepared_.column[n]) - before;
+      const float of_row = prepared_.depth[n] * view_.footprint->rows(prepared_.row[n])[row];
       const auto depth = hn::Mul(hn::LoadU(d, columns), hn::Set(d, of_row));
       return kIsThin || (thin_ >> n & 1) != 0 ? opacityOfThin(d, depth) : opacityOf(d, depth);
     } else {
-      const int columns = p_.width(n);
+      const int columns = projected_.width(n);
       const auto column = hn::Iota(d, static_cast<float>(-before));
       const auto within = hn::And(hn::Ge(column, hn::Zero(d)), hn::Lt(column, hn::Set(d, static_cast<float>(columns))));
-      return hn::IfThenElseZero(within, hn::LoadU(d, q_.weights[n] + row * columns - before));
+      return hn::IfThenElseZero(within, hn::LoadU(d, prepared_.weights[n] + row * columns - before));
     }
   }
 
@@ -124,45 +124,46 @@ class WeighedVoxels {
   static constexpr float kMostDepth = 1e30f;
   static constexpr float kHalfLog = -0.72134752f;  // -1/2 log2(e)
   // Base-2 logarithm of the weight at the footprint's end.
-  static constexpr float kLeastLog = kHalfLog * static_cast<float>(kFootprintRadius * kFootprintRadius);
+  static constexpr float kEndLog = kHalfLog * static_cast<float>(kFootprintRadius * kFootprintRadius);
 
   // Prepares one vector of voxels.
   HWY_INLINE void prepareVector(std::size_t n) {
     const D d;
     const V one = hn::Set(d, 1.0f);
     Sight sight{hn::Zero(d), hn::Zero(d), one};
-    V depth = hn::Set(d, w_.length);
-    if (w_.perspective) {
-      sight.u = hn::Load(d, p_.u + n), sight.v = hn::Load(d, p_.v + n);
+    V depth = hn::Set(d, view_.length);
+    if (view_.perspective) {
+      sight.u = hn::Load(d, projected_.u + n), sight.v = hn::Load(d, projected_.v + n);
       sight.oblique = hn::Sqrt(hn::Add(one, hn::Add(hn::Mul(sight.u, sight.u), hn::Mul(sight.v, sight.v))));
-      const V r = hn::Load(d, p_.r + n), squared = hn::Mul(r, r);
+      const V r = hn::Load(d, projected_.r + n), squared = hn::Mul(r, r);
       depth = hn::Mul(hn::Mul(depth, squared), sight.oblique);
       ellipses(n, sight, squared);
-    } else if (w_.footprint != nullptr) {
-      phases(p_.dx + n, w_.ellipse.half_x, q_.column + n);
-      phases(p_.dy + n, w_.ellipse.half_y, q_.row + n);
+    } else if (view_.footprint != nullptr) {
+      phases(projected_.dx + n, view_.ellipse.half_x, prepared_.column + n);
+      phases(projected_.dy + n, view_.ellipse.half_y, prepared_.row + n);
     } else {
-      hn::Store(hn::Set(d, kHalfLog * w_.ellipse.a), d, q_.xx + n);
-      hn::Store(hn::Set(d, 2 * kHalfLog * w_.ellipse.b), d, q_.xy + n);
-      hn::Store(hn::Set(d, kHalfLog * w_.ellipse.c), d, q_.yy + n);
+      hn::Store(hn::Set(d, kHalfLog * view_.ellipse.a), d, prepared_.xx + n);
+      hn::Store(hn::Set(d, 2 * kHalfLog * view_.ellipse.b), d, prepared_.xy + n);
+      hn::Store(hn::Set(d, kHalfLog * view_.ellipse.c), d, prepared_.yy + n);
     }
     V red, green, blue, tau;
-    hn::LoadInterleaved4(d, s_.material + 4 * n, red, green, blue, tau);
+    hn::LoadInterleaved4(d, shaded_.material + 4 * n, red, green, blue, tau);
     // With infinite depth, a pixel outside the footprint (weight 0) would get an opacity of NaN.
     depth = hn::Min(hn::Mul(tau, depth), hn::Set(d, kMostDepth));
-    hn::Store(depth, d, q_.depth + n);
-    if (w_.footprint != nullptr)
-      thin_ |= bitsOf(d, hn::Le(hn::Mul(depth, hn::Set(d, w_.footprint->most())), hn::Set(d, kThin))) << n;
-    if (w_.light.phong) {
-      const Vector slope{hn::Load(d, s_.slope[0] + n), hn::Load(d, s_.slope[1] + n), hn::Load(d, s_.slope[2] + n)};
+    hn::Store(depth, d, prepared_.depth + n);
+    if (view_.footprint != nullptr)
+      thin_ |= bitsOf(d, hn::Le(hn::Mul(depth, hn::Set(d, view_.footprint->most())), hn::Set(d, kThin))) << n;
+    if (view_.light.phong) {
+      const Vector slope{hn::Load(d, shaded_.slope[0] + n), hn::Load(d, shaded_.slope[1] + n),
+                         hn::Load(d, shaded_.slope[2] + n)};
       V matte = one, gloss = hn::Zero(d);
-      lightOn(d, w_.light, w_.perspective, slope, sight, matte, gloss);
+      lightOn(d, view_.light, view_.perspective, slope, sight, matte, gloss);
       const auto lit = [&](V color) { return fused(color, matte, gloss); };
       red = lit(red), green = lit(green), blue = lit(blue);
     }
-    hn::Store(red, d, q_.light[0] + n);
-    hn::Store(green, d, q_.light[1] + n);
-    hn::Store(blue, d, q_.light[2] + n);
+    hn::Store(red, d, prepared_.light[0] + n);
+    hn::Store(green, d, prepared_.light[1] + n);
+    hn::Store(blue, d, prepared_.light[2] + n);
   }
 
   // Vector form of VoxelFootprint::phaseOf.
@@ -176,45 +177,45 @@ class WeighedVoxels {
 
   HWY_INLINE void ellipses(std::size_t n, const Sight& sight, V squared) {
     const D d;
-    const V xx = hn::Load(d, p_.xx + n), yy = hn::Load(d, p_.yy + n);
-    const float* const c = w_.covariance;
+    const V xx = hn::Load(d, projected_.xx + n), yy = hn::Load(d, projected_.yy + n);
+    const float* const c = view_.covariance;
     const V across = hn::Sub(hn::Mul(hn::Mul(sight.u, sight.v), hn::Set(d, c[5])),
                              hn::Add(hn::Mul(sight.v, hn::Set(d, c[3])), hn::Mul(sight.u, hn::Set(d, c[4]))));
     const V xy = hn::Mul(squared, hn::Add(hn::Set(d, c[1]), across));
     const V determinant = hn::Sub(hn::Mul(xx, yy), hn::Mul(xy, xy));
     const V scale = hn::Div(hn::Set(d, kHalfLog), determinant);
-    hn::Store(hn::Mul(scale, yy), d, q_.xx + n);
-    hn::Store(hn::Mul(hn::Set(d, -2.0f), hn::Mul(scale, xy)), d, q_.xy + n);
-    hn::Store(hn::Mul(scale, xx), d, q_.yy + n);
+    hn::Store(hn::Mul(scale, yy), d, prepared_.xx + n);
+    hn::Store(hn::Mul(hn::Set(d, -2.0f), hn::Mul(scale, xy)), d, prepared_.xy + n);
+    hn::Store(hn::Mul(scale, xx), d, prepared_.yy + n);
   }
 
   // Weights of the pixels at `column` and `row` of the footprint. Equation (3).
   HWY_INLINE V weightsOf(std::size_t n, V column, V row, M in_footprint) const {
     const D d;
-    const V dx = hn::Add(hn::Set(d, p_.dx[n]), column), dy = hn::Add(hn::Set(d, p_.dy[n]), row);
-    const V across = fused(dx, hn::Set(d, q_.xx[n]), hn::Mul(dy, hn::Set(d, q_.xy[n])));
-    const V log = fused(dx, across, hn::Mul(hn::Mul(dy, dy), hn::Set(d, q_.yy[n])));
-    return hn::IfThenElseZero(hn::And(in_footprint, hn::Ge(log, hn::Set(d, kLeastLog))),
+    const V dx = hn::Add(hn::Set(d, projected_.dx[n]), column), dy = hn::Add(hn::Set(d, projected_.dy[n]), row);
+    const V across = fused(dx, hn::Set(d, prepared_.xx[n]), hn::Mul(dy, hn::Set(d, prepared_.xy[n])));
+    const V log = fused(dx, across, hn::Mul(hn::Mul(dy, dy), hn::Set(d, prepared_.yy[n])));
+    return hn::IfThenElseZero(hn::And(in_footprint, hn::Ge(log, hn::Set(d, kEndLog))),
                               exp2Of(d, hn::Min(log, hn::Zero(d))));
   }
 
   // Computes the weights of a voxel and their sum. Stores small sets of weights at `to`. Returns the next free
   // position.
-  HWY_INLINE float* weighOne(std::size_t n, float* to) {
-    const int columns = p_.width(n), rows = p_.height(n);
+  HWY_INLINE float* weighFootprint(std::size_t n, float* to) {
+    const int columns = projected_.width(n), rows = projected_.height(n);
     if (HWY_LIKELY(columns <= kPacked && rows <= kPackedRows)) return weighPacked(n, to);
-    q_.weights[n] = nullptr;
+    prepared_.weights[n] = nullptr;
     any_large_ = true;
-    q_.sum[n] = columns <= kSmall && rows <= kSmall && columns * rows <= kSmall ? sumOfRows(n) : areaOf(n);
+    prepared_.sum[n] = columns <= kSmall && rows <= kSmall && columns * rows <= kSmall ? sumOfRows(n) : areaOf(n);
     return to;
   }
 
   HWY_INLINE float* weighPacked(std::size_t n, float* to) {
     const D d;
     alignas(64) float sums[kChunk];
-    const auto columns = static_cast<std::size_t>(p_.width(n) - 1);
-    const auto pixels = static_cast<std::size_t>(p_.width(n) * p_.height(n));
-    const V rows = hn::Set(d, static_cast<float>(p_.height(n)));
+    const auto columns = static_cast<std::size_t>(projected_.width(n) - 1);
+    const auto pixels = static_cast<std::size_t>(projected_.width(n) * projected_.height(n));
+    const V rows = hn::Set(d, static_cast<float>(projected_.height(n)));
     for (std::size_t i = 0; i < kChunk; i += hn::Lanes(d)) {
       V sum = hn::Zero(d);
       for (std::size_t k = i; k < pixels; k += kChunk) {
@@ -225,8 +226,8 @@ class WeighedVoxels {
       }
       hn::Store(sum, d, sums + i);
     }
-    q_.sum[n] = sumOf(sums);
-    q_.weights[n] = to;
+    prepared_.sum[n] = sumOf(sums);
+    prepared_.weights[n] = to;
     return to + (pixels + kChunk - 1) / kChunk * kChunk;
   }
 
@@ -234,8 +235,8 @@ class WeighedVoxels {
   HWY_NOINLINE float sumOfRows(std::size_t n) const {
     const D d;
     alignas(64) float sums[kChunk] = {}, chunk[kChunk];
-    for (int j = 0; j < p_.height(n); ++j) {
-      for (int i = 0; i < p_.width(n); i += static_cast<int>(kChunk)) {
+    for (int j = 0; j < projected_.height(n); ++j) {
+      for (int i = 0; i < projected_.width(n); i += static_cast<int>(kChunk)) {
         weighChunk(n, i, j, chunk);
         for (std::size_t k = 0; k < kChunk; k += hn::Lanes(d))
           hn::Store(hn::Add(hn::Load(d, sums + k), hn::Load(d, chunk + k)), d, sums + k);
@@ -245,7 +246,7 @@ class WeighedVoxels {
   }
   HWY_INLINE void weighChunk(std::size_t n, int first, int row, float* to) const {
     const D d;
-    const V end = hn::Set(d, static_cast<float>(p_.width(n)));
+    const V end = hn::Set(d, static_cast<float>(projected_.width(n)));
     for (std::size_t k = 0; k < kChunk; k += hn::Lanes(d)) {
       const V column = hn::Iota(d, static_cast<float>(first + static_cast<int>(k)));
       hn::Store(weightsOf(n, column, hn::Set(d, static_cast<float>(row)), hn::Lt(column, end)), d, to + k);
@@ -268,18 +269,19 @@ class WeighedVoxels {
   // Integral of the footprint over the plane, cut off at the radius: 2 π (1 - exp(-radius² / 2)) / sqrt(determinant of
   // the quadratic form).
   float areaOf(std::size_t n) const {
-    const float a = q_.xx[n] / kHalfLog, b = q_.xy[n] / (2 * kHalfLog), c = q_.yy[n] / kHalfLog;
+    const float a = prepared_.xx[n] / kHalfLog, b = prepared_.xy[n] / (2 * kHalfLog), c = prepared_.yy[n] / kHalfLog;
     return 6.21338519f / std::sqrt(a * c - b * b);
   }
 
   // Replaces weights by opacities. Equations (4) and (5).
   HWY_INLINE void makeOpaque(std::size_t n) const {
-    if (q_.weights[n] != nullptr) makeOpaque(n, q_.weights[n], static_cast<std::size_t>(p_.width(n) * p_.height(n)));
+    if (prepared_.weights[n] != nullptr)
+      makeOpaque(n, prepared_.weights[n], static_cast<std::size_t>(projected_.width(n) * projected_.height(n)));
   }
   HWY_INLINE void makeOpaque(std::size_t n, float* weights, std::size_t count) const {
     const D d;
     // No weight exceeds one, so this is an upper bound of the optical depth.
-    const float most = q_.sum[n] > 0 ? q_.depth[n] / q_.sum[n] : 0.0f;
+    const float most = prepared_.sum[n] > 0 ? prepared_.depth[n] / prepared_.sum[n] : 0.0f;
     const V scale = hn::Set(d, most);
     if (most <= kThin) {
       for (std::size_t i = 0; i < count; i += hn::Lanes(d))
@@ -291,17 +293,17 @@ class WeighedVoxels {
   }
 
   // Stores the opacities of a footprint from the table at `to`, eight per row. Returns the next free position.
-  HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) {
-    q_.weights[n] = to;
-    return (thin_ >> n & 1) != 0 ? makeOpaqueOfTable<true>(n, to) : makeOpaqueOfTable<false>(n, to);
+  HWY_INLINE float* makeOpaqueByTable(std::size_t n, float* to) {
+    prepared_.weights[n] = to;
+    return (thin_ >> n & 1) != 0 ? makeOpaqueByTable<true>(n, to) : makeOpaqueByTable<false>(n, to);
   }
   template <bool kIsThin>
-  HWY_INLINE float* makeOpaqueOfTable(std::size_t n, float* to) const {
+  HWY_INLINE float* makeOpaqueByTable(std::size_t n, float* to) const {
     const D8 d;
-    const float* const columns = w_.footprint->columns(q_.column[n]);
-    const float* const rows = w_.footprint->rows(q_.row[n]);
-    for (int j = 0; j < p_.height(n); ++j, to += kWide) {
-      const V8 scale = hn::Set(d, q_.depth[n] * rows[j]);
+    const float* const columns = view_.footprint->columns(prepared_.column[n]);
+    const float* const rows = view_.footprint->rows(prepared_.row[n]);
+    for (int j = 0; j < projected_.height(n); ++j, to += kWide) {
+      const V8 scale = hn::Set(d, prepared_.depth[n] * rows[j]);
       for (std::size_t i = 0; i < static_cast<std::size_t>(kWide); i += hn::Lanes(d)) {
         const V8 depth = hn::Mul(hn::LoadU(d, columns + i), scale);
         hn::Store(kIsThin ? opacityOfThin(d, depth) : opacityOf(d, depth), d, to + i);
@@ -310,10 +312,10 @@ class WeighedVoxels {
     return to;
   }
 
-  const VoxelView& w_;
-  const ProjectedVoxels& p_;
-  const ShadedVoxels& s_;
-  Prepared q_;
+  const VoxelView& view_;
+  const ProjectedVoxels& projected_;
+  const ShadedVoxels& shaded_;
+  Prepared prepared_;
   std::uint32_t thin_ = 0;  // with a table: mask of the voxels that use opacityOfThin
   bool any_large_ = false;  // some footprint computes its weights row by row
   // Margin: a vector of pixels may begin before a footprint's row and end behind it.
