@@ -1,4 +1,4 @@
-// `kiln bench` as its users meet it: what it prints, what it leaves, and what it will not write over.
+// `kiln bench` as its users see it: printed text, written files, and refusal to overwrite other files.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -42,7 +42,7 @@ TEST_F(Bench, WritesAReportAndUsesItsStoresAgain) {
   EXPECT_EQ(json["runs"][0]["frames"].size(), 10u);
   EXPECT_GT(json["volumes"][0]["convert_s"], 0.0);
   EXPECT_TRUE(fs::exists(in("report/report.html")));
-  // Earlier pictures go, and what somebody has put beside them stays.
+  // Earlier pictures are removed; other files beside them stay.
   writeText(in("report/pictures/holiday.png"), "mine");
   writeText(in("report/pictures/picture-07-OTHER-orthographic.png"), "of an earlier suite");
   const ToolResult again = runTool({"bench", in("suite.json"), "-o", in("report"), "--quick"});
@@ -52,7 +52,7 @@ TEST_F(Bench, WritesAReportAndUsesItsStoresAgain) {
   EXPECT_FALSE(fs::exists(in("report/pictures/picture-07-OTHER-orthographic.png")));
 }
 
-// Known because none of these can be measured, and what is not ours is not touched.
+// Known because none of these suites can be measured, and files of other origin are not touched.
 TEST_F(Bench, RefusesWhatItCannotDo) {
   const auto refused = [&](const std::vector<std::string>& arguments, int exit_code, const std::string& mention) {
     const ToolResult result = runTool(arguments);

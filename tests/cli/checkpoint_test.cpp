@@ -1,5 +1,5 @@
-// One frame that is drawn in tiles, stopped and gone on with. Known because the frame drawn at once has the same
-// pixels, and its file the same bytes.
+// A frame drawn in tiles, stopped and resumed. Known because an uninterrupted frame has equal pixels, and its file
+// equal bytes.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -19,10 +19,10 @@ const fs::path& store() {
   return made;
 }
 
-// Of 3 x 2 tiles, the crop beginning within one.
+// A frame of 3 x 2 tiles whose crop begins inside a tile.
 std::vector<std::string> frameTo(const fs::path& out, const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments = {"render", store().string(), "-o", out.string(), "--tf", "iso:120"};
-  // Seen from so far that a tile takes a second at most.
+  // The distance limits the time of a tile to a second.
   arguments.insert(arguments.end(), {"--size", "1400x1300", "--crop", "100,200,1200,800", "--zoom", "0.6"});
   arguments.insert(arguments.end(), {"--aov", "depth,normal"});
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -67,7 +67,7 @@ TEST_F(Checkpoint, GoesOnFromTheTilesThatAreWhole) {
   EXPECT_EQ(first.exit_code, 1);
   EXPECT_NE(first.err.find("of 6 tiles are kept in " + tiles().string()), std::string::npos) << first.err;
   EXPECT_FALSE(fs::exists(picture()));
-  // As a kill in the middle of writing leaves it: half a record behind the last whole one.
+  // A kill during a write leaves half a record behind the last whole record.
   FileSystem::real().appendFile(tiles(), std::vector<std::byte>(70000, std::byte{1}));
   const ToolResult second = runTool(frameTo(picture(), {"--checkpoint", "--resume"}));
   EXPECT_NE(second.err.find("of 6 tiles are finished already"), std::string::npos) << second.err;
@@ -115,7 +115,7 @@ TEST_F(Checkpoint, IsRefusedWherePixelsWouldDependOnIt) {
   }
 }
 
-// The picture alone takes 88 MiB in memory. Its tiles are on the disk, and the file is written from them band by band.
+// The picture alone takes 88 MiB in memory. Its tiles are on disk, and the file is written from the tiles band by band.
 TEST_F(Checkpoint, APosterLargerThanTheBudgetIsDrawnWithinIt) {
   for (const std::string name : {"p.png", "p.exr"}) {
     const auto drawn = [&](const std::string& memory, const fs::path& to, bool kept) {

@@ -1,5 +1,5 @@
-// The program as its users meet it: what it writes, what it says, and its exit code: 0 done, 1 data or I/O, 2 command
-// line. A failure is exactly one line on stderr that names the file or the option.
+// The program as its users see it: files, output, and the exit code: 0 done, 1 data or I/O, 2 command line. A failure
+// is exactly one line on stderr that names the file or the option.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ class Cli : public ::testing::Test {
     return result;
   }
 
-  // Runs what must fail: the exit code, one line, and in it all of `mentions`.
+  // Runs a command that must fail. Tests the exit code, and that stderr is a single line containing all of `mentions`.
   ToolResult expectRefused(const std::vector<std::string>& arguments, int exit_code,
                            const std::vector<std::string>& mentions, const ToolOptions& options = {}) const {
     std::string command;
@@ -92,17 +92,16 @@ class Cli : public ::testing::Test {
   fs::path directory_;
 };
 
-// --- what works
-// -------------------------------------------------------------------------------------------------------
+// --- Commands that succeed ---
 
-// Known because the volume is a ramp: its numbers are those of the formula.
+// Known because the volume is a ramp: its numbers follow from the formula.
 TEST_F(Cli, ConvertInfoVerify) {
   makeRampStore();
   const ToolResult info = expectDone({"info", in("v.kiln")});
   for (const char* says : {"24 x 20 x 16", "u8", "1 to 231", "4 bricks of 16^3: 4 stored in ", " 0 constant", "v.raw",
                            "% of the 7.50 KiB of its voxels", "histogram"})
     EXPECT_NE(info.out.find(says), std::string::npos) << info.out;
-  // Each of 24 values is in as many voxels, and a row says its number of them.
+  // Each of 24 values occurs in equally many voxels, and a row prints the number of voxels.
   std::uint64_t counted = 0;
   std::istringstream lines(info.out);
   for (std::string line; std::getline(lines, line);) {
@@ -129,7 +128,7 @@ TEST_F(Cli, ConvertInfoVerify) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
 
-// Known because the job in a picture draws its bytes again.
+// Known because the job stored in a picture reproduces the picture's bytes.
 TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
   makeRampStore();
   for (const char* ending : {"exr", "png"}) {
@@ -143,7 +142,7 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
     expectDone({"render", in("job.json"), "-o", again, "--comments", "two\nlines"});
     EXPECT_EQ(readFile(again), readFile(picture)) << ending;
   }
-  // As the first was stored, though the job in it says nothing of files.
+  // The file type of the first picture is kept, although the job names no files.
   for (const std::vector<std::string>& stored :
        {std::vector<std::string>{"p.exr", "--exr-type", "float", "--compression", "piz", "--aov", "depth"},
         std::vector<std::string>{"p.png", "--png-bits", "16"}}) {
@@ -154,7 +153,7 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
     FileSystem::real().writeAtomic(in("job.json"), expectDone({"info", picture, "--json"}).out);
     expectDone({"render", in("job.json"), "-o", again});
     EXPECT_EQ(readFile(again), readFile(picture)) << stored[0];
-    // Nor does it forbid another kind of file.
+    // The job also allows another file type.
     expectDone({"render", in("job.json"), "-o", in("other.exr")});
   }
   const std::string exr = expectDone({"info", in("p.exr")}).out;
@@ -171,8 +170,8 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
   expectRefused({"info", in("v.raw")}, 1, {in("v.raw"), "neither OpenEXR nor PNG"});
 }
 
-// Known because the name says the size, and the store's provenance is what was asked for. There is no file that a cache
-// could stand beside.
+// Known because the name contains the size, and the store's provenance is the requested name. A cache has no file to
+// stand beside.
 TEST_F(Cli, Phantom) {
   const ToolResult convert = expectDone({"convert", "phantom:head:24x20x16", in("h.kiln")});
   EXPECT_NE(convert.out.find("24 x 20 x 16 voxels of u16"), std::string::npos) << convert.out;
@@ -196,7 +195,7 @@ TEST_F(Cli, Slice) {
   EXPECT_NEAR(image.pixel(0, 7)[0], 0, 0.01);
   EXPECT_NEAR(image.pixel(23, 7)[0], 1, 0.01);
   for (int x = 1; x < 24; ++x) EXPECT_GT(image.pixel(x, 7)[1], image.pixel(x - 1, 7)[1]);
-  // Of a side that is half a pixel longer than whole ones, the last pixel shows the last voxel.
+  // If a side is half a pixel longer than whole pixels, the last pixel shows the last voxel.
   expectDone({"convert", "phantom:head:8x8x3", in("odd.kiln"), "--spacing", "1,1,2.5"});
   expectDone({"slice", in("odd.kiln"), "-o", in("odd.png"), "--axis", "x"});
   const Image odd = readImage(in("odd.png"));
@@ -204,7 +203,7 @@ TEST_F(Cli, Slice) {
   for (int y = 0; y < odd.height; ++y) EXPECT_EQ(odd.pixel(4, y)[3], 1) << y;
   expectDone({"slice", in("v.kiln"), "-o", in("x.png"), "--axis", "x"});
   EXPECT_EQ(readImage(in("x.png")).width, 20);
-  // A coarser level, whose voxels are twice as long, from the same black to the same white.
+  // A coarser level with voxels of twice the length, from the same black to the same white.
   expectDone({"convert", in("v.raw"), in("coarse.kiln"), "--dims", "24,20,16", "--type", "u8", "--brick-size", "8"});
   expectDone({"slice", in("coarse.kiln"), "-o", in("c.png"), "--level", "1", "--index", "1", "--window", "116,230"});
   const Image coarse = readImage(in("c.png"));
@@ -234,7 +233,7 @@ TEST_F(Cli, RenderAndCompare) {
   EXPECT_EQ(readImage(in("d.png")).width, 40);
 }
 
-// Known because the exported grid is opened by OpenVDB itself; every voxel of the ramp differs from the background, 0.
+// Known because OpenVDB itself opens the exported grid; every voxel of the ramp differs from the background, 0.
 TEST_F(Cli, Export) {
   makeRampStore();
   expectDone({"export", in("v.kiln"), in("v.vdb")});
@@ -244,7 +243,7 @@ TEST_F(Cli, Export) {
   for (const auto& [v, value] : active) EXPECT_EQ(value, 10.0 * static_cast<double>(v.x) + 1);
 }
 
-// Known because a path in a job is relative to the job, and an option overrides it.
+// Known because a path in a job is relative to the job, and an option overrides the path.
 TEST_F(Cli, RenderOfAJob) {
   makeRampStore();
   writeText(in("job.json"),
@@ -262,7 +261,7 @@ TEST_F(Cli, TheEyeMayBeInsideTheVolume) {
   EXPECT_EQ(readImage(in("p.png")).width, 32);
 }
 
-// Known because 24 voxels in 8 pixels are a third of a pixel each, in 32 pixels more than a pixel; level 1 is one
+// Known because 24 voxels in 8 pixels are a third of a pixel each, in 32 pixels more than a pixel; level 1 is a single
 // brick.
 TEST_F(Cli, LevelsOfDetailAreChosenOrForced) {
   makeRampStore();
@@ -285,7 +284,7 @@ TEST_F(Cli, LevelsOfDetailAreChosenOrForced) {
   EXPECT_EQ(drawn({"--size", "32x32", "--level", "1"}), std::pair(0, 1));
 }
 
-// Known: scripts outside of the project read these keys.
+// Known: scripts outside the project read these keys.
 TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   makeRampStore();
   expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "32x32", "--stats", in("s.json"), "--repeat", "3"});
@@ -307,24 +306,24 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["cache_bytes"]);
 }
 
-// Known from the account of a frame: nothing draws with more than is set aside for it.
+// Known from the memory account of a frame: no buffer is larger than its reservation.
 TEST_F(Cli, WhatLatticesDrawWithIsInTheAccount) {
   makeRampStore();
   for (const char* lattice : {"pixel", "voxel"}) {
-    // In one tile, and in some of which bricks touch parts of different sizes.
+    // As a single tile, and in tiles that bricks overlap by parts of different sizes.
     for (const char* tile : {"0", "64"}) {
       SCOPED_TRACE(fmt::format("{} in tiles of {}", lattice, tile));
       expectDone({"render", in("v.kiln"), "-o", in("p.png"), "--size", "200x150", "--lattice", lattice, "--tile", tile,
                   "--stats", in("s.json")});
       const Json memory = Json::parse(readTextFile(in("s.json")))["memory"];
       EXPECT_LE(memory["peak_slabs_bytes"], memory["slabs_bytes"]);
-      // Rays need nothing that lasts.
+      // The pixel lattice keeps no buffers between tiles.
       EXPECT_EQ(memory["peak_slabs_bytes"] > 0, std::string(lattice) == "voxel");
     }
   }
 }
 
-// Known from STYLE, Options: how fast a picture appears changes no bit of it.
+// Known from the rule that performance options change no bit of a picture.
 TEST_F(Cli, ThreadsAndMemoryDoNotChangeThePicture) {
   const DenseVolume volume = cheese({{60, 50, 70}, VoxelType::u16, anisotropicAffine()}, 3, usualRange(VoxelType::u16));
   writeText(in("c.raw"), textOf(volume.voxels));
@@ -342,8 +341,8 @@ TEST_F(Cli, ThreadsAndMemoryDoNotChangeThePicture) {
   }
 }
 
-// Known because a frame that hides nothing reads all that is in view, and because the least memory that is named works
-// and a megabyte less does not.
+// Known because a frame that hides nothing reads all bricks in view. The smallest memory printed works, and a megabyte
+// less does not.
 TEST_F(Cli, ADryRunForetellsTheRender) {
   const DenseVolume volume = cheese({{60, 50, 70}, VoxelType::u16, anisotropicAffine()}, 3, usualRange(VoxelType::u16));
   writeText(in("c.raw"), textOf(volume.voxels));
@@ -373,7 +372,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   EXPECT_LT(image_bytes, 120 * 90 * 24);
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], cost["bricks"]["decoded_bytes_in_view"].get<std::uint64_t>() +
                                                      cost["memory"]["brick_bytes"].get<std::uint64_t>());
-  // Another method has another structure: what is named is for this one.
+  // Another visibility method has another data structure: the printed memory holds for the chosen method.
   const std::uint64_t smallest = (cost["memory"]["smallest_bytes"].get<std::uint64_t>() + (1u << 20) - 1) >> 20;
   EXPECT_NE(dry.out.find(fmt::format("--memory {}M is the smallest that works", smallest)), std::string::npos)
       << dry.out;
@@ -382,7 +381,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   };
-  // Tiles that are kept take more.
+  // Checkpointed tiles take more memory.
   const std::vector<std::string> in_tiles = {"-o", in("t.png"), "--checkpoint"};
   std::string said = with(4096, {"--dry-run", "--checkpoint"}).out;
   said.erase(0, said.find("--memory ") + 9);
@@ -403,7 +402,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   }
 }
 
-// Known because the store beside the file is made once, and anew when the file or what is said of it has changed.
+// Known because the store beside the file is made once, and made again when the file or its description has changed.
 TEST_F(Cli, RenderOfAForeignFile) {
   writeRamp();
   std::vector<std::string> arguments = {"render", in("v.raw"), "-o",       in("p.png"), "--size",
@@ -423,7 +422,7 @@ TEST_F(Cli, RenderOfAForeignFile) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
 }
 
-// Known because the store is somebody's: it has spacings that the file has not.
+// Known because the store belongs to the user: it has spacings that the file lacks.
 TEST_F(Cli, RenderOfAForeignFileReplacesNoStoreThatItDidNotMake) {
   writeRamp();
   const std::vector<std::string> shape = {"--dims", "24,20,16", "--type", "u8"};
@@ -434,7 +433,7 @@ TEST_F(Cli, RenderOfAForeignFileReplacesNoStoreThatItDidNotMake) {
   expectDone(convert);
   expectRefused(render, 1, {in("v.raw.kiln"), "another name"});
   EXPECT_EQ(StoreReader(in("v.raw.kiln")).manifest().geometry().spacing().z, 2);
-  // As it is described, it is the file's.
+  // With an equal description, the store is used.
   render.insert(render.end(), {"--spacing", "1,1,2"});
   EXPECT_NE(expectDone(render).err.find("kiln: using"), std::string::npos);
   writeText(in("v.raw.kiln") + "/manifest.json", "{}");
@@ -449,7 +448,7 @@ TEST_F(Cli, RenderOfAForeignFileReplacesNoStoreThatItDidNotMake) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"p.png", "v.raw", "v.raw.kiln"}));
 }
 
-// Known because the first voxel is 1, 11 read as 16 bits of either order, and the header in front of it is not.
+// Known because the first voxel is 1, followed by 11, read as 16 bits in either byte order; a header is skipped.
 TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
   writeRamp();
   const fs::path store = in("v.raw.kiln");
@@ -463,7 +462,7 @@ TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
   const auto expectConverted = [&](const std::vector<std::string>& options, int low, int high) {
     EXPECT_NE(expectDone(with(options)).err.find("kiln: converting"), std::string::npos);
     EXPECT_NE(expectDone(with(options)).err.find("kiln: using"), std::string::npos);
-    // Outside of the volume a brick repeats the nearest voxel, so its first one is the volume's first.
+    // Outside the volume a brick repeats the nearest voxel, so its first voxel is the volume's first.
     const auto voxels = StoreReader(store).read({0, {0, 0, 0}}).voxels;
     EXPECT_EQ(std::to_integer<int>(voxels[0]), low);
     EXPECT_EQ(std::to_integer<int>(voxels[1]), high);
@@ -471,7 +470,7 @@ TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
   expectConverted({}, 1, 11);
   expectConverted({"--endian", "big"}, 11, 1);
   expectConverted({"--endian", "little"}, 1, 11);
-  // A copy that keeps the time of the old file, with four bytes in front of the voxels.
+  // A copy with the old file's time and four bytes in front of the voxels.
   const auto time = fs::last_write_time(in("v.raw"));
   writeText(in("v.raw"), "head" + readTextFile(in("v.raw")));
   fs::last_write_time(in("v.raw"), time);
@@ -479,10 +478,9 @@ TEST_F(Cli, RenderOfAForeignFileWithOtherByteOrderOrHeader) {
   EXPECT_NE(expectDone({"info", store.string()}).out.find("raw, 4 bytes skipped"), std::string::npos);
 }
 
-// --- what is wrong
-// ----------------------------------------------------------------------------------------------------
+// --- Errors ---
 
-// Known because none of these can mean anything: the command line is at fault, and no file is made.
+// Known because none of these command lines has a meaning; no file is made.
 TEST_F(Cli, WrongCommandLines) {
   makeRampStore();
   const std::string store = in("v.kiln"), picture = in("p.png"), raw = in("v.raw");
@@ -546,7 +544,7 @@ TEST_F(Cli, APictureOfAnUnknownKindIsRefusedFirst) {
   EXPECT_EQ(listing(), std::vector<std::string>{"v.raw"});
 }
 
-// Known because nothing is there.
+// Known because the files do not exist.
 TEST_F(Cli, MissingFiles) {
   makeRampStore();
   expectRefused({"convert", in("none.nrrd"), in("n.kiln")}, 1, {in("none.nrrd")});
@@ -582,7 +580,7 @@ TEST_F(Cli, WrongVolumes) {
   EXPECT_FALSE(fs::exists(in("n.kiln")));
 }
 
-// Known because an output is replaced only where the user says so, and only where it is a store.
+// Known because an output is replaced only on request, and only if it is a store.
 TEST_F(Cli, OutputsThatExist) {
   makeRampStore();
   std::vector<std::string> arguments = {"convert", in("v.raw"), in("v.kiln"), "--dims", "24,20,16", "--type", "u8"};
@@ -596,7 +594,7 @@ TEST_F(Cli, OutputsThatExist) {
   expectDone({"verify", in("v.kiln")});
 }
 
-// Known because 100 bytes hold no brick: the message says what would.
+// Known because 100 bytes hold no brick; the message names the memory that does.
 TEST_F(Cli, TooLittleMemory) {
   makeRampStore();
   expectRefused({"convert", in("v.raw"), in("n.kiln"), "--dims", "24,20,16", "--type", "u8", "--memory", "100"}, 1,
@@ -627,7 +625,7 @@ TEST_F(Cli, NoSpaceLeft) {
   full.file_bytes = 512;
   expectRefused({"slice", in("n.kiln"), "-o", in("p.png")}, 1, {in("p.png"), "free space"}, full);
   if (fs::exists("/dev/full")) {
-    // Through a link, so that a program that replaces what it should write to replaces only that.
+    // Through a link, so that a program that replaces its output replaces only the link.
     fs::create_symlink("/dev/full", in("full.json"));
     expectRefused({"render", in("n.kiln"), "-o", in("p.png"), "--size", "8x8", "--stats", in("full.json")}, 1,
                   {in("full.json"), "free space"});
@@ -638,7 +636,7 @@ TEST_F(Cli, NoSpaceLeft) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"n.kiln", "n.raw"}));
 }
 
-// Known because /dev/full takes nothing: a script that is told half of an answer is told so.
+// Known because /dev/full accepts nothing: a script must detect an incomplete answer.
 TEST_F(Cli, AnAnswerThatCannotBeWrittenIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
   makeRampStore();
@@ -654,8 +652,7 @@ TEST_F(Cli, AnAnswerThatCannotBeWrittenIsAnError) {
   }
 }
 
-// Known because a job or a transfer function that is misread would draw another picture: nothing unknown is passed
-// over.
+// Known because a misread job or transfer function would draw another picture: unknown keys are errors.
 TEST_F(Cli, WrongJobsAndTransferFunctions) {
   makeRampStore();
   const auto job = [&](const std::string& text, int exit_code, const std::string& mention) {
@@ -678,7 +675,7 @@ TEST_F(Cli, WrongJobsAndTransferFunctions) {
   EXPECT_FALSE(fs::exists(in("p.png")));
 }
 
-// Known because one bit of a brick is not what was written.
+// Known because one bit of a brick has been flipped.
 TEST_F(Cli, ADamagedStoreIsNamed) {
   makeRampStore();
   const std::string brick = in("v.kiln") + "/bricks/0/1_0_0.vdb";
@@ -706,8 +703,8 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
   EXPECT_EQ(listing(), (std::vector<std::string>{"v.kiln", "v.raw"}));
 }
 
-// Known because one brick is missing: the picture is another, and what is missing is said once however often the frame
-// is drawn and whoever reads.
+// Known because a brick is missing: the picture differs, and the brick is reported once, for any number of frames and
+// readers.
 TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
   makeRampStore();
   const auto draw = [&](const std::string& picture, const std::vector<std::string>& more) {
@@ -738,17 +735,17 @@ TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
     "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}})");
   EXPECT_EQ(expectDone({"render", in("job.json")}).errorLines().size(), 2u);
   EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
-  // Of parts, one of which met it: the whole says so, too.
+  // A composited picture reports damage found in any of its parts.
   for (const char* part : {"1", "2", "3"})
     draw(std::string("p") + part + ".exr", {"--skip-damaged", "--lattice", "ray", "--part", std::string(part) + "/3"});
   expectDone({"composite", in("p1.exr"), in("p2.exr"), in("p3.exr"), "-o", in("made.exr")});
   EXPECT_GE(std::stoi(readImageText(in("made.exr")).at("kiln:damagedBricks")), 1);
-  // What cannot be drawn around: the index.
+  // A damaged index cannot be skipped.
   fs::remove(in("v.kiln") + "/index.bin");
   expectRefused({"render", in("job.json")}, 1, {"index.bin", "is missing"});
 }
 
-// Known because SIGINT asks the work to stop, and what is not finished is no store.
+// Known because SIGINT stops the work, and unfinished work is no store.
 TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   constexpr std::size_t kBytes = 256u * 512 * 512;
   std::string data(kBytes, '\0');
@@ -790,7 +787,7 @@ TEST_F(Cli, AnInterruptLeavesWhatCanBeResumed) {
   EXPECT_EQ(listing(), std::vector<std::string>{"big.kiln"});
 }
 
-// Known because a half has 11 bits: 4097 lies between 4096 and 4100, and so do all its odd neighbours; 10 does not.
+// Known because a half has 11 bits: 4097 lies between 4096 and 4100, as do its odd neighbours; 10 is exact.
 TEST_F(Cli, HalfIsLossyAndSaysSo) {
   const std::uint16_t values[] = {10, 4097, 65535, 2049};
   writeText(in("v.raw"), {reinterpret_cast<const char*>(values), sizeof values});
@@ -804,14 +801,14 @@ TEST_F(Cli, HalfIsLossyAndSaysSo) {
   expectRefused({"convert", in("v.raw"), in("w.kiln"), "--dims", "2,1,1", "--type", "u32", "--half"}, 2, {"--half"});
 }
 
-// Known because the conversion follows: it writes what samples of the same noise say within a tenth, plans the same
-// buffers, and a dry run leaves nothing behind. Of a stream, which has no samples, it writes less than the bound.
+// Known because the conversion follows. Its size agrees with samples of the noise within a tenth, its buffers with the
+// plan, and a dry run leaves no files. A stream has no samples and stays below the bound.
 TEST_F(Cli, ADryRunForetellsTheConversion) {
   const DenseVolume volume = noise({{60, 50, 70}, VoxelType::u16}, 3, usualRange(VoxelType::u16));
   writeText(in("c.raw"), textOf(volume.voxels));
   writeText(in("c.nrrd"), "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 60 50 70\nencoding: gzip\nendian: little\n\n" +
                               gzipped(textOf(volume.voxels)));
-  // The amount of memory that stands behind some words.
+  // Returns the amount of memory printed after some words.
   const auto amountAfter = [](const std::string& text, const std::string& words) {
     const std::size_t at = text.find(words);
     EXPECT_NE(at, std::string::npos) << "'" << words << "' is not in: " << text;
@@ -842,7 +839,7 @@ TEST_F(Cli, ADryRunForetellsTheConversion) {
   expectRefused({"convert", in("c.nrrd")}, 2, {"OUT"});
 }
 
-// Known because 1024 and 1025 are halves and their mean, 1024.5, lies between them: ties go to the even one.
+// Known because 1024 and 1025 are halves and their mean, 1024.5, lies between: ties round to even.
 TEST_F(Cli, HalfHoldsOnEveryLevel) {
   std::vector<float> values(16 * 2 * 2, 1024);
   for (std::size_t i = 0; i < values.size(); i += 2) values[i] = 1025;
@@ -865,7 +862,7 @@ TEST_F(Cli, HalfHoldsOnEveryLevel) {
   EXPECT_EQ(coarse("half.kiln"), 1024);
 }
 
-// The files of a store, without what says when it was made.
+// Returns the files of a store without the time of conversion.
 std::map<std::string, std::vector<std::byte>> filesWithoutTime(const fs::path& store) {
   auto files = filesOf(store);
   Json manifest = Json::parse(readTextFile(store / "manifest.json"));
@@ -878,8 +875,8 @@ std::map<std::string, std::vector<std::byte>> filesWithoutTime(const fs::path& s
   return files;
 }
 
-// Kills conversions at seeded instants between their first moment and their last, and resumes them. Known because
-// nothing but the brick files, which are compared, decides what a store holds.
+// Kills conversions at seeded instants between start and end, and resumes them. Known because a store is determined by
+// its brick files, which are compared.
 class CliKilled : public Cli {
  protected:
   void expectResumable(int instants) {

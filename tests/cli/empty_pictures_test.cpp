@@ -98,7 +98,7 @@ TEST_F(EmptyPicturesCli, VolumeFarSmallerThanAPixel_isNamedForEachProjection) {
   expectEmpty({"--projection", "equirectangular", "--size", "48x24", "--eye", "0,-1e7,0"}, why);
 }
 
-// The whole body is a haze, and a slab of a millionth of a voxel holds next to nothing of it.
+// The whole body is a haze, and a slab of a millionth of a voxel contains almost nothing.
 TEST_F(EmptyPicturesCli, ThinPart_isNamedForEachLatticeAndProjection) {
   writeText(in("haze.json"), kHaze);
   const std::vector<std::string> haze = {"--tf", in("haze.json")};
@@ -122,13 +122,13 @@ TEST_F(EmptyPicturesCli, ThinPart_isNamedForEachLatticeAndProjection) {
   }
   expectWarning(with_haze({"--world-region", "-200,-0.000001,1500,200,0.000001,1900"}),
                 "the picture is empty: ", "too thin a part of the volume to be seen");
-  // A partial image may be faint where the whole picture is not.
+  // A partial image may be faint even if the whole picture is not.
   std::vector<std::string> part = with_haze({"--part", "1/2", "--strict"});
   part.insert(part.end(), kThinSlab.begin(), kThinSlab.end());
   EXPECT_EQ(done(with(part)).err, "");
 }
 
-// A slab of one sample is visible from the side.
+// A slab a voxel thick is visible from the side.
 TEST_F(EmptyPicturesCli, PartOfOneVoxel_isNotSaidToBeEmpty) {
   EXPECT_EQ(done(with({"--clip", "0,1,0,6", "--clip", "0,-1,0,6", "--strict"})).err, "");
 }

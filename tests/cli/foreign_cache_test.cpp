@@ -1,5 +1,5 @@
-// The store that stands beside a foreign file: whose it is, who makes it, and what is never taken for one. Known
-// because a picture of the file is one of a store that was converted by hand.
+// The cached store beside a foreign file: ownership, creation, and files that never count as a cache. Known because a
+// picture of the file equals a picture of a store converted by hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class ForeignCache : public ToolTest {
   }
 };
 
-// Moved or copied to that name with its time, as archives are unpacked: the store is younger.
+// Another file is moved to the name and keeps its time, as when archives are unpacked: the store is younger.
 TEST_F(ForeignCache, AnotherFileOfThatNameIsConvertedThoughItIsOlder) {
   write("v.raw", 3);
   done(drawn("v.raw", "first.png"));
@@ -51,7 +51,7 @@ TEST_F(ForeignCache, AnotherFileOfThatNameIsConvertedThoughItIsOlder) {
   EXPECT_FALSE(equalBits(second, readImage(in("first.png"))));
 }
 
-// A program that keeps times, as rsync does, gives other voxels of equal size the time of the former ones.
+// A program that keeps times, as rsync does, replaces the voxels by others of equal size and time.
 TEST_F(ForeignCache, AFileOfEqualSizeAndTime_IsConvertedAnew) {
   write("v.raw", 3);
   done(drawn("v.raw", "first.png"));
@@ -60,14 +60,14 @@ TEST_F(ForeignCache, AFileOfEqualSizeAndTime_IsConvertedAnew) {
   fs::last_write_time(in("v.raw"), time);
   EXPECT_NE(done(drawn("v.raw", "second.png")).err.find("converting"), std::string::npos);
   EXPECT_FALSE(equalBits(readImage(in("second.png")), readImage(in("first.png"))));
-  // A pair of file and store that was copied with its times is one still.
+  // A pair of file and store copied with its times stays valid.
   fs::copy_file(in("v.raw"), in("w.raw"));
   fs::last_write_time(in("w.raw"), time);
   fs::rename(in("v.raw.kiln"), in("w.raw.kiln"));
   EXPECT_EQ(done(drawn("w.raw", "third.png")).err.find("converting"), std::string::npos);
 }
 
-// As the jobs of a farm do: one converts, the others wait and take its store.
+// As on a render farm: a single process converts, all others wait and use the store.
 TEST_F(ForeignCache, ProcessesThatStartAtOnceMakeOneStore) {
   write("v.raw", 3);
   std::vector<ToolResult> results(4);
@@ -85,7 +85,7 @@ TEST_F(ForeignCache, ProcessesThatStartAtOnceMakeOneStore) {
   EXPECT_FALSE(fs::exists(in("v.raw.kiln.lock")));
 }
 
-// Folders that have the names of a store's, or temporary ones, and no manifest or journal.
+// Folders with names as in a store, or temporary names, but without manifest or journal.
 TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
   write("v.raw", 3);
   fs::create_directories(in("a"));
@@ -98,13 +98,13 @@ TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
       EXPECT_EQ(readTextFile(in(file)), "mine") << how;
     }
   }
-  // Nor is one that has the name a replaced store gets.
+  // A folder with the name for a replaced store is kept, too.
   done({"convert", in("v.raw"), in("d"), "--dims", "64,64,64", "--type", "u8"});
   fs::create_directories(in("d.old/bricks"));
   writeText(in("d.old/bricks/mine.txt"), "mine");
   refused({"convert", in("v.raw"), in("d"), "--dims", "64,64,64", "--type", "u8", "--overwrite"}, 1, "is in the way");
   EXPECT_EQ(readTextFile(in("d.old/bricks/mine.txt")), "mine");
-  // What a kill leaves before the journal is begun is its own.
+  // Files left by a kill before the journal exists belong to the conversion.
   fs::create_directories(in("c/bricks/0"));
   writeText(in("c/bricks/0/1_0_0.vdb.tmp"), "half");
   writeText(in("c/scratch_aB3x9Z.tmp"), "");
@@ -112,7 +112,7 @@ TEST_F(ForeignCache, FoldersThatAreNoStoresAreNeitherReplacedNorResumed) {
   done({"verify", in("c")});
 }
 
-// A directory's time changes with the store that is made in it.
+// A directory's time changes when a store is made inside.
 TEST_F(ForeignCache, AConversionIntoItsOwnInputIsResumed) {
   const ForeignVolume volume = randomVolume({256, 256, 64}, VoxelType::u16, 3);
   fs::create_directory(in("scan"));

@@ -1,5 +1,5 @@
-// What the program says of itself: the schema, manual pages and completion are made of what it takes, so they can be
-// asked about each other; and no option is without a test.
+// Generated descriptions of the program: schema, manual pages and completion come from the option tables and must
+// agree. Every option has a test.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,7 +82,7 @@ TEST(Help, ManualPagesAndCompletionNameEveryOption) {
   }
   for (const char* command : {"convert", "info", "verify", "export", "slice", "tf", "render", "compare", "bench"})
     EXPECT_TRUE(fs::exists(share / "man/man1" / (std::string("kiln-") + command + ".1"))) << command;
-  // As bash asks: the words typed so far, and which of them is to be completed.
+  // Calls the completion as bash does: with the words typed so far and the index of the current word.
   const auto completed = [&](const std::string& words, int at) {
     const std::string file = (share / "answer").string();
     const std::string command = "bash -c 'source " + (share / "bash-completion/completions/kiln").string() +

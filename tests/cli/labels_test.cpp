@@ -1,5 +1,5 @@
-// Label volumes as users meet them: converted, counted, coloured by a palette, by ITK-SNAP's files or by a job, alone
-// and in another volume, and what is refused.
+// Label volumes as users see them: converted, counted, coloured by a palette, by ITK-SNAP's files or by a job, alone
+// and inside another volume; and refused uses.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ constexpr const char* kSnapFile = R"(# ITK-SnAP Label Description File
     9     0    0  255      0.6  1  1    "ball"
 )";
 
-// The label that kSnapFile has no entry for.
+// Label 200 has no entry in kSnapFile.
 void expectNamedOnce(const ToolResult& result) {
   const std::string said = result.out + result.err;
   const std::size_t at = said.find("label 200 is in the volume");
@@ -69,11 +69,11 @@ TEST_F(LabelsCli, AreCountedAndVerified) {
   done({"verify", in("l.kiln")});
 }
 
-// Known because no byte of a store may depend on them.
+// Known because no byte of a store may depend on threads, memory or ranks.
 TEST_F(LabelsCli, AreTheSameStoreForThreadsMemoryAndRanks) {
   const auto bytes = [&](const std::string& name) {
     auto files = filesOf(in(name));
-    files.erase("manifest.json");  // which has the command
+    files.erase("manifest.json");  // contains the command
     return files;
   };
   const auto expected = bytes("l.kiln");
@@ -88,7 +88,7 @@ TEST_F(LabelsCli, AreTheSameStoreForThreadsMemoryAndRanks) {
   EXPECT_EQ(bytes("ranks.kiln"), expected);
 }
 
-// A file of ITK-SNAP's and a job's list are two ways to say one thing, and the header's job is the job.
+// A file of ITK-SNAP's and a job's list are equivalent, and the header stores the job.
 TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
   writeText(in("l.txt"), kSnapFile);
   const ZeroPages<float> by_file = drawn({in("l.kiln"), "--tf", in("l.txt")});
@@ -103,7 +103,7 @@ TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
     red = std::max(red, by_file[i]), green = std::max(green, by_file[i + 1]), blue = std::max(blue, by_file[i + 2]);
   EXPECT_GT(red, 0.5f);
   EXPECT_GT(blue, 0.3f);
-  EXPECT_LT(green, 0.25f);  // of highlights, which are white
+  EXPECT_LT(green, 0.25f);  // from highlights, which are white
   EXPECT_FALSE(by_file == drawn({in("l.kiln")})) << "the palette is of other colours";
   const std::string listed = done({"tf", in("l.txt")}).out;
   EXPECT_NE(listed.find("ball"), std::string::npos) << listed;
@@ -117,7 +117,7 @@ TEST_F(LabelsCli, WhatIsNotSaidIsNotDrawnAndNamedOnce) {
             std::string::npos);
 }
 
-// By the first of them.
+// Only rank 0 prints the label without an entry.
 TEST_F(LabelsCli, RanksNameOnceWhatIsNotSaid) {
   if (!canRunRanks()) GTEST_SKIP() << "Kiln is built without MPI, or mpirun is not there";
   writeText(in("l.txt"), kSnapFile);

@@ -25,7 +25,7 @@ class Limits : public ToolTest {
     for (const auto& entry : fs::directory_iterator(directory_)) out.insert(entry.path().filename().string());
     return out;
   }
-  // A job with `count` copies of an entry in the list of that name.
+  // Returns a job with `count` copies of an entry in the list `list`.
   std::string job(const std::string& list, const std::string& entry, std::size_t count) const {
     return jobWith("\"" + list + "\": " + listOf(entry, count));
   }
@@ -107,7 +107,7 @@ TEST_F(Limits, AddressSpaceThatIsTooSmall_endsInOneLine) {
     options.address_bytes = megabytes << 20;
     const ToolResult result = runTool({"render", in("h.kiln"), "-o", in("o.png"), "--size", "3000x3000"}, options);
     if (result.exit_code == 0) continue;
-    // Below some size the system's loader itself has no room for the libraries: exit code 127, in a line of its own.
+    // Below some size the system's loader has no room for the libraries: exit code 127, with the loader's own line.
     EXPECT_TRUE(result.exit_code == 1 || result.exit_code == 127) << megabytes << ": " << result.err;
     EXPECT_EQ(result.errorLines().size(), 1u) << megabytes << ": " << result.err;
     failed += result.exit_code == 1 ? 1 : 0;
@@ -115,7 +115,7 @@ TEST_F(Limits, AddressSpaceThatIsTooSmall_endsInOneLine) {
   EXPECT_GT(failed, 0);
 }
 
-// Known because an option that is refused for letters, before the command looks at anything, takes no text.
+// Known because an option that refuses letters while the command line is parsed takes no text.
 TEST_F(Limits, EveryOptionThatIsANumber_takesDecimalDigitsOnly) {
   const std::regex option("\n +(?:-\\w,)?(--[\\w-]+) ");
   int numbers = 0;
@@ -140,7 +140,8 @@ TEST_F(Limits, EveryOptionThatIsANumber_takesDecimalDigitsOnly) {
   EXPECT_GT(numbers, 30) << "the walk over the options has lost its point";
 }
 
-// Known because a stack of slices has more files than a process may have open, and each command leaves what it found.
+// Known because a stack of slices has more files than a process may open, and each command leaves all files as they
+// were.
 TEST_F(Limits, FewOpenFiles_leaveNothingBehind) {
   fs::create_directories(in("slices"));
   const ForeignVolume slices = randomVolume({8, 8, 120}, VoxelType::u8, 1);

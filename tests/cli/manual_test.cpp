@@ -1,4 +1,4 @@
-// Runs the examples of README and manual. Known: an example exits with 0 where the files that it names exist.
+// Runs the examples of README and manual. Known: an example exits with 0 if its input files exist.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ class ManualCli : public ToolTest {
     return out;
   }
 
-  // The same example at a size that takes no time.
+  // Returns the example with a size that takes no time.
   static std::string small(std::string line) {
     const auto replace = [&](const char* pattern, const std::string& text) {
       line = std::regex_replace(line, std::regex(pattern), text);
@@ -48,7 +48,7 @@ class ManualCli : public ToolTest {
     return line;
   }
 
-  // Whether the words that name inputs exist in the folder.
+  // Returns true if all inputs of the line exist in the folder.
   bool namesWhatIsThere(const std::string& line) const {
     const std::regex input("[A-Za-z_0-9*/]+\\.(kiln|nrrd|nii\\.gz|json|exr|txt|vdb|mhd|raw)|[a-z_]+/");
     std::istringstream words(line);

@@ -1,6 +1,6 @@
-// A volume of 128 MB of voxels draws within 32 MB, half of them image, and the picture is that of 2 GB: the promise in
-// the first line of the README. The answer is the picture with more memory than the volume needs, and the peak that the
-// operating system counted.
+// A volume of 128 MB of voxels is drawn within 32 MB, half of them image, and the picture equals the picture drawn with
+// 2 GB: the promise in the first line of the README. Known from the picture with more memory than the volume needs, and
+// from the peak memory counted by the operating system.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST(MemoryBudget, ALargeHeadDrawsInThirtyTwoMegabytes) {
               statistics["memory"]["peak_cache_bytes"].get<double>() / 1048576,
               statistics["memory"]["peak_rss_bytes"].get<double>() / 1048576,
               statistics["memory"]["framebuffer_bytes"].get<double>() / 1048576);
-  // A sanitizer keeps what was freed and shadows every byte: its resident memory says nothing.
+  // A sanitizer keeps freed memory and shadows every byte: its resident memory is meaningless.
   if (!kSanitized) {
     EXPECT_LT(statistics["memory"]["peak_rss_bytes"], budget + (80ull << 20));
   }
@@ -75,12 +75,12 @@ TEST(MemoryBudget, SumsOfSeveralVolumesAreInTheAccount) {
   fs::remove_all(directory);
 }
 
-// Every kind of picture and conversion against budgets. The answer is the budget and 50 MiB for the program itself and
-// what the allocator keeps, as the system counts the process. From `least_mib` on, a row must draw or convert; below,
-// it refuses in one line.
+// Every kind of picture and conversion against budgets. The limit is the budget plus 50 MiB for the program itself and
+// the allocator's reserve, as counted by the system. From `least_mib` on, a row must succeed; below, it must be refused
+// in one line.
 struct BudgetRow {
   std::string name;
-  int least_mib;                       // the smallest of kBudgetsMib that suffices
+  int least_mib;                       // the smallest sufficient value of kBudgetsMib
   std::vector<std::string> arguments;  // IN/ stands for the test's folder
 };
 
@@ -110,8 +110,9 @@ BudgetRow compressed(const std::string& compression, const std::string& type, in
   return out;
 }
 
-// Least budgets: what threads draw with takes 3 MiB, a brick of 64³ voxels 2 MiB, one of 128³ 10 MiB. The image and
-// its planes take the rest: 16 to 24 bytes a pixel, for each eye, band, face or tile; a deep image 24 samples a pixel.
+// Least budgets: drawing buffers of the threads take 3 MiB, a brick of 64³ voxels 2 MiB, a brick of 128³ 10 MiB. The
+// image and its planes take the rest: 16 to 24 bytes a pixel, for each eye, band, face or tile; a deep image 24 samples
+// a pixel.
 std::vector<BudgetRow> pictureRows() {
   return {
       rendered("pixel lattice", 16, {"--size", "500x500", "--samples", "1"}),
@@ -136,7 +137,7 @@ std::vector<BudgetRow> pictureRows() {
   };
 }
 
-// What reads a store of so many bricks that their index is the most that it holds: 5 MiB of 32,767 bricks.
+// Commands on a store of so many bricks that their index is the largest buffer: 5 MiB for 32,767 bricks.
 std::vector<BudgetRow> manyBricksRows() {
   const std::string store = "IN/thin.kiln";
   return {
@@ -153,7 +154,8 @@ std::vector<BudgetRow> manyBricksRows() {
   };
 }
 
-// A picture of 36 bytes a pixel in compressions that hold much of it, with more threads than there is memory for.
+// A picture of 36 bytes a pixel in compressions that buffer much of the picture, with more threads than the memory
+// allows.
 std::vector<BudgetRow> compressedRows() {
   std::vector<BudgetRow> out;
   for (const char* const type : {"half", "float"}) {
@@ -191,7 +193,8 @@ std::vector<BudgetRow> largePictureRows() {
 }
 
 // Least budgets: a thread holds 38 MiB for bricks of 128³ voxels of 16 bits, 5 MiB for bricks of 64³, and 74 MiB for
-// those of floats. An OpenVDB grid is in memory whole, beside a thread's: 17 MiB of the small one, 99 MiB of the large.
+// bricks of 128³ floats. An OpenVDB grid is in memory whole, besides a thread's memory: 17 MiB for the small grid, 99
+// MiB for the large grid.
 std::vector<BudgetRow> conversionRows() {
   const std::vector<std::string> raw = {"--dims", "160,160,160", "--type", "u16"};
   return {
@@ -204,7 +207,7 @@ std::vector<BudgetRow> conversionRows() {
       converted("convert gzip NRRD", 48, "IN/packed.nrrd"),
       converted("convert OpenVDB", 128, "IN/head.vdb"),
       converted("convert OpenVDB of a pipe", 128, "IN/piped.vdb"),
-      // A store is made first, in the same budget.
+      // A store is made first, within the same budget.
       rendered("foreign raw", 48, {"--size", "200x200", "--dims", "160,160,160", "--type", "u16"}, "IN/o.exr",
                "IN/noise.raw"),
       rendered("foreign OpenVDB", 128, {"--size", "200x200"}, "IN/o.exr", "IN/head.vdb"),
@@ -223,7 +226,7 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert gzip NIfTI", 48, "IN/packed.nii.gz"),
       converted("convert TIFF stack", 48, "IN/tiffs", spacing),
       converted("convert multi-page TIFF", 48, "IN/noise.tif", spacing),
-      // A spacing that is not known is a note, but not where the budget is refused.
+      // An unknown spacing is a note, except when the budget is refused.
       converted("convert deflated TIFF", 48, "IN/packed.tif"),
       converted("convert DICOM", 48, "IN/slices"),
       converted("convert JPEG 2000 DICOM", 48, "IN/packed_slices"),
@@ -239,7 +242,7 @@ class BudgetTable : public ::testing::Test {
     directory_ = freshDirectory("budget_table");
     made({"convert", "phantom:head:160x160x160", in("head.kiln"), "--brick-size", "64"});
     made({"export", in("head.kiln"), in("head.vdb")});
-    // A file that was written to a pipe differs in one byte: the file has no places of its grids.
+    // A file written to a pipe differs in one byte: the file has no offsets of its grids.
     std::string piped = bytesOf(in("head.vdb"));
     ASSERT_EQ(piped[kVdbHasPlaces], 1);
     piped[kVdbHasPlaces] = 0;
@@ -271,7 +274,7 @@ class BudgetTable : public ::testing::Test {
   }
 
   void makeLargeStores() const {
-    // Bricks of 128 voxels have pages of their own, and the process keeps some of these pages.
+    // Bricks of 128 voxels use large pages, and the process keeps some of these pages.
     made({"convert", "phantom:head:288x288x288", in("large.kiln")});
     made({"convert", "phantom:head:512x512x512", in("huge.kiln")});
     made({"export", in("large.kiln"), in("large.vdb")});
@@ -306,7 +309,7 @@ class BudgetTable : public ::testing::Test {
   }
 
   ToolResult run(const BudgetRow& row, int budget_mib) const {
-    // Stores that stand beside foreign files.
+    // Stores beside foreign files.
     for (const char* const name : {"noise.raw.kiln", "head.vdb.kiln"}) fs::remove_all(in(name));
     std::vector<std::string> arguments = row.arguments;
     for (std::string& argument : arguments)
@@ -315,7 +318,7 @@ class BudgetTable : public ::testing::Test {
     return runTool(arguments);
   }
 
-  // Noise does not compress, so that files and bricks are as large as they can be.
+  // Noise does not compress, so files and bricks have their largest size.
   static ForeignVolume noise() { return randomVolume({kEdge, kEdge, kEdge}, VoxelType::u16, 1); }
   static std::string nrrdHeader(const std::string& encoding) {
     return "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 160 160 160\nendian: little\nencoding: " + encoding + "\n\n";
@@ -326,7 +329,7 @@ class BudgetTable : public ::testing::Test {
     writeText(in("noise.raw"), voxels);
     writeText(in("packed.nrrd"), nrrdHeader("gzip") + gzipped(voxels));
     writeText(in("small.raw"), voxels.substr(0, std::size_t{2} * 64 * 64 * 64));
-    // Sparse files, all of one value.
+    // Sparse files of a single value.
     writeText(in("thin.raw"), "");
     fs::resize_file(in("thin.raw"), 2 << 20);
     made({"convert", in("thin.raw"), in("thin.kiln"), "--dims", "2097152,1,1", "--type", "u8"});
@@ -358,7 +361,7 @@ class BudgetTable : public ::testing::Test {
   fs::path directory_;
 };
 
-// Tables of 16 million bricks: refused before anything is read or written, with the memory that suffices.
+// Tables of 16 million bricks are refused before any read or write, with the memory that suffices.
 TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
   fs::resize_file(in("thin.raw"), 1ull << 30);
   const std::vector<std::string> input = {"convert",        in("thin.raw"), in("c.kiln"), "--dims",
@@ -378,7 +381,7 @@ TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
   EXPECT_FALSE(fs::exists(in("c.kiln")));
 }
 
-// Each row at its least budget draws or converts, so that refusals are no excuse.
+// Each row succeeds at its least budget, so that refusals cannot hide failures.
 TEST_F(BudgetTable, UsualPicturesAndConversions_succeedWithinTheLeastBudget) {
   for (const std::vector<BudgetRow>& rows : {pictureRows(), manyBricksRows(), conversionRows()}) {
     for (const BudgetRow& row : rows) check(row, row.least_mib);

@@ -1,4 +1,4 @@
-// Sentences that name the file and the true reason. Known because each test makes the one file that is at fault.
+// Errors that name the file and the true reason. Known because each test makes the single faulty file.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -28,7 +28,7 @@ class Messages : public ToolTest {
   void putNifti(const NiftiHeader& header) const {
     writeBytes(in("a.nii"), niftiFile(header, Bytes(5 * 4 * 3 * static_cast<std::size_t>(header.bitpix) / 8, 1)));
   }
-  // A conversion of `input` that is done, with a line for each of the notes, each behind the name of `input`.
+  // Converts `input` and expects success with a line for each note, prefixed by the name of `input`.
   void expectNotes(const std::string& input, const std::vector<std::string>& notes) {
     const std::vector<std::string> lines = done({"convert", in(input), in("o.kiln"), "--overwrite"}).errorLines();
     ASSERT_EQ(lines.size(), notes.size()) << testing::PrintToString(lines);
@@ -102,7 +102,7 @@ TEST_F(Messages, NameOfADataFileThatIsTooLong_IsTheReason) {
   refused({"convert", in("a.nhdr"), in("p.kiln")}, 1, "cannot be examined: File name too long");
 }
 
-// Known: each header names itself, or what is no file of voxels.
+// Known: each header refers to itself, or to a file without voxels.
 TEST_F(Messages, DataFileThatHoldsNoVoxels_IsRefused) {
   fs::create_directory(in("folder"));
   ASSERT_EQ(::mkfifo(in("pipe").c_str(), 0600), 0);
@@ -232,7 +232,7 @@ TEST_F(Messages, FunctionsThatAreNone_AreNamedWithWhatWasFound) {
   expect("label red\n", "expected a transfer function in JSON, which begins with { or [, or a label description");
 }
 
-// Known: doubles end at 1e308, so that squares of these spacings are none.
+// Known: doubles end at 1e308, so squares of these spacings overflow.
 TEST_F(Messages, SpacingsBeyondWhatIsComputedWith_AreNamed) {
   const auto nrrd = [&](const std::string& field) {
     writeText(in("a.nrrd"),
@@ -304,7 +304,7 @@ TEST_F(Messages, WhatIsInTheWayOfALock_IsNamedAndStays) {
   EXPECT_EQ(readTextFile(in("h.kiln.lock")), "precious");
 }
 
-// A link to itself cannot be read by anybody.
+// A link to itself cannot be read.
 TEST_F(Messages, OneEntryThatCannotBeRead_IsPassedOverWhereItIsNoSlice) {
   putSlices();
   fs::create_symlink("notes.txt", in("slices/notes.txt"));
@@ -321,7 +321,7 @@ TEST_F(Messages, OneEntryThatCannotBeRead_IsPassedOverWhereItIsNoSlice) {
   refused({"convert", in("slices"), in("p.kiln")}, 1, in("slices/notes.txt") + ": looking for it: Too many levels");
 }
 
-// OpenVDB would print a warning of its own.
+// OpenVDB would print its own warning.
 TEST_F(Messages, TreesOfSeveralBuffers_AreRefusedInOneLine) {
   writeVdb(in("a.vdb"), {VdbSpec{}});
   const std::string whole = readTextFile(in("a.vdb"));

@@ -1,5 +1,5 @@
-// Names that lead elsewhere, that are taken already, or that mean something to others. Known because each file is where
-// it was asked for, and nothing that was there is gone.
+// Names that are links, that exist already, or that are special files. Known because each output is at the requested
+// name, and all earlier files are still there.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -46,7 +46,7 @@ TEST_F(Names, ALinkStaysAndItsTargetIsWritten) {
   }
 }
 
-// The store behind a link is replaced as one without is, and what it held is not left half.
+// A store behind a link is replaced like a store without a link, and its old contents are removed completely.
 TEST_F(Names, AStoreBehindALinkIsReplaced) {
   fs::create_directory_symlink("h.kiln/", in("link.kiln"));
   done({"convert", "phantom:head:32x32x32", in("link.kiln"), "--brick-size", "16", "--overwrite"});
@@ -55,7 +55,7 @@ TEST_F(Names, AStoreBehindALinkIsReplaced) {
   done({"verify", in("h.kiln")});
 }
 
-// As `kiln ... --stats /dev/stdout > log` has it: behind what is there, before what comes.
+// As in `kiln ... --stats /dev/stdout > log`: after earlier output and before later output.
 TEST_F(Names, StandardOutputIsWrittenWhereItStands) {
   const std::string log = in("log"), kiln = "'" + std::string(KILN_TOOL) + "'";
   const std::string command = "{ echo begun; " + kiln + " render '" + in("h.kiln") + "' -o '" + in("p.png") +
@@ -94,7 +94,7 @@ TEST_F(Names, ThatCannotBeMadeAreRefusedBeforeTheWork) {
   EXPECT_FALSE(fs::exists(in("p.png")));
 }
 
-// A pipe that nobody reads from would keep the command waiting without end.
+// A pipe without a reader would block the command forever.
 TEST_F(Names, OfPipesAreNoOutputs) {
   const std::string mention = ": is a named pipe; name a file";
   done(drawn("part.exr", {"--part", "1/1"}));
@@ -114,7 +114,7 @@ TEST_F(Names, OfPipesAreNoOutputs) {
   refused({"export", in("h.kiln"), in("f.vdb"), "--overwrite"}, 2, in("f.vdb") + mention);
   EXPECT_TRUE(fs::is_fifo(in("f.vdb")));
   EXPECT_FALSE(fs::exists(in("p.png")));
-  // Devices are written to: one takes everything, one nothing.
+  // Devices are valid outputs: /dev/null accepts everything, /dev/full nothing.
   for (const char* name : {"null", "full"})
     for (const char* ending : {".png", ".json"})
       fs::create_symlink(std::string("/dev/") + name, in(std::string(name) + ending));
@@ -145,7 +145,7 @@ TEST_F(Names, EndingsMayBeInCapitals) {
   refused(drawn("V.MP4", {"--frames", "1-2", "--stereo", "both"}), 2, "--stereo");
 }
 
-// Nobody writes into it.
+// The pipe has no writer.
 TEST_F(Names, APipeIsNoInput) {
   ASSERT_EQ(std::system(("mkfifo '" + in("v.nrrd") + "'").c_str()), 0);
   refused({"convert", in("v.nrrd"), in("v.kiln")}, 1, "is a pipe or a device");
@@ -154,7 +154,7 @@ TEST_F(Names, APipeIsNoInput) {
 TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
   refused(drawn("p.png", {"--spacing", "1,1,5"}), 2, "--spacing applies to files without axes of their own only");
   refused(drawn("p.png", {"--dims", "3,3,3", "--type", "u8"}), 2, "--dims applies to headerless raw data only");
-  // Of INPUT, not of what is drawn beside it.
+  // Options apply to INPUT, not to volumes added to the picture.
   writeRaw();
   writeText(in("v.nhdr"),
             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 16\nspacings: 1 1 2\nencoding: raw\n"
@@ -182,7 +182,7 @@ TEST_F(Names, ADryRunOfAForeignFileMakesNoStore) {
   EXPECT_NE(done(dry).out.find("bricks"), std::string::npos);
 }
 
-// Each part has the bricks of its box; one less, and it is damaged.
+// Each part has the bricks of its box; with a brick missing, the part is damaged.
 TEST_F(Names, PartsOfAStoreAreVerifiedAsSuch) {
   done({"split", in("h.kiln"), "-o", in("part_#.kiln"), "--parts", "4"});
   for (const char* name : {"part_1.kiln", "part_4.kiln"}) {
@@ -195,7 +195,7 @@ TEST_F(Names, PartsOfAStoreAreVerifiedAsSuch) {
     break;
   }
   EXPECT_EQ(runTool({"verify", in("part_1.kiln")}).exit_code, 1);
-  // What is called so in a whole store is a stranger.
+  // A file named part.txt in a whole store does not belong to the store.
   writeText(in("h.kiln/part.txt"), "mine");
   EXPECT_NE(done({"verify", in("h.kiln")}).out.find("whole"), std::string::npos);
 }

@@ -1,4 +1,4 @@
-// Outputs that are files which the command reads, by whatever name: refused, and no byte of them changed.
+// Outputs that are also inputs of the command, under any name: refused, and no byte changed.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -28,7 +28,7 @@ class OverwrittenInputs : public ToolTest {
     for (int z = 0; z < 3; ++z) writeTiff(in("slices/s" + std::to_string(z) + ".tif"), slices, z, z + 1);
   }
 
-  // Each command with the output `found`, which leads to `read`.
+  // Runs the command with an output `found` that is the input `read`.
   void expectRefused(const std::vector<std::string>& command, const std::string& read,
                      const std::string& mention = "which this command reads") {
     const std::vector<std::byte> before = readFile(in(read));
@@ -62,7 +62,7 @@ TEST_F(OverwrittenInputs, OfRender_AreRefusedByAnyName) {
   EXPECT_FALSE(fs::exists(in("slices.kiln"))) << "refused after a conversion";
   EXPECT_FALSE(fs::exists(in("v.nhdr.kiln"))) << "refused after a conversion";
   expectRefused({"render", in("v.kiln"), "--size", "16x16", "-o", in("brick.png")}, "v.kiln/bricks/0/0_0_0.vdb");
-  // A file that is only beside what is read may be written.
+  // A file beside the inputs may be written.
   writeText(in("slices/notes.json"), "{}");
   done(rendering("slices", {"--stats", in("slices/notes.json")}));
 }
@@ -96,7 +96,7 @@ TEST_F(OverwrittenInputs, OfBench_AreRefusedByAnyName) {
   }
 }
 
-// Names at which a command keeps unfinished work are none for its other outputs.
+// Names of a command's unfinished work are refused for its other outputs.
 TEST_F(OverwrittenInputs, NamesOfUnfinishedWork_AreNoOutputs) {
   const std::string another = "is the name of another file of this command";
   for (const char* option : {"--stats", "--trace"}) {

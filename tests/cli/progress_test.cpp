@@ -1,5 +1,5 @@
-// What a long frame says while it is drawn: to people on a terminal one line that is drawn over, to machines events.
-// The frame is interrupted once it has said enough, so that nothing here waits for its end.
+// Progress of a long frame: a line redrawn in place on a terminal, events for machines. The test interrupts the frame
+// after enough output, so that no test waits for the end.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ class ProgressCli : public ToolTest {
   ProgressCli() : ToolTest("progress_") {}
   void SetUp() override { done({"convert", "phantom:head:60x60x60", in("h.kiln"), "--brick-size", "16"}); }
 
-  // A frame that would take many seconds, interrupted; nothing of it is left.
+  // Interrupts a frame that would take many seconds; no file of the frame remains.
   ToolResult interrupted(const std::vector<std::string>& more, const ToolOptions& options) const {
     std::vector<std::string> words = {"render",  in("h.kiln"), "-o", in("f_#.exr"), "--size", "2000x2000", "--tf",
                                       "ct-skin", "--samples",  "16", "--view",      "front",  "--threads", "1"};
@@ -67,8 +67,8 @@ TEST_F(ProgressCli, EventsSayHowFarAFrameIs) {
   EXPECT_EQ(result.errorLines().size(), 1u) << result.err;
 }
 
-// Known because \r and "erase to the end of the line" are what draws a line over, and a line that was as long as the
-// terminal is wide would be broken.
+// Known because \r and "erase to the end of the line" redraw a line, and a line of the terminal's full width would
+// wrap.
 TEST_F(ProgressCli, OnATerminalALineIsDrawnOver) {
   ToolOptions options;
   options.terminal_columns = 60;

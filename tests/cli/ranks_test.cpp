@@ -1,5 +1,5 @@
-// Several ranks under mpirun are one program: what they print, how they end, and that what they draw is what one
-// process draws. Skipped where Kiln is built without MPI or mpirun is not there.
+// Several ranks under mpirun behave as one program: output, exit, and pictures equal to a single process's. Skipped if
+// Kiln is built without MPI or mpirun is not installed.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -39,7 +39,7 @@ TEST_F(Ranks, OneOfThemSpeaks) {
   EXPECT_EQ(info.out, runTool({"info", store.string()}).out);
 }
 
-// mpirun adds sentences of its own about the exit code.
+// mpirun adds its own sentences about the exit code.
 TEST_F(Ranks, OneSentenceSaysWhatFailed) {
   const auto said = [](const ToolResult& result) {
     int out = 0;
@@ -55,7 +55,7 @@ TEST_F(Ranks, OneSentenceSaysWhatFailed) {
   EXPECT_EQ(said(wrong), 1) << wrong.err;
 }
 
-// Sends a signal to one process of the program whose command line names the folder.
+// Sends a signal to a process of the program whose command line contains the folder.
 bool signalOneRank(const std::string& folder, int signal) {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename();
@@ -80,7 +80,7 @@ class RanksRender : public Ranks {
     EXPECT_EQ(runTool({"convert", "phantom:head:64x64x64", volume_, "--brick-size", "16"}).exit_code, 0);
   }
 
-  // Draws to `folder`; returns what --stats says.
+  // Draws to `folder` and returns the statistics of --stats.
   nlohmann::json drawn(int ranks, const std::string& folder, std::vector<std::string> more) {
     const std::string stats = (directory_ / (folder + ".json")).string();
     std::vector<std::string> arguments = {"render", volume_, "--threads", "1", "--stats", stats};
@@ -93,7 +93,7 @@ class RanksRender : public Ranks {
     return nlohmann::json::parse(readTextFile(stats));
   }
 
-  // Two ranks, each with a working directory and a command of its own.
+  // Runs two ranks, each with a separate working directory and command.
   ToolResult inFolders(const std::string& first, const std::vector<std::string>& command, const std::string& second,
                        const std::vector<std::string>& other) {
     std::vector<std::string> arguments = command;
@@ -148,7 +148,7 @@ TEST_F(RanksRender, FramesAreTheSameHoweverTheyAreShared) {
     EXPECT_TRUE(filesOf(directory_ / "many") == whole) << shared_by;
     EXPECT_EQ(stats["shared_by"], shared_by);
     EXPECT_EQ(stats["frames"].size(), 8u);
-    // What is there is kept, what is not is drawn.
+    // Existing pictures are kept, missing pictures are drawn.
     fs::remove(directory_ / "many/t_02.png");
     fs::resize_file(directory_ / "many/t_07.png", 100);
     shared.emplace_back("--resume");
@@ -160,8 +160,8 @@ TEST_F(RanksRender, FramesAreTheSameHoweverTheyAreShared) {
   }
 }
 
-// One thread a rank reads nothing ahead: what is read is what is seen, as one process sees it, and a file is read once
-// for all. Each for itself reads those that several see several times.
+// With a thread a rank there is no read-ahead: the bricks read are the visible bricks, as in a single process, and each
+// file is read once for all ranks. Without sharing, bricks visible to several ranks are read several times.
 TEST_F(RanksRender, BricksThatSeveralSeeAreReadOnce) {
   std::vector<std::string> look = {"-o", "OUT/a.exr", "--size", "200x160", "--tf", "ct-bone-and-skin"};
   const auto one = drawn(0, "one", look);
@@ -192,7 +192,8 @@ TEST_F(RanksRender, BricksThatSeveralSeeAreReadOnce) {
   EXPECT_NE(wrong.err.find("--share-reads: expected one of off, on, found 'maybe'"), std::string::npos) << wrong.err;
 }
 
-// What is not one image of pixels is one rank's, frame by frame, and each rank keeps a trace of its own.
+// A picture that is no single image of pixels is drawn by a single rank, frame by frame, and each rank writes a
+// separate trace.
 TEST_F(RanksRender, ViewsThatHaveNoTilesAreSharedByFrames) {
   for (const std::vector<std::string>& look : std::vector<std::vector<std::string>>{
            {"-o", "OUT/d_##.exr", "--size", "30x20", "--turntable", "2", "--deep"},
@@ -217,7 +218,7 @@ TEST_F(RanksRender, ViewsThatHaveNoTilesAreSharedByFrames) {
   }
 }
 
-// Known because parts that fill the volume make the whole (tests/composite/partial_image_property_test.cpp).
+// Known because parts that fill the volume form the whole (tests/composite/partial_image_property_test.cpp).
 TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   const auto expectClose = [&](const std::string& name) {
     const ImageDifference difference =
@@ -245,7 +246,7 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
       EXPECT_EQ(readImageText(directory_ / "many" / name), readImageText(directory_ / "one" / name));
     }
   }
-  // Each rank has no more than its part, and the job's own volume is not there.
+  // Each rank has only its part of the store, and the job's own volume is not there.
   const std::string parts = (directory_ / "part_#.kiln").string();
   const ToolResult split = runTool({"split", volume_, "-o", parts, "--parts", "3", "--tf", "ct-skin"});
   ASSERT_EQ(split.exit_code, 0) << split.err;
@@ -269,7 +270,7 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   EXPECT_NE(foreign.err.find("holds a part of another store than " + other.string()), std::string::npos) << foreign.err;
 }
 
-// A brick that cannot be read fails the frames that need it and no others, whichever rank finds it.
+// An unreadable brick fails exactly the frames that need the brick, whichever rank reads it.
 TEST_F(RanksRender, AFrameThatFailsCostsNoOther) {
   const fs::path brick = fs::path(volume_) / "bricks/0/2_2_2.vdb";
   ASSERT_TRUE(fs::exists(brick));
@@ -319,7 +320,7 @@ TEST_F(RanksRender, ARankThatIsKilledEndsTheJobAndResumeCompletesIt) {
   EXPECT_TRUE(files == filesOf(directory_ / "one"));
 }
 
-// One rank has another volume of the same name, as on a disk of its own. Known because its pictures differ.
+// A rank has another volume under the same name, as on a local disk. Known because its pictures differ.
 TEST_F(RanksRender, ARankWithAnotherVolumeIsRefused) {
   for (const char* folder : {"zero", "other"}) fs::create_directories(directory_ / folder);
   fs::copy(volume_, directory_ / "zero/h.kiln", fs::copy_options::recursive);
@@ -336,7 +337,7 @@ TEST_F(RanksRender, ARankWithAnotherVolumeIsRefused) {
     EXPECT_NE(result.err.find("the store h.kiln is another volume, with checksum "), std::string::npos) << result.err;
     EXPECT_TRUE(fs::is_empty(directory_ / "many")) << shared_by;
   }
-  // A time series that differs in its second frame only.
+  // A time series that differs only in its second frame.
   for (const char* folder : {"zero", "other"}) {
     for (const char* name : {"s_1.kiln", "s_2.kiln"})
       fs::copy(directory_ / "zero/h.kiln", directory_ / folder / name, fs::copy_options::recursive);
@@ -365,7 +366,7 @@ TEST_F(RanksRender, ARankWithAnotherCommandOrJobIsRefused) {
   expectRefused({"render", volume_, "-o", picture, "--size", "40x40", "--dry-run"}, "--dry-run is ");
   expectRefused({"info", volume_}, "the command is info there and render here");
   expectRefused({"render", volume_, "--sideways"}, "--sideways there and not given here");
-  // One name of a job, and two jobs.
+  // A single job name with two contents.
   for (const auto& [folder, ambient] : {std::pair{"zero", "0.2"}, std::pair{"other", "0.4"}}) {
     fs::create_directories(directory_ / folder);
     FileSystem::real().writeAtomic(directory_ / folder / "job.json",
@@ -379,7 +380,7 @@ TEST_F(RanksRender, ARankWithAnotherCommandOrJobIsRefused) {
   EXPECT_FALSE(fs::exists(picture));
 }
 
-// Stopped, a rank answers nothing; all others would wait for it without end.
+// A stopped rank does not answer; without a watch all other ranks would wait forever.
 TEST_F(RanksRender, ARankThatIsStoppedEndsTheJobAndIsNamed) {
   ToolOptions options;
   options.ranks = 2;
@@ -400,7 +401,7 @@ TEST_F(RanksRender, ARankThatIsStoppedEndsTheJobAndIsNamed) {
   EXPECT_NE(result.err.find(" s; it is stopped, or its machine or network is gone; --rank-timeout 2 ends"),
             std::string::npos)
       << result.err;
-  // Continued and interrupted by mpirun, the rank has nothing to add.
+  // A rank continued and interrupted by mpirun prints nothing.
   EXPECT_EQ(result.err.find("interrupted"), std::string::npos) << result.err;
 }
 

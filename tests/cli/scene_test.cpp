@@ -1,6 +1,5 @@
-// What a picture shows, as users set it on the command line. Known because the header of an EXR holds the job with
-// every choice made: drawn again it is the same file, byte for byte, whatever was set; and because a wrong option is
-// one line that names it.
+// Contents of a picture, as set on the command line. Known because the header of an EXR holds the job with every
+// choice: drawn again, the file has equal bytes for every option. A wrong option gives one line that names the option.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -31,7 +30,7 @@ class SceneCli : public ::testing::Test {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return readImage(in("a.exr"));
   }
-  // The picture, after it was drawn again from its header and came out equal.
+  // Draws the picture, draws it again from its header, and expects equality.
   Image drawnTwice(const std::vector<std::string>& options) const {
     const Image image = drawn(options);
     std::ofstream(in("job.json")) << readImageText(in("a.exr")).at("kiln:job");
@@ -72,7 +71,7 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   expectRefused({"--window", "3,0"}, "--window");
 }
 
-// A volume of 20 voxels in 24 pixels is refined, so that every interpolation is another picture.
+// A volume of 20 voxels in 24 pixels is refined, so that every interpolation gives a different picture.
 TEST_F(SceneCli, Interpolation_inTheVoxelLattice_isRefused) {
   const Image linear = drawnTwice({"--tf", "fire"});
   EXPECT_EQ(drawn({"--tf", "fire", "--interpolation", "linear"}).rgba, linear.rgba);
@@ -98,7 +97,7 @@ TEST_F(SceneCli, DistancesOfSamples) {
   expectRefused({"--mode", "mip", "--sample-distance", "0.6"}, "--sample-distance: --mode mip");
 }
 
-// Each option changes the picture, and what it does is in the header.
+// Each option changes the picture, and its effect is in the header.
 TEST_F(SceneCli, LightClippingAndBackground) {
   const Image by_default = drawnTwice({"--tf", "auto"});
   const std::vector<std::vector<std::string>> settings = {
@@ -114,7 +113,7 @@ TEST_F(SceneCli, LightClippingAndBackground) {
       drawn({"--light", "headlight", "--shading", "phong", "--background", "transparent", "--region", "0,0,0,20,20,16"})
           .rgba,
       by_default.rgba);
-  // Of a job, an option replaces what it names, and leaves the other cuts.
+  // An option replaces the named cut of a job and keeps the other cuts.
   const auto of_job = [&](const std::string& box, const std::string& plane, const std::vector<std::string>& more) {
     writeText(in("cuts.json"), R"({"volume": ")" + store_ +
                                    R"(", "image": {"width": 32, "height": 24}, "worldRegion": )" + box +
@@ -163,7 +162,7 @@ TEST_F(SceneCli, ATransferFunctionIsShown) {
     EXPECT_NE(store.out.find(says), std::string::npos) << store.out;
   const Image picture = readImage(in("tf.png"));
   EXPECT_EQ(picture.width, 960);
-  // The red line of the opacity is there, at the bottom on the left and nowhere else in that column.
+  // The red line of the opacity is at the bottom on the left, and nowhere else in its column.
   const auto red = [&](int x, int y) { return picture.pixel(x, y)[0] > 3 * picture.pixel(x, y)[1]; };
   EXPECT_TRUE(red(60, 329));
   for (int y = 30; y < 320; ++y) EXPECT_FALSE(red(60, y)) << y;
@@ -193,7 +192,7 @@ TEST_F(SceneCli, ACropIsThatPartOfThePicture) {
 TEST_F(SceneCli, SamplesOfAPixel) {
   const Image one = drawn({"--samples", "1"});
   const Image four = drawnTwice({"--samples", "4"});
-  // Nobody says: small voxels have more.
+  // By default, small voxels get more samples.
   EXPECT_EQ(drawn({}).rgba, four.rgba);
   EXPECT_EQ(drawn({"--samples", "auto"}).rgba, four.rgba);
   EXPECT_EQ(drawn({"--zoom", "8"}).rgba, drawn({"--zoom", "8", "--samples", "1"}).rgba);

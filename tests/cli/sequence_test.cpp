@@ -1,5 +1,5 @@
-// Many frames as users meet them: what a job of many frames leaves on the disk however it was interrupted, what it says
-// to people and machines, and what it refuses.
+// Sequences as users see them: files of an interrupted job of many frames, messages for people and machines, and
+// refusals.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class SequenceCli : public ToolTest {
   SequenceCli() : ToolTest("sequence_") {}
   void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
 
-  // A turn with a fade from skin to bone, a plane that cuts in and a light that goes round: job.json.
+  // Writes job.json: a turn with a fade from skin to bone, a moving clip plane and a moving light.
   void writeTurn(int frames, const std::string& more = "") const {
     writeText(in("job.json"), fmt::format(R"({{ "kiln": 1, "volume": "h.kiln", // all that moves
       "output": "out/f_####.exr", {} "image": {{"width": 40, "height": 36}},
@@ -42,7 +42,8 @@ class SequenceCli : public ToolTest {
     fs::create_directories(in("out"));
   }
 
-  // Where a stand-in for ffmpeg is found, which writes its arguments and what it gets; it fails where there is "fail".
+  // Returns a PATH with a substitute for ffmpeg that stores its arguments and input; it fails if the file "fail"
+  // exists.
   std::string pathWithFfmpeg() const {
     fs::create_directories(in("bin"));
     writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
@@ -65,8 +66,8 @@ class SequenceCli : public ToolTest {
   }
 };
 
-// Known because the other half was never interrupted: a job that is killed twice, once between frames and once by the
-// hardest of signals' leftovers, and gone on with, leaves the same files to the bit.
+// Known because another job is never interrupted. A job that is killed twice (between frames, and with the files of a
+// power cut) and resumed leaves equal files, to the bit.
 TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {
   writeTurn(12, R"("outputs": [{"path": "out/p_####.png"}, {"path": "out/z_####.exr", "content": "depth"},
                                {"path": "out/n_####.exr", "content": "normal"}],)");
@@ -79,13 +80,13 @@ TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {
     ToolOptions interrupt;
     interrupt.interrupt_when = [&] { return picturesIn("out") > enough; };
     const ToolResult result = runTool({"render", in("job.json"), "--resume"}, interrupt);
-    if (result.exit_code == 0) continue;  // it was faster than we
+    if (result.exit_code == 0) continue;  // the job ended before the kill
     EXPECT_EQ(result.exit_code, 1) << result.err;
     EXPECT_NE(result.err.find("of 12 frames are there and stay; the same command with --resume goes on"),
               std::string::npos)
         << result.err;
   }
-  // What a machine that loses its power leaves: a file cut short, an empty one, and a temporary one.
+  // A power cut leaves a truncated file, an empty file and a temporary file.
   const std::string first = in("out/f_0001.exr");
   fs::resize_file(first, fs::file_size(first) - 100);
   writeText(in("out/z_0002.exr"), "");
@@ -97,7 +98,7 @@ TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {
   EXPECT_NE(done({"render", in("job.json"), "--resume"}).out.find("0 drawn, 12 kept"), std::string::npos);
 }
 
-// Known because a frame of a sequence is the picture of a still job that says the same.
+// Known because a frame of a sequence equals the picture of a still job with equal settings.
 TEST_F(SequenceCli, AFrameIsTheStillPicture) {
   done({"render", in("h.kiln"), "-o", in("t_##.exr"), "--size", "40x40", "--turntable", "8", "--view", "front",
         "--frames", "1-8x2", "--stats", in("s.json")});
@@ -112,15 +113,15 @@ TEST_F(SequenceCli, AFrameIsTheStillPicture) {
   EXPECT_EQ(again.out, in("one.exr") + ": kept; it is there and whole\n");
   done({"render", in("h.kiln"), "-o", in("d_##/p.png"), "--size", "9x9", "--turntable", "2"});
   EXPECT_TRUE(fs::exists(in("d_02/p.png")));
-  // Nothing is read twice: bricks stay in memory from frame to frame.
+  // No brick is read twice: bricks stay in memory from frame to frame.
   const Json frames = Json::parse(readTextFile(in("s.json")))["frames"];
   EXPECT_EQ(frames[1]["frame"], 3);
   EXPECT_LE(frames[1]["bricks"]["read"].get<int>(), 3);
   EXPECT_GT(frames[3]["memory"]["peak_rss_bytes"].get<std::uint64_t>(), 0u);
 }
 
-// Known because an option and a job's key are two ways to say one thing, and because what only changes how fast a
-// picture appears changes no bit of it (areas enlarged beyond the picture hide nothing wrongly).
+// Known because an option and the job's key are equivalent, and because performance options change no bit of the
+// picture (areas enlarged beyond the picture hide nothing wrongly).
 TEST_F(SequenceCli, OptionsAreTheJobsKeys) {
   const auto drawn = [&](std::vector<std::string> options, const std::string& keys) {
     options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("o.exr"), "--size", "24x20"});
@@ -148,7 +149,7 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   refused({"render", in("job.json"), "--resume", "--ambient", "0.3"}, 1,
           "f_0001.exr: is a picture of another job: shading.ambient is 0.2 there and 0.3 here; name another output");
   refused({"render", in("job.json"), "--resume", "--exr-type", "float"}, 1, "kind of file");
-  // A moved store is the same volume, so that it is no difference either.
+  // A moved store is the same volume, so the move is no difference either.
   fs::create_directory_symlink(in("h.kiln"), in("moved.kiln"));
   refused({"render", in("moved.kiln"), "-o", in("out/f_####.exr"), "--frames", "1", "--resume"}, 1,
           "of another job: image.width is 40 there and 1024 here");
@@ -166,7 +167,7 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--progress", "loud"}, 2, "--progress");
 }
 
-// A time series: each frame its own volume; one that is not there costs its own frame only.
+// A time series with a volume for each frame; a missing volume fails only its own frame.
 TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
   for (const int frame : {1, 2, 4}) {
     const std::string spacing = std::to_string(30 + frame);
@@ -194,7 +195,7 @@ TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
   EXPECT_NE(done({"render", in("job.json"), "--resume"}).out.find("1 drawn, 3 kept, 0 failed"), std::string::npos);
 }
 
-// A stand-in for ffmpeg that keeps what it is told and given.
+// A substitute for ffmpeg that stores its arguments and input.
 TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   const std::string path = pathWithFfmpeg();
   writeTurn(3);
@@ -213,7 +214,7 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   EXPECT_NE(readTextFile(in("arguments")).find("-pix_fmt rgb24 -s 40x36 -r 25/2 -i - -an"), std::string::npos);
   const std::vector<std::byte> video = readFile(in("v.mp4"));
   ASSERT_EQ(video.size(), 3u * 40 * 36 * 3);
-  // The frames of a job that writes pictures, too, are those of the pictures.
+  // A job that also writes pictures encodes the frames of these pictures.
   writeTurn(3, R"("outputs": [{"path": "w_#.png"}], "video": {"rate": 12.5},)");
   done({"render", in("job.json"), "--resume"});
   writeText(in("job2.json"), R"({"volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
@@ -243,7 +244,7 @@ TEST_F(SequenceCli, Ffmpeg_InTheWorkingDirectory_IsNotRun) {
   done({"render", in("job.json"), "-o", in("v.mp4")});
 }
 
-// The installed ffmpeg accepts the arguments and frames that the stand-in above only stores.
+// The installed ffmpeg accepts the arguments and frames that the substitute above only stores.
 TEST_F(SequenceCli, Video_ByTheInstalledFfmpeg_HasEveryFrame) {
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
   for (const char* video : {"v.mp4", "v.webm"}) {
@@ -288,7 +289,7 @@ TEST_F(SequenceCli, NtscRates_areExactInTheVideo) {
           "--rate: expected frames a second from 0.1 to 1000, such as 25, 23.976, 29.97 or 24000/1001, found 'fast'");
 }
 
-// An encoder that hangs is not waited for once somebody interrupts.
+// After an interrupt the program does not wait for an encoder that hangs.
 TEST_F(SequenceCli, AnEncoderThatHangsCanBeInterrupted) {
   const std::string path = pathWithFfmpeg();
   writeText(in("bin/ffmpeg"), "#!/bin/sh\nexec sleep 1000\n");
@@ -303,7 +304,7 @@ TEST_F(SequenceCli, AnEncoderThatHangsCanBeInterrupted) {
   EXPECT_NE(stopped.err.find("interrupted"), std::string::npos) << stopped.err;
 }
 
-// Known because the job's own words are where the camera is.
+// Known because the job's own keyframes place the camera.
 TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
   writeText(in("keys.json"),
             R"({"volume": "h.kiln", "output": "k_#.png", "image": {"width": 16, "height": 16}, "camera":
@@ -316,8 +317,8 @@ TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
   refused({"render", in("none.json")}, 2, "no whole frame is between the first keyframe and the last");
 }
 
-// An EXR has a pair in two parts; a video has one beside the other. Known because what lies between two keys is halfway
-// the still picture of half of both.
+// An EXR stores a pair in two parts; a video stores the eyes side by side. Known because halfway between two keys the
+// frame equals the still picture of the mean settings.
 TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   const PathOf stand_in(pathWithFfmpeg());
   const std::string image = R"("image": {"width": 40, "height": 36}, "stereo": {"eye": "both", )";

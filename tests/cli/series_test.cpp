@@ -14,7 +14,7 @@ class SeriesCli : public ToolTest {
  protected:
   SeriesCli() : ToolTest("series_") {}
 
-  // A cube of `edge` voxels in as large a volume, denser each time, with the same middle.
+  // A cube of `edge` voxels in a volume of the same size, denser in each frame, with a constant middle.
   void writeFrame(int frame) const {
     const int n = 8 * frame;
     const std::string voxels(static_cast<std::size_t>(n * n * n), static_cast<char>(40 * frame));
@@ -74,8 +74,8 @@ TEST_F(SeriesCli, Frame_isTheSameWhicheverOthersAreDrawn) {
                 image(std::string("all_") + number + ".exr").rgba);
 }
 
-// A frame written after the first pictures must not change the earlier pictures.
-// Known: the camera is that of the readable stores, and a damaged or unfinished store fails as its own frame.
+// A frame written after the first pictures must not change the earlier pictures. Known: the camera is fitted to the
+// readable stores, and a damaged or unfinished store fails as its own frame.
 TEST_F(SeriesCli, FrameWithoutReadableManifest_costsNoOther) {
   for (const int frame : {1, 2, 3}) convert(frame);
   const fs::path manifest = in("s_002.kiln/manifest.json");

@@ -1,5 +1,6 @@
-// A conversion under mpirun. Known because one process makes the same store; what ranks do without the processes is in
-// tests/convert/shared_conversion_property_test.cpp. Skipped where Kiln is built without MPI or mpirun is not there.
+// A conversion under mpirun. Known because a single process makes an equal store;
+// tests/convert/shared_conversion_property_test.cpp covers ranks without processes. Skipped if Kiln is built without
+// MPI or mpirun is not installed.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -16,7 +17,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// The process that is a rank of the job that writes to `out`; 0 where there is none.
+// Returns the process of a rank of the job that writes to `out`, 0 if there is none.
 pid_t processOf(int rank, const fs::path& out) {
   const auto text_of = [](const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -47,7 +48,7 @@ class RanksConvert : public ::testing::Test {
   }
 };
 
-// But for the manifest, which knows the command and when it was given.
+// Returns all files except the manifest, which contains the command and its time.
 std::map<std::string, std::vector<std::byte>> bricksOf(const fs::path& store) {
   std::map<std::string, std::vector<std::byte>> out = filesOf(store);
   EXPECT_EQ(out.erase("manifest.json"), 1u);

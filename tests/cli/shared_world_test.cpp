@@ -1,5 +1,5 @@
-// Volumes of different frames and units in one picture. Known because a volume written in RAS and in LPS, or in
-// micrometres and in millimetres, is a body at a place: the pictures are equal to the bit.
+// Volumes of different frames and units in a picture. Known because a body has a single position whether written in RAS
+// or LPS, in micrometres or in millimetres: the pictures are equal to the bit.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST_F(SharedWorldCli, RasBesideLps_landsInTheSamePlace) {
   EXPECT_EQ(turned.said, "");
   EXPECT_TRUE(turned.rgba == right.rgba);
   EXPECT_FALSE(drawn(ct, ct).rgba == right.rgba);
-  // The world is the first volume's: of two in RAS the camera's front is the same side of the patient.
+  // World axes are the first volume's. With two volumes in RAS the camera's front is the same side of the patient.
   const std::string ct_ras = ras("ct_ras", false);
   const ZeroPages<float> of_ras = drawn(ct_ras, labels_ras).rgba;
   EXPECT_TRUE(drawn(ct_ras, labels).rgba == of_ras);
@@ -142,7 +142,7 @@ TEST_F(SharedWorldCli, LargeOrigins_drawThePicturesOfSmallOrigins) {
   };
   const auto [near, near_labels] = at(0, "near");
   const auto [far, far_labels] = at(kFar, "far");
-  // x + y + z is at least -11, which is near the middle.
+  // x + y + z is at least -11, near the middle.
   const std::vector<std::string> near_cut = {"--clip", "1,1,1,9"};
   const std::vector<std::string> far_cut = {"--clip", fmt::format("1,1,1,{:.1f}", 9 - 3 * kFar)};
   for (const char* projection : {"perspective", "orthographic"}) {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Escape sequences of both kinds, a bell, a bidirectional override, a second line, and a byte that is no UTF-8.
+// Escape sequences of both kinds, a bell, a bidirectional override, a second line, and an invalid UTF-8 byte.
 const std::string kHostile =
     "a\x1b]0;t\x07\x1b[31m\xc2\x9b"
     "32m\xe2\x80\xae"

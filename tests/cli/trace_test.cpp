@@ -1,4 +1,4 @@
-// render --trace: what the file says of a render is what the statistics say, and it costs no bit of the picture.
+// render --trace: the trace file agrees with the statistics of the render and changes no bit of the picture.
 #include "base/thread/trace.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ class TraceCli : public ToolTest {
 
 struct TraceSums {
   std::map<std::string, int> spans;    // by name
-  std::map<std::string, double> busy;  // the same, with what is inside of them. unit: microseconds
+  std::map<std::string, double> busy;  // by name, including nested spans. unit: microseconds
   std::map<std::string, std::uint64_t> tiles;
   std::map<int, std::vector<std::pair<double, double>>> tracks;
 };
@@ -44,7 +44,7 @@ TraceSums sumsOf(const Json& trace) {
   return out;
 }
 
-// Spans of a track lie beside or inside of one another, or viewers draw nonsense.
+// Spans of a track lie beside or inside each other; trace viewers require this.
 void expectNested(std::vector<std::pair<double, double>> spans) {
   constexpr double kRounding_us = 0.002;
   std::sort(spans.begin(), spans.end(),

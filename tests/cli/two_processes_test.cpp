@@ -1,4 +1,5 @@
-// Two processes with one output: each output is whole and one of the two that were asked for, and exit codes are true.
+// Two processes with a common output: each output is whole and equals one of the two requested outputs, and exit codes
+// are true.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -81,7 +82,7 @@ TEST_F(TwoProcesses, ConvertToOneOutput_TheStoreIsOneOfTheirs) { convertInPairs(
 
 TEST_F(TwoProcesses, NightlyConvertToOneOutput_TheStoreIsOneOfTheirs) { convertInPairs(200); }
 
-// Known because readers open one of two stores, and each has pictures and files of its own.
+// Known because readers open either of two stores, and each store has pictures and files of its own.
 TEST_F(TwoProcesses, ReadersOfAStoreThatIsReplaced_HaveOneOfBothOrSayIt) {
   for (const std::uint64_t seed : {1, 2}) {
     const std::string name = seed == 1 ? "a" : "b";
@@ -140,7 +141,7 @@ TEST_F(TwoProcesses, SplitOfAKilledOne_IsBegunAnewAndGoesOn) {
   const std::vector<std::string> split = {"split", in("a.kiln"), "-o", in("part_#.kiln"), "--parts", "2"};
   done(split);
   const auto whole = filesOf(in("part_2.kiln"));
-  // As a kill leaves it: the first part finished, the second begun, its lock a file that nobody holds.
+  // State after a kill: the first part finished, the second unfinished, with a lock file that no process holds.
   fs::rename(in("part_2.kiln"), in("part_2.kiln.partial"));
   fs::remove(in("part_2.kiln.partial/manifest.json"));
   writeText(in("part_2.kiln.lock"), "kiln process 1 on elsewhere\n");
@@ -148,7 +149,7 @@ TEST_F(TwoProcesses, SplitOfAKilledOne_IsBegunAnewAndGoesOn) {
   EXPECT_NE(again.out.find("is there already"), std::string::npos) << again.out;
   EXPECT_EQ(filesOf(in("part_2.kiln")), whole);
   for (const char* left : {"part_2.kiln.partial", "part_2.kiln.lock"}) EXPECT_FALSE(fs::exists(in(left))) << left;
-  // A part of another store is not taken for a finished one.
+  // A part of another store does not count as finished.
   write("b.raw", 2);
   done(conversion("b.raw", "b.kiln"));
   refused({"split", in("b.kiln"), "-o", in("part_#.kiln"), "--parts", "2"}, 1, "is there already");

@@ -1,5 +1,5 @@
-// Deep pictures, pictures of both eyes and panoramas as users meet them: the files that are made, what other programs
-// read of them, and each wrong combination refused in one line before anything is drawn.
+// Deep pictures, stereo pictures and panoramas as users see them: the files, their contents for other programs, and
+// each wrong combination refused in one line before drawing.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -61,7 +61,7 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
     EXPECT_LE(d.largest, 0x1p-10) << projection;  // both are rounded to half floats, of values up to two
     EXPECT_NE(done({"compare", in("deep.exr"), in("flat.exr")}).out.find("PSNR"), std::string::npos);
   }
-  // Two that are one behind the other, and a merge that leaves nothing out.
+  // Two deep images, one behind the other, and a merge without loss.
   drawn("far.exr", {"--deep", "--region", "0,20,0,40,40,40", "--view", "front"});
   drawn("near.exr", {"--deep", "--region", "0,0,0,40,19,40", "--view", "front"});
   ASSERT_EQ(
@@ -80,7 +80,7 @@ TEST_F(ViewsCli, ADeepPictureSaysHowItDiffersFromAFlatOne) {
   EXPECT_NE(drawn("deep.exr", {"--deep"}).err.find(in("deep.exr") + ": " + note), std::string::npos);
   EXPECT_NE(drawn("deep.exr", {"--deep", "--samples", "1"}).err.find(note), std::string::npos);
   EXPECT_EQ(drawn("flat.exr", {"--samples", "1"}).err.find(note), std::string::npos);
-  // Beside a flat picture of the same rays there is nothing to note.
+  // Beside a flat picture of equal rays there is no note.
   writeText(in("job.json"), R"({"kiln": 1, "volume": "h.kiln", "image": {"width": 60, "height": 40},
     "outputs": [{"path": "deep.exr", "content": "deep"}, {"path": "flat.exr"}]})");
   EXPECT_EQ(done({"render", in("job.json")}).err.find(note), std::string::npos);
@@ -100,7 +100,7 @@ TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {
   done({"render", in("job.json"), "--resume"});
   EXPECT_TRUE(there("deep_01.exr"));
   EXPECT_EQ(fs::last_write_time(in("deep_02.exr")), before);
-  // With other bounds it is another file.
+  // Other bounds make a different file.
   const ToolResult other = runTool({"render", in("job.json"), "--resume", "--deep-samples", "8"});
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.err.find("deep_01.exr: is a picture of another job"), std::string::npos) << other.err;
@@ -161,11 +161,11 @@ TEST_F(ViewsCli, BothEyesAreTwoPartsOfAnExr) {
     std::string names;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) names += std::string(c.name()) + " ";
     EXPECT_EQ(names, "A B G N.X N.Y N.Z R Z depth.mean ");
-    // Each with its own camera.
+    // Each part stores its own camera.
     Imf::MultiPartInputFile single(in(eye + ".exr").c_str());
     EXPECT_EQ(Imf::worldToCamera(header), Imf::worldToCamera(single.header(0)));
     EXPECT_EQ(Imf::worldToNDC(header), Imf::worldToNDC(single.header(0)));
-    // And its own pixels.
+    // Each part has its own pixels.
     const Imath::Box2i window = header.dataWindow();
     EXPECT_EQ(window.min, Imath::V2i(10, 5));
     const Image alone = readImage(in(eye + ".exr"));
@@ -178,7 +178,7 @@ TEST_F(ViewsCli, BothEyesAreTwoPartsOfAnExr) {
     for (std::size_t p = 0; p < red.size(); ++p) ASSERT_EQ(red[p], alone.rgba[4 * p]) << eye;
   }
   EXPECT_FALSE(equalBits(readImage(in("left.exr")), readImage(in("right.exr"))));
-  // Who knows of no parts sees the left eye's.
+  // A reader without support for parts gets the left eye's picture.
   EXPECT_TRUE(equalBits(readImage(in("pair.exr")), readImage(in("left.exr"))));
 }
 

@@ -1,5 +1,4 @@
-// Several volumes in one picture as users meet them: options and jobs that say the same, frames that are gone on with,
-// what memory they take, and what is refused.
+// Several volumes in a picture as users see them: equivalent options and jobs, resumed frames, memory, and refusals.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +22,7 @@ class VolumesCli : public ToolTest {
     done({"convert", "phantom:engine:30x40x20", in("e.kiln"), "--brick-size", "32"});
   }
 
-  // Of `first` and `second`, what is said of each volume.
+  // Writes a job with two volumes; `first` and `second` are their additional keys.
   void writeJob(const std::string& first, const std::string& second, const std::string& more = "") const {
     writeText(in("job.json"), fmt::format(R"({{"volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
       "output": "j.exr", "image": {{"width": 40, "height": 36}}{}}})",
@@ -31,7 +30,7 @@ class VolumesCli : public ToolTest {
   }
 };
 
-// Known because an option and a job's key are two ways to say one thing, and the header's job is the job.
+// Known because an option and the job's key are equivalent, and the header stores the job.
 TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
   done({"render", in("h.kiln"), "-o", in("o.exr"), "--size", "40x36", "--add", in("e.kiln"), "--add-tf", "iso:100",
         "--tf", "ct-bone", "--region", "0,0,0,40,30,40", "--clip", "1,0,0,90", "--exr-type", "float"});
@@ -51,8 +50,8 @@ TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
   EXPECT_TRUE(readImage(in("again.exr")).rgba == by_job.rgba);
 }
 
-// Known because a volume's own clipping and shading are said again as what the library is asked for: what is clipped
-// away is not there, whatever the other volume shows.
+// Known because a volume's own clipping and shading equal direct settings in the library: a clipped part is not drawn,
+// independent of the other volume.
 TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
   const auto drawn = [&](const std::string& first, const std::string& second) {
     writeJob(first, second);
@@ -69,7 +68,7 @@ TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
   EXPECT_NE(both, drawn(R"(, "shading": {"model": "none"})", solid));
 }
 
-// Each volume's function has keyframes of its own, frames that are there are kept, and those of other data are not.
+// Each volume's function has separate keyframes. Existing frames are kept, except frames of other data.
 TEST_F(VolumesCli, FramesAreGoneOnWith) {
   writeJob(
       R"(, "transferFunction": {"keyframes": [{"frame": 1, "function": "ct-skin"}, {"frame": 3, "function": "ct-bone"}]})",
@@ -93,8 +92,8 @@ TEST_F(VolumesCli, FramesAreGoneOnWith) {
   EXPECT_NE(other.errorLines()[1].find("is a picture of another job"), std::string::npos) << other.err;
 }
 
-// A time series of the second volume beside a first that stays. The function has values of its own, since a preset is
-// chosen by the values of all frames.
+// A time series as the second volume, beside a constant first volume. The function uses absolute values, because a
+// preset depends on the values of all frames.
 TEST_F(VolumesCli, AVolumeMayBeATimeSeries) {
   done({"convert", "phantom:engine:30x40x20", in("t_1.kiln")});
   done({"convert", "phantom:engine:20x20x20", in("t_2.kiln")});
@@ -108,7 +107,7 @@ TEST_F(VolumesCli, AVolumeMayBeATimeSeries) {
   EXPECT_EQ(readImage(in("one.png")).rgba, readImage(in("t_2.png")).rgba);
 }
 
-// What a dry run says works, works, draws the same, and half of what bricks need does not.
+// The smallest memory printed by a dry run works and draws an equal picture; half of the bricks' memory does not.
 TEST_F(VolumesCli, DryRunSaysTheSmallestMemory) {
   writeJob("", "");
   done({"render", in("job.json"), "--dry-run", "--stats", in("cost.json"), "--threads", "1"});
