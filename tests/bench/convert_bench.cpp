@@ -1,6 +1,6 @@
-// A volume in memory to bricks on disk: `kiln convert`, with aprons, octrees, checksums and coarser levels, beside what
-// a program would do that has OpenVDB and wants only its voxels in 128³ grids: fill a grid from a dense array and write
-// it, a brick a thread, in the same compression. Both end when the disk has it all.
+// Conversion of a volume in memory to bricks on disk: `kiln convert`, with aprons, octrees, checksums and coarser
+// levels. The baseline is a simple OpenVDB program that fills 128³ grids from a dense array and writes them, a brick a
+// thread, with equal compression. Both end when all data are on the disk.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
@@ -19,7 +19,7 @@ namespace kiln {
 namespace {
 namespace fs = std::filesystem;
 
-// From memory, so that only converting is timed.
+// The source is in memory, so that only the conversion is timed.
 VolumeSource& head() {
   static const test::DenseVolume volume = [] {
     const auto phantom = openSource("phantom:head:512x512x512", {});

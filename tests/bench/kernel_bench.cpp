@@ -1,7 +1,6 @@
-// Every kernel by itself, on each instruction set that this machine has and, where there is one, written plainly beside
-// it: its rate, and from what the code reads and writes the bytes and floating-point operations that it moves. Of a
-// head of 128³ voxels drawn at 1.5 pixels a voxel, from one brick, so that data is as it is in a picture. Visibility
-// has a benchmark of its own (occlusion_bench).
+// Rates of every kernel, on each instruction set of the machine, and of the plain loops where they exist. Bytes and
+// floating-point operations are counted from the code. Data: a brick of a head of 128³ voxels at 1.5 pixels a voxel, as
+// in a picture. Visibility has a separate benchmark (occlusion_bench).
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>
 
@@ -52,7 +51,7 @@ FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
   return out;
 }
 
-// One brick as a frame has it, and units of it that the transfer function shows.
+// A brick as decoded for a frame, and its visible patches.
 struct Scene {
   explicit Scene(const StoreReader& store, Interpolation interpolation)
       : request(requestFor(store, interpolation)),
@@ -89,7 +88,7 @@ const Scene& scene(Interpolation interpolation = Interpolation::kLinear) {
   return interpolation == Interpolation::kLinear ? linear : cubic;
 }
 
-// A second of the kernel: items, and what each reads, writes and computes.
+// Reports rates per second: items, and the bytes and operations of each item.
 void report(benchmark::State& state, std::int64_t items, double bytes, double flops) {
   using benchmark::Counter;
   const double all = static_cast<double>(items);
@@ -98,7 +97,7 @@ void report(benchmark::State& state, std::int64_t items, double bytes, double fl
   state.counters["flops"] = Counter(all * flops, Counter::kIsRate);
 }
 
-// Argument: the instruction set, or 0 for the plain one.
+// Argument: the instruction set, or 0 for plain loops.
 class OnTarget {
  public:
   explicit OnTarget(benchmark::State& state) : target_(state.range(0)) {
@@ -129,8 +128,8 @@ void loadUnits(benchmark::State& state) {
   report(state, state.iterations() * s.voxelsRead(), 6, 3);
 }
 
-// Items are samples on rays that are seen, of all that are found in a brick's cells: 32 voxels, two entries of the
-// table and a pixel are read, the pixel is written; interpolation, gradient and light take some 210 operations.
+// Items are the visible samples on rays, among all samples in a brick's cells. A sample reads 32 voxels, two entries of
+// the table and a pixel, and writes the pixel; interpolation, gradient and light take about 210 operations.
 void castBrick(benchmark::State& state) {
   const OnTarget on(state);
   const Scene& s = scene();
@@ -148,7 +147,7 @@ void castBrick(benchmark::State& state) {
   report(state, samples, 4 * 32 + 32 + 2 * 16, 210);
 }
 
-// A cell's voxels, all of them opaque enough to be seen, at 1.5 pixels a voxel in perspective.
+// A cell's voxels, all opaque enough to be visible, at 1.5 pixels a voxel in perspective.
 struct VoxelScene {
   explicit VoxelScene(const Scene& s)
       : projector(s.plan.levels.projector(0)), view(projector, plainLight(s.request.shading, 1e-3f, projector)) {
@@ -173,8 +172,8 @@ struct VoxelScene {
   ShadedVoxels shaded;
 };
 
-// Items are voxels of a brick that show something: seven of two bytes read, eight numbers written; two comparisons and
-// three differences.
+// Items are visible voxels of a brick: seven voxels of two bytes read, eight numbers written; two comparisons and three
+// differences.
 void gatherVoxels(benchmark::State& state) {
   const OnTarget on(state);
   const Scene& s = scene();
@@ -237,8 +236,8 @@ void layBatch(benchmark::State& state) {
   report(state, state.iterations() * kVoxelBatch, 32 * pixels, 60 + 45 * pixels);
 }
 
-// The whole of the voxel lattice: a brick into one tile. Items are splats: a
-// voxel and its neighbours read, a footprint of pixels read and written.
+// The whole voxel lattice: a brick into a single tile. Items are splats: a voxel and its neighbours read, a footprint
+// of pixels read and written.
 void splatVoxels(benchmark::State& state) {
   const Scene& s = scene();
   const VisibilityOptions options{.method = static_cast<VisibilityMethod>(state.range(0))};

@@ -1,7 +1,7 @@
-// The price of image-space coherence: time of one question and of one closed pixel, for each method, against the edge n
-// of the image and the edge l of the rectangle asked about. The image is filled as a frame fills it: discs of pixels
-// close one after the other, and questions fall everywhere, a good half of them on what is already opaque. Source of
-// the complexities to compare with: Lee and Ihm, Table 4.
+// Cost of image-space coherence: time of a query and of a closed pixel, for each method, against the edge n of the
+// image and the edge l of the queried rectangle. The image is filled as by a frame: discs of pixels close one after
+// another. Queries fall everywhere, more than half of them on opaque pixels. Source of the complexities for comparison:
+// Lee and Ihm, Table 4.
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -19,7 +19,7 @@ std::unique_ptr<Visibility> make(std::int64_t method, int n) {
   return makeVisibility(options, {n, n}, 0);
 }
 
-// Pixels in the order in which they close: footprint by footprint along 24 discs that cover about two thirds.
+// Returns pixels in closing order: footprint by footprint along 24 discs that cover about two thirds.
 std::vector<std::pair<int, int>> closingOrder(int n) {
   std::mt19937 random(7);
   std::vector<bool> closed(static_cast<std::size_t>(n) * n);
@@ -61,7 +61,7 @@ void test(benchmark::State& state) {
   state.counters["hidden"] = static_cast<double>(hidden) / static_cast<double>(state.iterations());
 }
 
-// Arguments: method, n. The time reported is of one pixel.
+// Arguments: method, n. The reported time is per pixel.
 void update(benchmark::State& state) {
   const int n = static_cast<int>(state.range(1));
   const auto order = closingOrder(n);
@@ -79,7 +79,7 @@ void update(benchmark::State& state) {
   }
 }
 
-const std::vector<std::int64_t> kMethods = {0, 1, 2, 3, 4};  // as VisibilityMethod has them
+const std::vector<std::int64_t> kMethods = {0, 1, 2, 3, 4};  // values of VisibilityMethod
 const std::vector<std::int64_t> kSizes = {256, 512, 1024, 2048, 4096};
 BENCHMARK(test)->ArgNames({"method", "n", "l"})->ArgsProduct({kMethods, kSizes, {4, 16, 64, 256}});
 BENCHMARK(update)->ArgNames({"method", "n"})->ArgsProduct({kMethods, kSizes});

@@ -1,9 +1,9 @@
-// How good Kiln's pictures of real volumes are: each beside the reference renderer's (16 rays a pixel, steps of a tenth
-// of a voxel), with what a ray caster of one ray a pixel reaches in the same scene, with steps of a whole voxel (VTK's
-// default) and of half a voxel. Pictures smaller than the volume are also compared with a reference of the level of the
-// pyramid that they show, and that one with the volume's: what a level can show at best. Edges are measured by
-// themselves, too: within two pixels of silhouettes. Prints a line a scene and averages a magnification; leaves the
-// pictures (Kiln's, the reference, the difference) and a contact sheet a volume in the output folder.
+// Quality of Kiln's pictures of real volumes against the reference renderer (16 rays a pixel, steps of a tenth of a
+// voxel). Baselines: a ray caster of one ray a pixel with steps of a whole voxel (VTK's default) and of half a voxel.
+// Pictures smaller than the volume are also compared with a reference of their level of the pyramid, and this reference
+// with the volume's: the upper bound for the level. Edges are measured separately: within two pixels of silhouettes.
+// Prints a line per scene and averages per magnification. Writes the pictures (Kiln's, the reference, the difference)
+// and a contact sheet per volume to the output folder.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,10 +29,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A ray ends where a pixel closes by default here: what is behind adds a ten-thousandth.
+/// By default a ray ends when its pixel closes; the rest adds a ten-thousandth.
 constexpr ReferenceSettings kTruth{4, 0.1, 0.9999};
 constexpr ReferenceSettings kHalfStep{1, 0.5, 1};
-/// Depths of neighbours that are farther apart are of two surfaces. unit: voxels, or pixels where these are larger.
+/// Larger differences between neighbouring depths separate two surfaces. unit: voxels, or pixels if larger.
 constexpr double kSilhouetteJump = 4;
 
 struct Options {
@@ -95,7 +95,7 @@ bool among(const std::vector<T>& values, const T& value) {
   return std::find(values.begin(), values.end(), value) != values.end();
 }
 
-// What one scene showed. unit: dB, seconds.
+// Results of a scene. unit: dB, seconds.
 struct Measured {
   double px_per_voxel = 1;
   ImageDifference kiln, voxel_steps, half_steps;
@@ -105,7 +105,7 @@ struct Measured {
   double frame_s = 0;
 };
 
-// A volume with all that pictures of it need.
+// A volume with all inputs of its pictures.
 class Studio {
  public:
   Studio(const Options& options, const QualityVolume& subject)
@@ -125,7 +125,7 @@ class Studio {
     FrameRequest request;
     request.view = resolve(camera, {options_.size, options_.size});
     request.transfer_function = transferFunctionOf(subject_, material);
-    request.transfer_function.unit = volume_.geometry.meanSpacing();  // the same on every level
+    request.transfer_function.unit = volume_.geometry.meanSpacing();  // constant over all levels
     request.opacity_threshold = options_.opacity_threshold;
     request.sample_distance = options_.sample_distance;
     const auto* const name = std::find(kLatticeNames.begin(), kLatticeNames.end(), options_.lattice);

@@ -1,6 +1,6 @@
-// A tiny suite is run by the library, and what it writes is read as its readers do: lines of the CSV, keys of the JSON,
-// elements of the page. The counts' order is known from what the methods are: an exact one visits no more than octree
-// only, draws the same picture, and all exact ones but the overlay visit the same voxels.
+// A tiny suite is run by the library, and its results are parsed: lines of the CSV, keys of the JSON, elements of the
+// page. Known from the methods: an exact method visits no more than octree only and draws an equal picture. All exact
+// methods except the overlay visit equal voxels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ TEST(BenchReport, EveryEpsilonIsStudied) {
     std::uint64_t pixels = 0;
     for (const std::uint64_t count : study.steps[0].distance.pixels) pixels += count;
     EXPECT_EQ(pixels, 2u * 96 * 96);
-    // 64 pixels cover what the approximate area of a small node can miss.
+    // 64 pixels cover the largest miss of a small node's approximate area.
     EXPECT_EQ(study.steps[2].distance.largest, 0);
     ASSERT_TRUE(study.enough);
     EXPECT_LE(study.steps[*study.enough].distance.largest, 1);
@@ -100,7 +100,7 @@ TEST(BenchReport, StandingsAreSorted) {
   EXPECT_LE(wins, measurements().runs.size());
 }
 
-// Fields of one line, quotes undone.
+// Returns the fields of a line, unquoted.
 std::vector<std::string> fieldsOf(const std::string& line) {
   std::vector<std::string> out(1);
   bool quoted = false;
@@ -162,7 +162,7 @@ TEST(BenchReport, JsonHasEverythingMeasured) {
   EXPECT_FALSE(json["machine"]["processor"].get<std::string>().empty());
 }
 
-// Elements that are closed by others or not at all would be seen by a browser as something else than was meant.
+// Returns the first element that is not closed, or closed by another; browsers would display a different structure.
 std::string unbalancedElement(const std::string& html) {
   std::vector<std::string> open;
   for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
@@ -257,7 +257,7 @@ TEST(BenchReport, NumbersAreWrittenForPeople) {
   EXPECT_EQ(measured(0), "0.000");
 }
 
-// Nothing to draw, or nothing that a logarithm has, is an empty drawing and no fault.
+// An empty input, or values without a logarithm, give an empty drawing and no error.
 TEST(BenchReport, ChartsOfNothing) {
   EXPECT_EQ(unbalancedElement(drawLines({}).inlined()), "");
   LineChart chart;

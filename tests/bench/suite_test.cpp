@@ -1,5 +1,5 @@
-// Known answers: each key of a suite is read back, each mistake is named where it stands; the paper's printed ratios
-// and speed-ups are quotients of its printed numbers, up to the rounding of both.
+// Known answers: each key of a suite is read back, and each error names its place. The paper's printed ratios and
+// speed-ups are quotients of its printed numbers, up to the rounding of both.
 #include "bench/suite.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(BenchSuite, EveryKeyIsRead) {
   EXPECT_EQ(suite.scaling.camera.azimuth_deg, 5);
   EXPECT_EQ(suite.scaling.repeat, 4);
   const SuiteCase& a = suite.cases[0];
-  EXPECT_EQ(a.volume, "phantom:head:8x9x10");  // no file, so no folder before it
+  EXPECT_EQ(a.volume, "phantom:head:8x9x10");  // no file, so no folder is prepended
   EXPECT_EQ(a.classification, "bone");
   EXPECT_EQ(a.note, "n");
   EXPECT_EQ(a.paper, "HEAD");
@@ -90,7 +90,7 @@ struct Wrong {
   const char* message;
 };
 
-// A case's keys stand in cases[0], the suite's before it.
+// A case's keys are reported in cases[0], the suite's keys before.
 const Wrong kWrong[] = {
     {R"("vews": 3, "cases": [{"name": "A", "volume": "a"}])", "vews: unknown key; did you mean 'views'?"},
     {R"("cases": [])", "cases: expected a list of at least one case"},

@@ -1,5 +1,5 @@
-// The cache keeps its contract whatever readers do behind it: the bricks are those of the store, each is read once, the
-// budget holds at every moment, and a brick that cannot be read is an error for whoever asks for it and nobody else.
+// The contract of the cache for all read-ahead: bricks equal the store's, each is read once, and the budget holds at
+// every moment. A brick that cannot be read is an error only for its own callers.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -70,7 +70,7 @@ TEST_F(BrickCacheTest, ReadsABrickOnceInAFrameWhateverTheBudget) {
 }
 
 TEST_F(BrickCacheTest, FindsWhatIsInMemoryAndReadsNothing) {
-  // Room for three bricks beside one that is read.
+  // Room for three bricks beside a brick being read.
   BrickCache cache(*store_, largest_ + 3 * store_->read(keys_[0]).bytes());
   EXPECT_EQ(cache.find(keys_[0]), nullptr);
   EXPECT_EQ(cache.counts().reads, 0u);
@@ -78,7 +78,7 @@ TEST_F(BrickCacheTest, FindsWhatIsInMemoryAndReadsNothing) {
   EXPECT_EQ(cache.find(keys_[0]).get(), first);
   EXPECT_EQ(cache.find(keys_[1]), nullptr);
   cache.get(keys_[1]);
-  // What is found counts as used, so that it is not the one that makes room.
+  // A find counts as a use, so the brick is not evicted first.
   for (std::size_t i = 2; i < keys_.size(); ++i) {
     EXPECT_NE(cache.find(keys_[0]), nullptr);
     cache.get(keys_[i]);
@@ -94,14 +94,14 @@ TEST_F(BrickCacheTest, FindsNothingThatIsDamaged) {
   EXPECT_EQ(cache.find(keys_[0]), nullptr);
 }
 
-// Known because what becomes hidden is announced and never asked for: whether or not it was read ahead, the bricks
-// behind it make it go, and its turn does not come again.
+// Known because bricks that become hidden are announced but never requested. Whether or not such a brick was read
+// ahead, bricks behind it evict it, and it is never read again.
 TEST_F(BrickCacheTest, ReadsNothingAgainThatBecameHidden) {
   BrickCache cache(*store_, largest_, 2);
   for (std::size_t i = 0; i < keys_.size(); ++i) {
     if (i % 3 == 1) continue;
     cache.get(keys_[i]);
-    // Time for a reader to take up what was announced before.
+    // Gives a reader time to start with earlier announcements.
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     cache.announce(after(i, 5));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -110,7 +110,7 @@ TEST_F(BrickCacheTest, ReadsNothingAgainThatBecameHidden) {
   EXPECT_LE(cache.counts().reads, keys_.size());
 }
 
-// Every other brick is a guess that is not made, and each is asked for: none that is read ahead may be in its way.
+// Every other brick is not read ahead, and each is requested: bricks read ahead must not block these requests.
 TEST_F(BrickCacheTest, ReadsNothingAgainWhereSomeAreNotReadAhead) {
   BrickCache cache(*store_, largest_, 2);
   for (std::size_t i = 0; i < keys_.size(); ++i) {
@@ -164,13 +164,13 @@ TEST_F(BrickCacheTest, DamageIsAnErrorWhenAskedForAndNotBefore) {
   }
 }
 
-// Known because a file that comes back after the first reading is still reported as missing.
+// Known because a file that comes back after the first read is still reported as missing.
 TEST_F(BrickCacheTest, DamagedBricksAreSkippedOnceToldAndNotReadAgain) {
   const std::filesystem::path files[] = {path_ / "bricks/0/1_1_1.vdb", path_ / "bricks/0/2_0_1.vdb"};
   for (const std::filesystem::path& file : files) std::filesystem::rename(file, file.string() + ".away");
   const std::set<BrickKey> missing = {{0, {1, 1, 1}}, {0, {2, 0, 1}}};
   for (const unsigned readers : {0u, 3u}) {
-    // Room for two bricks: what is not damaged comes and goes.
+    // Room for two bricks: undamaged bricks are evicted.
     std::vector<std::filesystem::path> told;
     BrickCache cache(*store_, largest_ * 2, readers, [&](const Error& error) { told.push_back(error.path()); });
     for (int frame = 0; frame < 3; ++frame) {

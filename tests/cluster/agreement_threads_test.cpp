@@ -1,4 +1,4 @@
-// Ranks that are threads compare facts whose difference the test itself makes.
+// Ranks run as threads and compare facts; the test itself makes the differences.
 #include <gtest/gtest.h>
 
 #include "base/error.h"

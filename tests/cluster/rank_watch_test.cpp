@@ -1,4 +1,4 @@
-// A clock of the test's own drives the watch, so that each answer is known to the second.
+// A simulated clock drives the watch, so that each answer is known to the second.
 #include "cluster/rank_watch.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ class RankWatchTest : public ::testing::Test {
   RankWatch::Clock::time_point now_ = RankWatch::Clock::now();
   RankWatch watch_{0, 3, kLimit_s, {}, now_};
 
-  // Lets time pass as the service loop does. Ranks 1 and 2 send pulses with their idle times; a negative one sends
-  // none.
+  // Advances the clock as the service loop does. Ranks 1 and 2 send pulses with their idle times; a negative time sends
+  // no pulse.
   void pass(double seconds, double idle_of_1, double idle_of_2) {
     for (int step = 0; step < static_cast<int>(seconds * 2); ++step) {
       now_ += milliseconds(500);

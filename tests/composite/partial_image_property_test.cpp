@@ -1,8 +1,7 @@
-// Partial images of boxes that fill the volume make the whole picture. On rays each sample is in one of them, so that
-// they differ by rounding and, where the opacity threshold is reached in one part and not yet in another, by less than
-// what the threshold leaves open. Footprints of voxels reach across borders of parts, and what a part adds there lies
-// in front of or behind all of the other part. The files say what orders them; files that do not belong together are
-// refused by one line that names the file.
+// Partial images of boxes that fill the volume composite to the whole picture. On the pixel lattice each sample is in
+// exactly one part. Errors are rounding, and the light behind the opacity threshold if a single part reaches the
+// threshold. Footprints of voxels reach across borders of parts; their samples there lie in front of or behind the
+// neighbouring part. Files store their order; files of different pictures are refused in one line with the file's name.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -59,7 +58,7 @@ class PartialImages : public ::testing::TestWithParam<Lattice> {
   double largestError() const { return GetParam() == Lattice::kPixel ? 1 / 255.0 : 1; }
   double leastDb() const { return GetParam() == Lattice::kPixel ? 60 : 22; }
 
-  // Depths and normals are those of the whole picture.
+  // Depths and normals equal the whole picture's.
   void expectPlanesOf(const Image& whole, const Image& made) {
     ASSERT_EQ(made.planes.size(), whole.planes.size());
     const double diagonal = glm::length(glm::dvec3(40, 51, 37)) * volume_.geometry.meanSpacing();
@@ -141,7 +140,7 @@ TEST_P(PartialImages, OfOctantsMakeTheWhole) {
   EXPECT_GT(with_something_, casesOf(3, 1));
 }
 
-// Where rims of several parts meet in one pixel.
+// Rims of several parts meet in a pixel.
 TEST_P(PartialImages, OfABodyMeetAtItsEdges) {
   volume_ = cheese({{64, 64, 64}, VoxelType::u8}, 3, {0, 200});
   job_.volume = makeStore(volume_, "parts_edges", 32);
@@ -168,7 +167,7 @@ TEST_P(PartialImages, NightlyOfOctantsMakeTheWholeForManyScenes) {
 
 INSTANTIATE_TEST_SUITE_P(Lattices, PartialImages, ::testing::Values(Lattice::kPixel, Lattice::kVoxel));
 
-// I/N are boxes that fill the volume.
+// Parts I/N are boxes that fill the volume.
 TEST(VolumeParts, FillTheVolumeWithoutOverlap) {
   const Extent3 dims{70, 33, 128};
   for (const int count : {1, 2, 3, 7, 8, 13, 64}) {

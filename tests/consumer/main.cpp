@@ -1,4 +1,4 @@
-// A stranger's program: makes a volume file, converts it, draws it.
+// An external program: makes a volume file, converts and draws it.
 #include <kiln/base/module.h>
 #include <kiln/convert/convert.h>
 #include <kiln/ingest/open_source.h>

@@ -1,6 +1,6 @@
-// Every reader and writer of the program while one of its system calls fails. The run must leave the files of a run
-// without a fault, bit for bit, or one line of error and no half-written file under the name of a result. A call that a
-// signal interrupts, or that moves fewer bytes, must change nothing.
+// Every reader and writer of the program while a system call fails. The run must leave the files of a run without a
+// fault, bit for bit, or one line of error and no half-written file under the name of a result. A call that a signal
+// interrupts, or that moves fewer bytes, must change nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -31,15 +31,15 @@ using Arguments = std::vector<std::string>;
 constexpr Extent3 kDims = {20, 18, 9};
 constexpr int kBrick = 16;
 
-/// One command over a folder that `prepare` fills. In the arguments @ stands for the folder.
+/// A command on a folder filled by `prepare`. In the arguments @ stands for the folder.
 struct Scenario {
   std::string name;
   Arguments arguments;
   std::function<void(const fs::path& folder)> prepare;
   bool writes = true;
-  /// Results that hold times or random names, so that they differ from run to run.
+  /// Results that contain times or random names, and therefore differ from run to run.
   std::set<std::string> timed;
-  /// Of a run without a fault. After 1 the folder is as it was.
+  /// Exit code of a run without a fault. After 1 the folder is unchanged.
   int exit_code = 0;
 };
 
@@ -280,7 +280,7 @@ std::vector<Scenario> writers() {
                  },
                  true,
                  {}});
-  // A stand-in for ffmpeg that keeps its input.
+  // A substitute for ffmpeg that stores its input.
   out.push_back({"video",
                  render("v.mp4", {"--turntable", "3"}),
                  [](const fs::path& f) {
@@ -328,7 +328,7 @@ std::vector<std::string> errorLines(const std::string& text) {
   return out;
 }
 
-// A sequence has a line for each frame that failed, and goes on with the next one.
+// A sequence prints a line for each failed frame and continues with the next frame.
 std::size_t failedFrames(const std::vector<std::string>& lines) {
   return static_cast<std::size_t>(std::count_if(
       lines.begin(), lines.end(), [](const std::string& line) { return line.starts_with("kiln: frame "); }));
@@ -338,7 +338,7 @@ bool endsAs(const std::string& name, std::initializer_list<const char*> endings)
   return std::any_of(endings.begin(), endings.end(), [&](const char* e) { return name.ends_with(e); });
 }
 
-// Work that a later command goes on with or replaces, and that no command takes for a result: a store without a
+// Unfinished work that a later command resumes or replaces, and that no command reads as a result: a store without a
 // manifest, and tiles of a picture.
 bool isUnfinished(const Folder& now, const std::string& name) {
   if (name.find(".partial/") != std::string::npos || name.find(".frames/") != std::string::npos ||
@@ -372,7 +372,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     restore(whole_);
   }
 
-  // Puts the folder back as it was.
+  // Restores the folder's initial contents.
   void restore(const Folder& now) const {
     for (const auto& [name, bytes] : now) {
       if (!before_.contains(name)) fs::remove(folder_ / name);
@@ -397,7 +397,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     return text.starts_with("{") && text.ends_with("}\n");
   }
 
-  // Litter is all that a failed removal may leave.
+  // A failed removal may leave only temporary files.
   static bool isRemoving(const std::string& call) {
     return call.starts_with("unlink") || call.starts_with("remove") || call.starts_with("openat");
   }
@@ -428,7 +428,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     for (const auto& [name, bytes] : before_) {
       EXPECT_TRUE(isUnfinished(before_, name) || now.contains(name)) << name << " was lost";
     }
-    // A store is one where its manifest is.
+    // A folder with a manifest is a store.
     for (const auto& [name, bytes] : now) {
       if (!name.ends_with("manifest.json") || isUnfinished(now, name) || isBefore(name, bytes)) continue;
       const std::string store = name.substr(0, name.size() - std::string("manifest.json").size());
@@ -444,7 +444,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     const Folder now = filesOf(folder_);
     SCOPED_TRACE(fmt::format("{} at call {}, {}: exit code {}\n{}", nameOf(fault.failure), fault.after_calls,
                              result.failed_call, result.exit_code, result.err));
-    // The end of a file may come at its end; closing is over when a signal interrupts it; fopen cannot be repeated.
+    // Excluded: a read may end at the end of a file; an interrupted close is complete; fopen cannot be repeated.
     const bool harmless = (fault.failure == CallFailure::kInterrupted || fault.failure == CallFailure::kShort) &&
                           !result.failed_call.starts_with("close") && !result.failed_call.starts_with("fopen") &&
                           !result.failed_call.starts_with("fclose");
@@ -458,7 +458,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       EXPECT_EQ(result.exit_code, 1);
       EXPECT_FALSE(harmless || result.failed_call.empty());
       const std::vector<std::string> lines = errorLines(result.err);
-      // The last line is the error; before it may be a note on the bricks or frames that are kept.
+      // The last line is the error; a note on the kept bricks or frames may precede.
       EXPECT_TRUE(!lines.empty() && lines.size() <= lines_ + 2 + failedFrames(lines) &&
                   lines.back().starts_with("kiln: "));
       EXPECT_EQ(lines.empty() ? 0u : lines.back().find("defect"), lines.empty() ? 0u : std::string::npos);
@@ -468,7 +468,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     return !result.failed_call.empty();
   }
 
-  // Fails `runs` calls of each kind, evenly spread, or every call where there are fewer.
+  // Fails `runs` calls of each kind, evenly spread, or every call if there are fewer.
   void meetSome(std::uint64_t runs) {
     int failed_calls = 0;
     for (const CallFailure failure :
@@ -477,7 +477,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       const ToolUnderFault counted = runUnderFault(in(folder_, GetParam().arguments), folder_, {failure, UINT64_MAX});
       restore(filesOf(folder_));
       const std::uint64_t step = std::max<std::uint64_t>(counted.calls / runs, 1);
-      // Other scenarios begin at other calls.
+      // The first failing call differs between scenarios.
       const std::uint64_t first = std::hash<std::string>()(GetParam().name + nameOf(failure)) % step;
       for (std::uint64_t n = first; n < counted.calls; n += step) {
         failed_calls += meet({failure, n}) ? 1 : 0;
@@ -493,7 +493,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
   std::size_t lines_ = 0;
 };
 
-// One of a few calls each time; the nightly test has all of them.
+// Fails a few calls of each kind; the nightly test fails all.
 TEST_P(CallFaults, SomeCalls_GiveTheResultOrOneError) { meetSome(casesOf(5, 2)); }
 TEST_P(CallFaults, NightlyEveryCall_GivesTheResultOrOneError) { meetSome(UINT64_MAX); }
 

@@ -35,14 +35,14 @@ namespace {
 
 constexpr std::size_t kTextBytes = 1 << 16;
 
-// Shared by the test, the server and the program that meets the fault.
+// Shared memory of the test, the server and the program under test.
 struct Shared {
   CallFailure failure;
   std::uint64_t after_calls;
   std::atomic<std::uint64_t> calls;
   char failed_call[1024];
   char watched[1024];
-  /// The arguments, each with its end.
+  /// The arguments, each terminated by a zero.
   int argument_count;
   char arguments[kTextBytes];
   int status;
@@ -52,7 +52,7 @@ Shared* shared = nullptr;
 // In the program under test alone.
 bool armed = false;
 
-// The next definition of a function behind this executable's.
+// Returns the next definition of a function after this executable's.
 template <class Function>
 Function* next(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
@@ -90,7 +90,7 @@ bool failsAs(CallFailure failure, unsigned kinds) {
   return false;
 }
 
-// Returns whether this call is the one to fail, and sets errno.
+// Returns true if this call must fail, and sets errno.
 bool fails(const char* name, const char* path, unsigned kinds) {
   if (!failsAs(shared->failure, kinds) || shared->calls++ != shared->after_calls) return false;
   std::snprintf(shared->failed_call, sizeof shared->failed_call, "%s %s", name, path);
@@ -113,7 +113,7 @@ bool failsOn(const char* name, int descriptor, unsigned kinds) {
 
 bool isOurs(int descriptor) { return armed && isWatched(fileOf(descriptor).c_str()); }
 
-// Sets the result of a failed read or write of `bytes`, or makes `bytes` smaller where the call continues with fewer.
+// Sets the result of a failed read or write of `bytes`, or reduces `bytes` for a short transfer.
 bool endsTransfer(std::size_t& bytes, ssize_t& result, bool reads) {
   result = -1;
   if (shared->failure == CallFailure::kEnd) result = 0;
@@ -123,7 +123,7 @@ bool endsTransfer(std::size_t& bytes, ssize_t& result, bool reads) {
   return bytes == 0;
 }
 
-// The program under test is a child of a server process, which was forked while the test had a single thread.
+// The program under test is a child of a server process that was forked while the test had a single thread.
 
 int channel[2] = {-1, -1};
 int out_file = -1, err_file = -1;
@@ -136,7 +136,7 @@ std::string textOf(int file) {
 }
 
 [[noreturn]] void runProgram() {
-  ::alarm(casesOf(60u, 300u));  // a program that hangs is a failure
+  ::alarm(casesOf(60u, 300u));  // ends a program that hangs
   const int null = ::open("/dev/null", O_RDONLY);
   ::dup2(null, STDIN_FILENO);
   ::dup2(out_file, STDOUT_FILENO);

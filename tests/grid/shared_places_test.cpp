@@ -1,6 +1,6 @@
-// Files and directories where others may write: links are not followed, other users' files are not written through, a
-// killed process leaves nothing that is in the way. Tests of other users change owners and so need to be the
-// administrator's.
+// Files and directories in folders that other users may write to. Links are not followed, other users' files are not
+// overwritten, and a killed process leaves no obstacle. Tests with several users change owners and need the
+// administrator's rights.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -26,7 +26,7 @@ constexpr uid_t kOther = 12345;
 
 bool mayChangeOwners() { return ::geteuid() == 0; }
 
-// The message of the error; empty where there is none.
+// Returns the message of the error, or an empty text.
 template <class F>
 std::string refusal(F&& f) {
   try {
@@ -37,7 +37,7 @@ std::string refusal(F&& f) {
   return {};
 }
 
-// Runs body() in a process that then ends as a killed one does, without a destructor.
+// Runs body() in a process that then ends without destructors, like a killed process.
 template <class F>
 void inKilledProcess(F&& body) {
   const pid_t child = ::fork();
@@ -94,7 +94,7 @@ TEST(SharedPlaces, AnEmptyDirectoryThatOthersControl_IsNoPlaceForAStore) {
   EXPECT_EQ(refusal(begin), "");
   fs::permissions(out, fs::perms::all);
   EXPECT_NE(refusal(begin).find("is writable by every user"), std::string::npos);
-  fs::permissions(out, fs::perms::owner_all | fs::perms::group_all);  // of a group that works together
+  fs::permissions(out, fs::perms::owner_all | fs::perms::group_all);  // a folder of a group that works together
   EXPECT_EQ(refusal(begin), "");
   // A link to an own directory is a usual way to another disk.
   fs::create_symlink("v.kiln", out.parent_path() / "link.kiln");

@@ -1,5 +1,5 @@
-// Frames and units of volumes in one picture. Known because RAS and LPS differ in two signs, and the lengths of units
-// are defined.
+// Frames and units of volumes in a picture. Known because RAS and LPS differ in two signs, and the lengths of units are
+// defined.
 #include "grid/shared_world.h"
 
 #include <gtest/gtest.h>

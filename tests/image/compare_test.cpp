@@ -1,5 +1,5 @@
-// Known answers: two constant pictures that differ by 0.1 everywhere have a mean square of 0.01, which is 20 dB; the
-// colours of the map stand in the caption of Lee and Ihm's Figure 11.
+// Known answers: two constant pictures that differ by 0.1 everywhere have a mean square of 0.01, or 20 dB. The colours
+// of the map are in the caption of Lee and Ihm's Figure 11.
 #include "image/compare.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(Compare, ATenthEverywhereIsTwentyDecibel) {
   EXPECT_NEAR(d.mean_brightness_ratio, 1.2, 1e-6);
 }
 
-// One of 100 pixels is foreground and off by 0.1 in RGB: 20 dB there; over all 400 channels 0.03 / 400, which is 41.2
+// Of 100 pixels a single foreground pixel is off by 0.1 in RGB: 20 dB there; over all 400 channels 0.03 / 400, or 41.2
 // dB.
 TEST(Compare, ForegroundIsWhereEitherAlphaIs) {
   Image a(10, 10), b(10, 10);
@@ -82,7 +82,7 @@ TEST(Compare, RefusesUnequalSizes) {
   EXPECT_THROW(differenceImage(Image(2, 3), Image(3, 2)), Error);
 }
 
-// Red apart by 0 … 9 steps of 255: the distance is that number, and the map's colours are at the whole numbers.
+// Red differs by 0 … 9 steps of 255: the distance is this number, and the map's colours are at the integers.
 TEST(DifferenceImage, HasTheColoursOfThePaper) {
   const int map[10][3] = {{255, 255, 255}, {255, 255, 0}, {0, 255, 0},     {0, 255, 255}, {0, 0, 255},
                           {255, 0, 255},   {255, 0, 0},   {128, 128, 128}, {0, 0, 0},     {0, 0, 0}};
@@ -96,7 +96,7 @@ TEST(DifferenceImage, HasTheColoursOfThePaper) {
   }
 }
 
-// Red apart by 0, 1, 3 and 200 steps, and a 3-4 right triangle: each in the bin that ends at its distance.
+// Red differs by 0, 1, 3 and 200 steps, and a 3-4 right triangle: each falls into the bin that ends at its distance.
 TEST(DistanceHistogram, CountsPixelsByTheirDistance) {
   Image a(5, 1), b(5, 1);
   const int apart[5][2] = {{0, 0}, {1, 0}, {3, 0}, {200, 0}, {3, 4}};

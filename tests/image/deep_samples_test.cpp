@@ -1,5 +1,6 @@
-// Layers of a pixel under a bound. Known: laid over one another they are the pixel, however few are left; of one medium
-// all cuts lie on one curve, so that its slabs become one sample; and a cut shows no more else than was asked for.
+// Layers of a pixel under a bound for the number of samples. Known: composited by *over*, the samples equal the pixel,
+// for every bound. All cuts of one medium lie on a single curve, so its slabs become a single sample. A cut between
+// samples differs by no more than the tolerance.
 #include "image/deep_samples.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ struct Layer {
   std::array<float, 4> before, after;
 };
 
-// A pixel that random layers fill, here and there with nothing between two of them; it closes if `closes`.
+// Returns random layers of a pixel, some with gaps between them; the pixel closes if `closes`.
 std::vector<Layer> randomLayers(Random& random, int count, bool closes) {
   std::vector<Layer> out;
   std::array<float, 4> pixel{};
@@ -49,7 +50,7 @@ std::vector<DeepSample> keptOf(const std::vector<Layer>& layers, const DeepBound
   return out;
 }
 
-// What lies in front of a cut, the samples being evenly filled.
+// Returns the light in front of a cut, with evenly filled samples.
 Rgba inFrontOf(const std::vector<DeepSample>& samples, double cut) {
   Rgba out{};
   for (const DeepSample& s : samples) {
@@ -113,7 +114,7 @@ TEST(DeepSamples, AreJoinedWithinTheErrorThatIsAskedFor) {
   EXPECT_GT(joined, 1000u);
 }
 
-// Where all are not kept, those are joined that hide the least: a shell before a mist stays what it is.
+// Under a bound, the samples with the smallest error are merged: a shell before a mist stays separate.
 TEST(DeepSamples, OfAFullPixelAreJoinedWhereItShowsLeast) {
   std::vector<Layer> layers;
   std::array<float, 4> pixel{};

@@ -1,5 +1,5 @@
-// Known answers: half holds 11 significant bits, so a value k/1024 in [0, 2] survives and any other is off by at most
-// 2^-11 of it; PNG pixels are worked out by hand from the sRGB curve (0.5 light is 188, or 48192 of 65535).
+// Known answers: half has 11 significant bits, so a value k/1024 in [0, 2] is exact, and other values have a relative
+// error of at most 2^-11. PNG pixels are computed by hand from the sRGB curve (0.5 light is 188, or 48192 of 65535).
 #include "image/file/image_file.h"
 
 #include <ImfChannelList.h>
@@ -38,7 +38,7 @@ class ImageFile : public testing::Test {
   fs::path folder_;
 };
 
-// Values with an alpha that premultiplication respects; some are not representable in half.
+// Values premultiplied by alpha; some are not representable in half.
 Image somePicture(int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -81,7 +81,7 @@ TEST_F(ImageFile, ExrFloatKeepsEveryBit) {
 TEST_F(ImageFile, ExrHalfRoundsToElevenBits) {
   Image image = somePicture(37, 53);
   image.pixel(3, 3)[0] = 1023.0f / 1024;
-  image.pixel(4, 3)[0] = 1e9f;  // beyond half: its largest value, not infinity
+  image.pixel(4, 3)[0] = 1e9f;  // beyond half: stored as the largest half, not infinity
   writeImage(image, {}, {}, folder_ / "a.exr");
   const Image back = readImage(folder_ / "a.exr");
   EXPECT_EQ(back.pixel(3, 3)[0], 1023.0f / 1024);
@@ -108,7 +108,7 @@ TEST_F(ImageFile, ExrHoldsTextAndIsTheSameEveryTime) {
   EXPECT_EQ(readImageText(folder_ / "a.png"), metadata.text);
 }
 
-// A file of planes alone has no colours to read, and is checked to its last row all the same.
+// A file of only planes has no colours, and is still checked to its last row.
 TEST_F(ImageFile, FilesAreCheckedToTheirEnd) {
   Image image = somePicture(40, 40);
   writeImage(image, {}, {}, folder_ / "a.png");
@@ -147,7 +147,7 @@ TEST_F(ImageFile, ExrOfAPartSaysWhereInTheWholeItIs) {
   EXPECT_EQ(decodeExr(file, "a.exr").rgba, part.rgba);
 }
 
-// Read by OpenEXR itself. No rounding: they are floats whatever the colours are.
+// Read by OpenEXR itself. Planes are floats for every type of the colours, without rounding.
 TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
   Image image = somePicture(5, 4);
   image.planes = {{"Z", ZeroPages<float>(20, 1000.1f)}, {"N.X", ZeroPages<float>(20)}};
@@ -176,7 +176,7 @@ TEST_F(ImageFile, ExrHoldsPlanesAsFloats) {
             std::string::npos);
 }
 
-// Smaller than none, but for what has nothing in common; the first five lose nothing.
+// Smaller than uncompressed, except for incompressible data; the first five are lossless.
 TEST_F(ImageFile, ExrIsCompressedAsAskedFor) {
   Image image(64, 64);
   for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = static_cast<float>(i % 256 / 4) / 64;
@@ -193,7 +193,7 @@ TEST_F(ImageFile, ExrIsCompressedAsAskedFor) {
   EXPECT_THROW(encodeExr(image, {}, {true, 8, "lzw"}, "a.exr"), Error);
 }
 
-// OpenEXR multiplies row vectors: its translation is in the last row, which is the last four floats of 16 in the file.
+// OpenEXR multiplies row vectors: the translation is in the last row, the last four of 16 floats in the file.
 TEST_F(ImageFile, ExrMatricesAreForRowVectors) {
   ImageMetadata metadata;
   glm::dmat4 translation(1.0);
@@ -283,8 +283,7 @@ TEST_F(ImageFile, ReadingNamesWhatIsWrong) {
   writeImage(somePicture(2, 2), {}, {}, folder_ / "a.png");
 }
 
-// Any cut leaves a file that is not whole; the one exception is the very end of a PNG, whose last chunk carries
-// nothing.
+// Any truncation is detected, except at the very end of a PNG, whose last chunk is empty.
 TEST_F(ImageFile, TruncationIsAnErrorAtEveryLength) {
   const Image image = somePicture(23, 40);
   for (const bool exr : {true, false}) {
@@ -313,8 +312,8 @@ TEST_F(ImageFile, FlippedBitsAreSurvived) {
   }
 }
 
-// Bytes in front of an EXR's or a PNG's pixels as numbers of some GiB: an error in one line, or a picture, in little
-// memory. OpenEXR would clear as many bytes as a length says, and libpng unpack a text of them.
+// Bytes in front of an EXR's or a PNG's pixels are set to numbers of some GiB: an error in one line, or a picture, in
+// little memory. OpenEXR would clear as many bytes as a length claims, and libpng would unpack a text of this size.
 TEST_F(ImageFile, HostileLengths_takeLittleMemory) {
   const std::uint64_t before = peakResidentBytes();
   const Image eye = somePicture(23, 40);
@@ -345,7 +344,7 @@ TEST_F(ImageFile, HostileLengths_takeLittleMemory) {
   }
 }
 
-// One bit a pixel, all alike: 33 million pixels in 36 KB, half a GiB as floats. The text unpacks to 7 MB.
+// One bit a pixel, all equal: 33 million pixels in 36 KB, half a GiB as floats. The text unpacks to 7 MB.
 TEST_F(ImageFile, SmallPngOfManyPixels_isHeldAgainstMemory) {
   const auto big = [](std::uint32_t v) {
     std::string out;

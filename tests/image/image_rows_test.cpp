@@ -1,4 +1,4 @@
-// A picture that is written band by band has the bytes of the picture that is written whole.
+// A picture written band by band has the bytes of the picture written whole.
 #include "image/image_rows.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(ImageRows, BandsOfAnyHeight_giveTheBytesOfTheWholePicture) {
       }
     }
   }
-  // Nothing is left beside the pictures.
+  // No temporary file remains.
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory), {}), 6);
 }
 

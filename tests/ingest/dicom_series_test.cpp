@@ -1,5 +1,5 @@
-// Which files of a directory are a volume, in which order, and where it lies. Answers are known because the positions
-// were written here; the affine of a slice's corner is its position, to the last bit.
+// Selection of a volume's files in a directory, their order, and the volume's position. Known because the test writes
+// the positions; the affine of a slice's corner is its position, to the last bit.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -16,7 +16,7 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// The first pixel of a slice holds its number.
+// The first pixel of a slice stores the slice's number.
 std::string slice(DicomSpec spec, int number) {
   spec.pixel_bytes = std::string(40, '\0');
   spec.pixel_bytes[0] = static_cast<char>(number);
@@ -29,7 +29,7 @@ std::string triple(const glm::dvec3& v) {
 
 class DicomSeries : public ::testing::Test {
  protected:
-  // Slices a, b, c, … at these positions.
+  // Writes slices a, b, c, … at these positions.
   void writeAt(const std::vector<glm::dvec3>& positions, DicomSpec spec = {}) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
       spec.position = triple(positions[i]);
@@ -66,7 +66,7 @@ SourceOptions allowing() {
 TEST_F(DicomSeries, PositionsOrderSlicesAndGiveTheAffine) {
   writeAt({{1, 2, 30}, {1, 2, 24}, {1, 2, 27}}, [] {
     DicomSpec spec;
-    spec.spacing = "0.5\\0.25";  // of rows, then of columns
+    spec.spacing = "0.5\\0.25";  // distance of rows, then of columns
     return spec;
   }());
   EXPECT_EQ(order(), (std::vector{1, 2, 0}));
@@ -80,7 +80,7 @@ TEST_F(DicomSeries, PositionsOrderSlicesAndGiveTheAffine) {
   expectError(ErrorCode::kUsage, "--spacing", options);
 }
 
-// A coronal volume, rows down the patient: the normal points to the front, so that slices go from back to front.
+// A coronal volume, rows down the patient: the normal points to the front, so slices go from back to front.
 TEST_F(DicomSeries, TheNormalIsTheOrientationsOwn) {
   DicomSpec spec;
   spec.orientation = "1\\0\\0\\0\\0\\-1";
@@ -112,7 +112,7 @@ TEST_F(DicomSeries, UnequalDistancesAreAnErrorAndRoundedOnesAreNot) {
   expectNear(open()->info().geometry.worldOf({0, 0, 4}), {0, 0, 2.5});
 }
 
-// A gantry tilted by 20 degrees: slices are parallel and equally far apart, but each is shifted along its rows.
+// A gantry tilted by 20 degrees: slices are parallel and equally spaced, but each is shifted along its rows.
 TEST_F(DicomSeries, GantryTiltIsAnErrorUntilItIsAllowedAndThenExactlyAShear) {
   const double angle = 20 * 3.14159265358979 / 180;
   DicomSpec spec;
@@ -158,7 +158,7 @@ TEST_F(DicomSeries, SlicesThatAreNotAlikeAreNamed) {
   expectError(ErrorCode::kFormat, "'a': the orientation is not two unit vectors");
 }
 
-// Known: all slices but one are alike, and the odd one is named wherever it stands.
+// Known: all slices but one are equal, and the odd slice is named at every position.
 TEST_F(DicomSeries, OddSlice_IsNamedBeItTheFirst) {
   const std::vector<glm::dvec3> positions = {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}};
   DicomSpec turned, resized, unsigned_values, white;
@@ -188,7 +188,7 @@ TEST_F(DicomSeries, OddSlice_IsNamedBeItTheFirst) {
   }
 }
 
-// Known: a slice that says nothing beside those that have -1024 would be 1024 off.
+// Known: a slice without rescaling, beside slices with -1024, would be off by 1024.
 TEST_F(DicomSeries, RescalingThatOneSliceLacks_IsAnError) {
   DicomSpec spec;
   spec.intercept = "-1024", spec.slope = "1";
@@ -216,7 +216,7 @@ TEST_F(DicomSeries, RescalingThatOneSliceLacks_IsAnError) {
   }
 }
 
-// Known: exports have no endings, and folders beside them are not slices; a pipe can only be one.
+// Known: exports have no file endings, and folders beside them are no slices; a pipe must be meant as a slice.
 TEST_F(DicomSeries, PipeAmongSlicesWithoutEnding_IsAnError) {
   writeAt({{0, 0, 0}, {0, 0, 2}});
   fs::create_directory(files_.directory() / "notes");
@@ -225,7 +225,7 @@ TEST_F(DicomSeries, PipeAmongSlicesWithoutEnding_IsAnError) {
   expectError(ErrorCode::kFormat, "c: is named like the slices beside it, but is a pipe or a device");
 }
 
-// Known: distances are above 0, and an affine of others would mirror the volume.
+// Known: distances are positive; other values would mirror the volume.
 TEST_F(DicomSeries, SpacingThatIsNotPositive_IsAnError) {
   for (const char* spacing : {"-1\\1", "1\\0"}) {
     DicomSpec spec;
@@ -235,7 +235,7 @@ TEST_F(DicomSeries, SpacingThatIsNotPositive_IsAnError) {
   }
 }
 
-// Known: a file that is no slice of the volume moves no voxel, whatever its header holds.
+// Known: a file of another series moves no voxel, for every content of its header.
 TEST_F(DicomSeries, FaultInAFileOfAnotherSeries_IsPassedOver) {
   writeAt({{0, 0, 0}, {0, 0, 2}});
   SourceOptions options;
@@ -275,7 +275,7 @@ TEST_F(DicomSeries, SlopeOfZeroAndWhiteZero_AreNoted) {
   EXPECT_TRUE(open()->info().notes[0].starts_with("the DICOM files show their smallest values white (MONOCHROME1)"));
 }
 
-// Known because each slice says where it lies: a link to nothing moves none, and a slice that is missing is a gap.
+// Known because each slice stores its position: a broken link moves no slice, and a missing slice is a gap.
 TEST_F(DicomSeries, LinksToNothingArePassedOver) {
   writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 6}});
   fs::create_symlink("nowhere", files_.directory() / "gone");
@@ -289,8 +289,8 @@ TEST_F(DicomSeries, LinksToNothingArePassedOver) {
   expectError(ErrorCode::kFormat, "");
 }
 
-// A screenshot, a localizer and a report in the series itself, a presentation state beside it: the volume is what most
-// slices are, and each other object is named with its reason.
+// A screenshot, a localizer and a report in the series itself, a presentation state beside it. The volume consists of
+// the majority of slices, and each other object is named with its reason.
 TEST_F(DicomSeries, OtherObjectsOfASeries_arePassedOverWithTheirReason) {
   writeAt({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}});
   DicomSpec other;
@@ -310,13 +310,13 @@ TEST_F(DicomSeries, OtherObjectsOfASeries_arePassedOverWithTheirReason) {
   std::vector<std::string> found = open()->info().notes;
   EXPECT_TRUE(std::is_permutation(found.begin(), found.end(), expected.begin(), expected.end()))
       << testing::PrintToString(found);
-  // A slice whose pixels are missing is no other object.
+  // A slice with missing pixels is an error, not another object.
   other = {}, other.pixels = false, other.position = "0\\0\\6";
   files_.write("d", dicomFile(other));
   expectError(ErrorCode::kFormat, "d: has no pixel data, but is of the series");
 }
 
-// Which of two sizes is the volume nobody can tell.
+// With equally many slices of two sizes, neither is the majority.
 TEST_F(DicomSeries, AsManySlicesOfTwoSizes_areAnError) {
   writeAt({{0, 0, 0}});
   DicomSpec other;
@@ -325,7 +325,7 @@ TEST_F(DicomSeries, AsManySlicesOfTwoSizes_areAnError) {
   expectError(ErrorCode::kFormat, "1 slice of 4 x 4 pixels (as 'b') and as many of 5 x 4 (as 'a')");
 }
 
-// Known because both files have one name.
+// Known because both files have equal names.
 TEST_F(DicomSeries, SlicesOfSeveralFolders_areNamedWithTheirFolders) {
   for (const char* folder : {"a", "b"}) {
     fs::create_directories(files_.directory() / folder);
@@ -334,7 +334,7 @@ TEST_F(DicomSeries, SlicesOfSeveralFolders_areNamedWithTheirFolders) {
   expectError(ErrorCode::kUnsupported, "'a/0' and 'b/0' lie at the same place");
 }
 
-// A CD: a list and folders in folders; the list, or the folder that holds it, stands for all series.
+// A CD: a DICOMDIR and nested folders. The DICOMDIR, or its folder, stands for all series.
 TEST_F(DicomSeries, DicomdirAndNestedFolders_listTheirSeries) {
   const auto write = [&](const std::string& folder, const DicomSpec& spec, int number) {
     fs::create_directories(files_.directory() / folder);
@@ -434,7 +434,8 @@ TEST_F(DicomSeries, WithoutPositionsTheNumbersDecide) {
   EXPECT_EQ(open(options)->info().geometry.spacing(), glm::dvec3(1, 2, 3));
 }
 
-// Phases of one heart, say; where all have one number it is no number of slices.
+// Repeated numbers, such as phases of a heart, are several volumes; if all numbers are equal, they are no slice
+// numbers.
 TEST_F(DicomSeries, WithoutPositionsNumbersThatRepeatAreSeveralVolumes) {
   DicomSpec spec;
   spec.position = spec.orientation = "";
@@ -463,7 +464,7 @@ TEST_F(DicomSeries, FramesOfOneFileLieWhereTheirGroupsSay) {
   }
 }
 
-// One slice is a volume of one, as thick as it says.
+// A single slice is a volume a voxel thick, with the thickness in its header.
 TEST_F(DicomSeries, OneSliceOpens) {
   DicomSpec spec;
   spec.thickness = "2.5";

@@ -1,5 +1,5 @@
-// DICOM pixels as the reader takes them. Answers are known because the files are written here element by element, or,
-// for the real slices, because the same voxels are in a NRRD file.
+// Pixels of DICOM files. Known because the files are written here element by element, or, for the real slices, because
+// a NRRD file holds equal voxels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,7 +60,7 @@ TEST(IngestDicom, EveryTypeAndSyntaxGivesTheValuesBack) {
   }
 }
 
-// Known: the same elements behind another preamble, or, as in old archives, behind none.
+// Known: equal elements after another preamble, or, as in old archives, without a preamble.
 TEST(IngestDicom, PreambleOfATiffOrNone_isReadAsDicom) {
   const ForeignVolume volume = randomVolume(kSeriesDims, VoxelType::i16, 40);
   for (const DicomPreamble preamble : {DicomPreamble::kTiff, DicomPreamble::kNone}) {
@@ -82,7 +82,7 @@ TEST(IngestDicom, PreambleOfATiffOrNone_isReadAsDicom) {
   }
 }
 
-// Old magic, no DICOM: bytes that begin as an element does, and go on as none.
+// Old magic, no DICOM: the bytes begin like an element and continue differently.
 TEST(IngestDicom, RawBytesThatBeginLikeAnElement_areNotDicom) {
   const ForeignFiles files;
   for (const std::string& bytes :
@@ -91,7 +91,7 @@ TEST(IngestDicom, RawBytesThatBeginLikeAnElement_areNotDicom) {
     expectRefused(files.write("a.raw", bytes), ErrorCode::kUsage, "not a format that is known");
 }
 
-// Damaged in front of its first frame, where GDCM ends the process: segments are walked before it gets them.
+// Damage before the first frame, for which GDCM ends the process: segments are checked before GDCM reads them.
 TEST(IngestDicom, JpegSegmentsThatAreDamaged_areErrors) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({24, 20, 1}, VoxelType::u16, 43);
@@ -139,7 +139,7 @@ TEST(IngestDicom, CompressedFramesAreDecoded) {
   }
 }
 
-// The file with another value of an element that holds a short, in explicit little endian.
+// Returns the file with another value of an element of type short, in explicit little endian.
 std::string withShort(std::string file, const std::string& element, int value) {
   const std::size_t at = file.find(element + std::string("US\2\0", 4));
   EXPECT_NE(at, std::string::npos);
@@ -149,7 +149,7 @@ std::string withShort(std::string file, const std::string& element, int value) {
 const std::string kRows("\x28\0\x10\0", 4), kBitsAllocated("\x28\0\0\1", 4), kBitsStored("\x28\0\1\1", 4),
     kHighBit("\x28\0\2\1", 4);
 
-// A header that is not its frame's: GDCM would read or write beyond the pixels.
+// A header that does not match its frame: GDCM would read or write beyond the pixels.
 TEST(IngestDicom, AFrameThatIsNotTheHeadersIsAnError) {
   for (const DicomCodec codec :
        {DicomCodec::kRle, DicomCodec::kJpegLossless, DicomCodec::kJpegLs, DicomCodec::kJpeg2000}) {
@@ -181,7 +181,7 @@ TEST(IngestDicom, AFrameThatIsNotTheHeadersIsAnError) {
   }
 }
 
-// What is unknown to whoever copied a file, or hidden in it: an icon in fragments, and groups that have become UN.
+// Elements unknown to earlier copies of a file, or nested: an icon in fragments, and groups with the type UN.
 TEST(IngestDicom, NestedElementsOfAnyKindArePassedOrRead) {
   const auto implicit = [](const std::string& tag, const std::string& value) {
     return tag + static_cast<char>(value.size()) + std::string(3, '\0') + value;
@@ -201,7 +201,7 @@ TEST(IngestDicom, NestedElementsOfAnyKindArePassedOrRead) {
   EXPECT_EQ(openSource(files.write("a.dcm", dicomFile(spec)))->info().geometry.spacing().x, 0.25);
 }
 
-// Twelve of sixteen bits, the others full of what is not the image's.
+// Twelve of sixteen bits; the other bits contain data outside the image.
 TEST(IngestDicom, OnlyStoredBitsAreValues) {
   const ForeignFiles files;
   for (const bool is_signed : {false, true}) {
@@ -227,7 +227,7 @@ TEST(IngestDicom, OnlyStoredBitsAreValues) {
   }
 }
 
-// What one pixel with this value becomes: the type, and the value.
+// Returns the type and the value of a pixel after rescaling.
 std::pair<VoxelType, double> rescaled(DicomSpec spec, std::int64_t stored) {
   const ForeignFiles files;
   spec.columns = spec.rows = 1;
@@ -260,7 +260,7 @@ TEST(IngestDicom, RescalingTakesTheNarrowestExactType) {
   EXPECT_EQ(rescaled(spec, 7), (Answer{VoxelType::f32, 6.5}));
   spec.intercept = "-1024", spec.slope = "0.1";
   EXPECT_EQ(rescaled(spec, 4000), (Answer{VoxelType::f32, static_cast<double>(static_cast<float>(4000 * 0.1 - 1024))}));
-  // A float of this size steps by 64.
+  // Floats of this size have steps of 64.
   spec.intercept = "1000000000", spec.slope = "0.5";
   EXPECT_EQ(rescaled(spec, 3), (Answer{VoxelType::f64, 1000000001.5}));
   spec = {}, spec.bits_allocated = spec.bits_stored = 32, spec.intercept = "1";
@@ -271,7 +271,7 @@ TEST(IngestDicom, RescalingTakesTheNarrowestExactType) {
   EXPECT_EQ(rescaled(spec, 3), (Answer{VoxelType::u8, 3}));
 }
 
-// As scanners of another kind (PET) have it: a slope of its own for each slice.
+// In PET, each slice has a slope of its own.
 TEST(IngestDicom, EachSliceHasItsOwnSlope) {
   const ForeignFiles files;
   for (int z = 0; z < 3; ++z) {
@@ -307,7 +307,7 @@ TEST(IngestDicom, TheTypeHoldsTheValuesOfAllSlices) {
   EXPECT_EQ(values[1], 58976);
 }
 
-// PS3.3 C.8.8.3.2: offsets from the first frame, or places along its axis; and a factor of doses.
+// PS3.3 C.8.8.3.2: offsets from the first frame, or positions along the axis; and a scaling of doses.
 TEST(IngestDicom, DosesAreScaledAndLieWhereTheirOffsetsSay) {
   for (const char* offsets : {"0\\3", "-100\\-97"}) {
     const ForeignFiles files;
@@ -395,7 +395,7 @@ TEST(IngestDicom, EveryTruncationIsAnErrorOrTheData) {
   }
 }
 
-// All of a file that is not compressed; of one that is, all but what GDCM must be trusted with.
+// Flips bits of the whole uncompressed file; of a compressed file, all bits except data that only GDCM parses.
 TEST(IngestDicom, FlippedBitsNeverCrash) {
   const ForeignVolume volume = randomVolume({16, 12, 2}, VoxelType::u16, 21);
   const ForeignFiles files;
@@ -422,8 +422,8 @@ TEST(IngestDicom, FlippedBitsNeverCrash) {
   }
 }
 
-// Every slice of the directory is one of the head's, whose stored value is what DICOM rescales plus 1024; which one it
-// is, the search says.
+// Every slice of the directory is a slice of the head, whose stored value is the rescaled DICOM value plus 1024; a
+// search finds the slice's index.
 TEST(IngestDicom, TheRealSlicesAreTheHeads) {
   const fs::path series = realData("dicom"), head = realData("vhm_head_512x512x245_i16le.nrrd");
   if (series.empty() || head.empty()) GTEST_SKIP() << "../shared/data is not here";

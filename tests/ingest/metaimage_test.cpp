@@ -1,4 +1,5 @@
-// MetaImage, written here as text and bytes by the format's definition, and a real file that NRRD describes too.
+// MetaImage, written here as text and bytes by the format's definition, and a real file that a NRRD header describes
+// too.
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
@@ -18,7 +19,7 @@ std::string metaImageHeader(const ForeignVolume& volume, bool big_endian, const 
 }
 
 TEST(IngestMetaImage, EveryTypeOrderEncodingAndPlaceReadsBack) {
-  // Known: the test wrote the bytes; "prefix" is what HeaderSize must pass over.
+  // Known: the test writes the bytes; "prefix" is skipped by HeaderSize.
   const ForeignFiles files;
   for (const VoxelType type : kAllTypes) {
     for (const bool big : {false, true}) {
@@ -67,7 +68,7 @@ TEST(IngestMetaImage, GeometryIsAsItkReadsIt) {
 }
 
 TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
-  // Known: each header is legal or wrong in exactly the thing that the message must name.
+  // Known: each header is legal, or wrong in exactly the field that the message must name.
   const ForeignFiles files;
   const auto refused = [&](const std::string& text, ErrorCode code, const std::string& part) {
     expectRefused(files.write("r.mha", text + std::string(64, 'x')), code, part);
@@ -114,7 +115,7 @@ TEST(IngestMetaImage, EveryCutIsNoticedAndFlipsAreHarmless) {
   expectBitFlipsAreHarmless(files, "c.mhd", detached, detached.size(), in("c.mhd"), 124);
 }
 
-// Known: the same voxels and axes as of the header of three dimensions; the fourth is a time of its own.
+// Known: voxels and axes equal the header of three dimensions; the fourth dimension is a single time.
 TEST(IngestMetaImage, FourDimensionsWithAnAxisOfLength1_areTheVolume) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 131);
@@ -139,7 +140,7 @@ TEST(IngestMetaImage, FourDimensionsWithAnAxisOfLength1_areTheVolume) {
                 ErrorCode::kUnsupported, "mixes");
 }
 
-// Known: the stream's length and one byte more; CompressedDataSize is the stream's own.
+// Known: the stream's length plus one byte; CompressedDataSize is the stream's own length.
 TEST(IngestMetaImage, ByteBehindCompressedDataSize_isNoted) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 135);

@@ -1,6 +1,5 @@
-// NIfTI-1 as the reader takes it. Answers are known because the files are written here byte by byte from the offsets of
-// nifti1.h, voxel i holding a known function of i, or, for real files, read by a second, plainer decoder (zlib's
-// gzread).
+// NIfTI-1. Known because the files are written here byte by byte from the offsets of nifti1.h, with voxel i a known
+// function of i. Real files are also read by a second, simpler decoder (zlib's gzread).
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -29,7 +28,7 @@ constexpr Type kTypes[] = {{2, 8, VoxelType::u8},     {4, 16, VoxelType::i16},  
                            {16, 32, VoxelType::f32},  {64, 64, VoxelType::f64}, {256, 8, VoxelType::i8},
                            {512, 16, VoxelType::u16}, {768, 32, VoxelType::u32}};
 
-// Distinct at each voxel, negative where the type is, and of more than one byte where it has more.
+// Distinct at each voxel; negative for signed types, and more than a byte for wider types.
 double valueAt(int i, const Type& t) {
   const double sign = t.type == VoxelType::u8 || t.type == VoxelType::u16 || t.type == VoxelType::u32 ? 1 : -1;
   return sign * i * (t.bits == 8 ? 2 : t.bits == 16 ? 531 : t.type == VoxelType::f32 ? 70001 : 7000001);
@@ -64,7 +63,7 @@ class Nifti : public ::testing::Test {
     return openNifti(directory_ / "a.nii", {});
   }
   glm::dmat4 affine(const NiftiHeader& header) { return open(header)->info().geometry.world_from_index; }
-  // The code and message of the refusal; fails the test where there is none.
+  // Returns the code and message of the error; fails the test if there is none.
   std::pair<ErrorCode, std::string> refusal(const NiftiHeader& header) {
     try {
       open(header);
@@ -108,7 +107,7 @@ TEST_F(Nifti, EveryTypeOrderAndContainerGivesTheValuesBack) {
   }
 }
 
-// The .img has no magic of its own; beside a NIfTI header it is one half of a pair, and alone it is raw.
+// The .img has no magic of its own: beside a NIfTI header it is half of a pair, alone it is raw.
 TEST_F(Nifti, EitherHalfOfAPairOpensIt) {
   NiftiHeader h;
   h.vox_offset = 0, h.magic = "ni1";
@@ -157,7 +156,7 @@ TEST_F(Nifti, SformIsTheMatrixAndComesBeforeQform) {
   EXPECT_THROW(openNifti(directory_ / "a.nii", options), Error);
 }
 
-// Writers that do not know a spacing leave 0; those that do not know an affine leave its code or its rows.
+// Writers without a spacing write 0; writers without an affine leave its code or its rows 0.
 TEST_F(Nifti, ImpossibleSpacingOrSform_isReplacedAndNoted) {
   NiftiHeader h;
   h.pixdim = {0, 2, 0, std::numeric_limits<float>::quiet_NaN()};
@@ -170,7 +169,7 @@ TEST_F(Nifti, ImpossibleSpacingOrSform_isReplacedAndNoted) {
   EXPECT_TRUE(openNifti(directory_ / "a.nii", options)->info().notes.empty());
 
   h = {};
-  h.sform_code = 1;  // its rows are zeros
+  h.sform_code = 1;  // rows are zeros
   source = open(h);
   EXPECT_EQ(source->info().geometry.frame, PatientFrame::kUnknown);
   EXPECT_EQ(source->info().notes, std::vector<std::string>{"its sform is empty; the spacing alone is taken"});
@@ -272,7 +271,7 @@ TEST_F(Nifti, HostileNumbersAreFormatErrors) {
   NiftiHeader h;
   h.dim = {3, 32767, 32767, 32767};
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);
-  h = {}, h.sform_code = 1, h.srow = {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};  // two axes are one
+  h = {}, h.sform_code = 1, h.srow = {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0};  // two axes are equal
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);
   h = {}, h.qform_code = 1, h.quatern[0] = nan;
   EXPECT_EQ(refusal(h).first, ErrorCode::kFormat);
@@ -282,7 +281,7 @@ TEST_F(Nifti, HostileNumbersAreFormatErrors) {
   expectRefusal(h, ErrorCode::kFormat, "bitpix");
 }
 
-// Each length below the whole is missing a voxel, or gzip's own checksum and length at its end.
+// Each truncated file lacks a voxel, or gzip's own checksum and length at its end.
 TEST_F(Nifti, EveryTruncationIsAnError) {
   const Bytes whole = test::niftiFile({}, voxelsOf(kTypes[0], false)), packed = test::gzipped(whole);
   for (const Bytes* file : {&whole, &packed}) {
@@ -293,7 +292,7 @@ TEST_F(Nifti, EveryTruncationIsAnError) {
   }
 }
 
-// Every bit of the header in turn: a volume or an Error, nothing else; and a volume's size is the file's.
+// Every bit of the header in turn: a volume or an Error, and a volume fits into the file.
 TEST_F(Nifti, FlippedHeaderBitsNeverCrash) {
   const Bytes whole = test::niftiFile({}, voxelsOf(kTypes[0], false));
   for (std::size_t bit = 0; bit < 348 * 8; ++bit) {
@@ -310,7 +309,7 @@ TEST_F(Nifti, FlippedHeaderBitsNeverCrash) {
 #ifdef KILN_TEST_DATA_DIR
 class RealNifti : public ::testing::TestWithParam<const char*> {};
 
-// The stored values come from gzread at vox_offset, which shares nothing with the reader but zlib.
+// The stored values come from gzread at vox_offset, which shares only zlib with the reader.
 TEST_P(RealNifti, HoldsTheStoredValuesScaled) {
   const fs::path path = fs::path(KILN_TEST_DATA_DIR) / "nifti" / GetParam();
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not here; see shared/data/README.md";

@@ -33,7 +33,7 @@ void expectAffine(const SourceInfo& info, const glm::dmat4& expected) {
 }
 
 TEST(IngestNrrd, EveryTypeOrderEncodingAndPlaceReadsBack) {
-  // Known: the test wrote the bytes. The prefixes "ab\ncd\n" and "xyz" are what the two skips must pass over.
+  // Known: the test writes the bytes. The prefixes "ab\ncd\n" and "xyz" are skipped by the two skip fields.
   const ForeignFiles files;
   for (const VoxelType type : kAllTypes) {
     for (const bool big : {false, true}) {
@@ -94,7 +94,7 @@ TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
 }
 
 TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
-  // Known: each header is legal or wrong in exactly the thing that the message must name.
+  // Known: each header is legal, or wrong in exactly the field that the message must name.
   const ForeignFiles files;
   const auto refused = [&](const std::string& text, ErrorCode code, const std::string& part) {
     expectRefused(files.write("r.nrrd", "NRRD0004\n" + text + "\n" + std::string(64, 'x')), code, part);
@@ -130,7 +130,7 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
 }
 
 TEST(IngestNrrd, StreamsThatAreCutOrDamagedAreRefused) {
-  // Known: one voxel too few, a wrong checksum; each is one change to a good file.
+  // Known: a voxel is missing, or a checksum is wrong; each is a single change to a good file.
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 81);
   const std::string head = nrrdHeader(volume, false, "encoding: gzip\n\n"), bytes = volume.stored(false);
@@ -143,7 +143,7 @@ TEST(IngestNrrd, StreamsThatAreCutOrDamagedAreRefused) {
   refused(wrong, "damaged");
 }
 
-// As of raw files: the voxels are whole, and the user is told what is not read. The checksum still counts.
+// As for raw files: the voxels are whole, and a note names the unread bytes. The checksum is still tested.
 TEST(IngestNrrd, BytesBehindCompressedVoxels_areNoted) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 82);
@@ -168,7 +168,7 @@ TEST(IngestNrrd, BytesBehindCompressedVoxels_areNoted) {
   expectRefused(files.write("s.nrrd", head + wrong), ErrorCode::kFormat, "damaged");
 }
 
-// Known: the same voxels and axes as of the header of three dimensions; one component, one time, or both.
+// Known: voxels and axes equal the header of three dimensions; a single component, a single time, or both.
 TEST(IngestNrrd, MoreThanThreeDimensionsWithAxesOfLength1_areTheVolume) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 83);
@@ -197,7 +197,7 @@ TEST(IngestNrrd, MoreThanThreeDimensionsWithAxesOfLength1_areTheVolume) {
     }
   }
   EXPECT_EQ(openSource(written(headers[2], "raw"))->info().geometry.unit, "mm");
-  // A slice: which of two axes of length 1 is not of space, the kinds say.
+  // A slice: `kinds` selects the spatial axis among two axes of length 1.
   const auto slice = written("dimension: 4\nsizes: 1 60 1 1\nkinds: list domain domain domain\n", "raw");
   EXPECT_EQ(openSource(slice)->info().geometry.dims, (Extent3{60, 1, 1}));
   expectRefused(written("dimension: 4\nsizes: 2 5 2 3\n", "raw"), ErrorCode::kUnsupported, "4-D");
@@ -224,8 +224,7 @@ TEST(IngestNrrd, NarrowFirstAxisWithoutKinds_isNoted) {
   EXPECT_TRUE(notes("kinds: domain domain domain\n").empty());
 }
 
-// A header of another, smaller volume: nothing is wrong with its bytes.
-// Known: a spacing below 0 is legal, and more often a slip than a mirrored scan.
+// Known: a negative spacing is legal, but more often an error than a mirrored scan.
 TEST(IngestNrrd, NegativeSpacing_isNoted) {
   const ForeignFiles files;
   const auto notes = [&](const std::string& more) {
@@ -311,7 +310,7 @@ TEST(IngestNrrd, RealVolumesAreWhatTheirDescriptionSays) {
 }
 
 TEST(IngestNrrd, RealRawAndDetachedHeaderAgree) {
-  // Known: both name the same bytes.
+  // Known: both headers describe the same bytes.
   if (realData("raw/engine.nhdr").empty()) GTEST_SKIP() << "../shared/data is not here";
   SourceOptions options;
   options.dims = Extent3{149, 208, 110};

@@ -1,5 +1,5 @@
-// phantom:NAME:XxYxZ as a source among others. The answers are known because a voxel is a function of name, size and
-// coordinates: whatever box it is read in, its bits are those of the whole volume.
+// phantom:NAME:XxYxZ as a source. Known because a voxel is a function of name, size and coordinates: for every box
+// read, its bits equal the whole volume's.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -47,7 +47,7 @@ TEST(IngestPhantom, SeveralThreadsReadAtOnce) {
 }
 
 TEST(IngestPhantom, SaysWhatItIs) {
-  // Known: the body's box is 587 x 341 x 1878 mm, and its voxels divide it.
+  // Known: the body's box is 587 x 341 x 1878 mm, and its voxels divide the box.
   const auto source = openSource("phantom:body:587x341x939");
   const SourceInfo& info = source->info();
   EXPECT_EQ(info.type, VoxelType::u16);
@@ -70,7 +70,7 @@ TEST(IngestPhantom, SpacingIsReplacedAndVoxelsStay) {
 }
 
 TEST(IngestPhantom, WrongUsesAreUsageErrors) {
-  // Known: the contract of openSource; the message names what there is.
+  // Known: the contract of openSource; the message lists the phantoms.
   expectRefused("phantom:cat:8x8x8", ErrorCode::kUsage, "body, head, brain, engine");
   expectRefused("phantom:", ErrorCode::kUsage, "body, head, brain, engine");
   for (const char* size : {"", ":", ":8x8", ":8x8x", ":8x8x8x8", ":0x8x8", ":8x-8x8", ":8x8x8 ", ":8,8,8", ":axbxc",

@@ -22,7 +22,7 @@ SourceOptions optionsOf(const ForeignVolume& volume, bool big_endian = false, st
 }
 
 TEST(IngestRaw, EveryTypeAndByteOrderReadsBack) {
-  // Known: the file is the volume's own bytes, reversed by hand for the other order, behind a prefix to skip.
+  // Known: the file is the volume's own bytes, reversed by hand for the other byte order, after a prefix to skip.
   const ForeignFiles files;
   for (const VoxelType type : kAllTypes) {
     for (const bool big_endian : {false, true}) {
@@ -121,7 +121,7 @@ TEST(IngestRaw, WrongLengthsNameBothNumbersAndTheWayOut) {
 }
 
 TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
-  // Known: each file begins with the bytes that define its format.
+  // Known: each file begins with the magic bytes of its format.
   const ForeignFiles files;
   const auto refused = [&](const std::string& name, std::string_view bytes, const std::string& part) {
     expectRefused(files.write(name, bytes), ErrorCode::kUnsupported, part);
@@ -137,7 +137,7 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
   refused("h.nrrd.gz", gzipped("NRRD0004\n"), "gzip-compressed NRRD");
   refused("j.tif.gz", gzipped("II*\0\x08\0\0\0"sv), "gzip-compressed TIFF");
   refused("i.raw.gz", gzipped("anything"), "gzip-compressed");
-  // Nobody writes to the pipe: to open it would be to wait for ever.
+  // The pipe has no writer: opening it would block forever.
   ASSERT_EQ(mkfifo((files.directory() / "pipe.raw").c_str(), 0600), 0);
   expectRefused(files.directory() / "pipe.raw", ErrorCode::kUnsupported, "pipe");
   const auto nhdr =
@@ -151,7 +151,7 @@ TEST(IngestOpen, WrongUsesOfOptionsAreUsageErrors) {
   const auto raw = files.write("v.raw", "abcdef");
   const auto nrrd = files.write("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx");
   expectRefused(raw, ErrorCode::kUsage, "--dims and --type");
-  expectRefused(raw, ErrorCode::kUsage, "--dims 256,256,113 --type u16");  // as the command line takes it
+  expectRefused(raw, ErrorCode::kUsage, "--dims 256,256,113 --type u16");  // in the syntax of the command line
   files.write("v.nhdr", "NRRD0004\n");
   expectRefused(raw, ErrorCode::kUsage, "'v.nhdr'");
   SourceOptions options;

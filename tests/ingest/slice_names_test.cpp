@@ -1,4 +1,4 @@
-// Folders of slices by their names alone: a volume is one stack without a gap, or an error that names what is wrong.
+// Folders of slices by their names alone: a single stack without a gap, or an error that names the fault.
 #include "ingest/slice_names.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace kiln::test {
 namespace {
 
-// The sentence about these names; empty where they are one stack.
+// Returns the error for these names, or an empty text for a single stack.
 std::string sentenceOn(std::vector<std::string> names) {
   std::sort(names.begin(), names.end(), naturallyBefore);
   SliceFiles slices{"scan", SliceFormat::kTiff, {names.begin(), names.end()}, {}};

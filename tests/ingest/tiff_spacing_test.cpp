@@ -1,5 +1,5 @@
-// What TIFF files say beside their pixels: how far apart these are, and ImageJ's stacks, whose description says more
-// than the tags. Answers are known because the tags were written here.
+// Spacings of TIFF files from tags, and ImageJ's stacks, whose description says more than the tags. Known because the
+// tags are written here.
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
@@ -55,7 +55,7 @@ struct SaidUnits {
   std::string description;
   glm::dvec3 spacing;
   std::string unit;
-  /// A part of the first note; empty where there is none.
+  /// Part of the first note; empty for none.
   std::string note;
 };
 
@@ -90,7 +90,7 @@ TEST(IngestTiff, ImageJUnitsOfAxes_AreConvertedToTheUnitOfX) {
            {stack + "unit=pixel\nspacing=3\n", {1, 1, 3}, "", ""},
            {stack + "unit=furlong\nspacing=3\n", {0.5, 0.5, 3}, "", "'furlong', which is no known unit"},
            {stack + "unit=um\nspacing=3\nyunit=furlong\n", {0.5, 0.5, 3}, "um", "along y in 'furlong' and along x in"},
-           // A single image has no spacing of slices that ImageJ would write.
+           // A single image has no slice distance that ImageJ would write.
            {"ImageJ=1.54f\nunit=um\n", {0.5, 0.5, 0.5}, "um", "no distance of slices"},
        })
     expectUnits(said);
@@ -130,7 +130,7 @@ TEST(IngestTiff, OmeUnitsOfAxes_AreConvertedToTheUnitOfX) {
   EXPECT_NE(source->info().notes[0].find("along z in 'parsec'"), std::string::npos) << source->info().notes[0];
 }
 
-// As ImageJ writes stacks of more than 4 GB: one directory, big-endian, and the images one behind the other.
+// As ImageJ writes stacks of more than 4 GB: a single directory, big-endian, and the images concatenated.
 TEST(IngestTiff, ImagesBehindImageJsOnlyDirectoryAreSlices) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({21, 19, 5}, VoxelType::u16, 19);
@@ -142,7 +142,7 @@ TEST(IngestTiff, ImagesBehindImageJsOnlyDirectoryAreSlices) {
   const std::string page = volume.stored(true).substr(0, 21 * 19 * 2);
   const std::size_t strip = bytes.find(page);
   ASSERT_NE(strip, std::string::npos);
-  // The strip's offset, a long in entry 273, points to the end, where all five are.
+  // The strip's offset, a long in entry 273, points to the end, where all five images are.
   const std::string entry("\x01\x11\x00\x04\x00\x00\x00\x01", 8);
   const std::size_t at = bytes.find(entry);
   ASSERT_NE(at, std::string::npos);

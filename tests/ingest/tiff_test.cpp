@@ -1,5 +1,5 @@
-// TIFF stacks as the reader takes them. Answers are known because libtiff wrote the files from random voxels, or, for
-// the real stack, because the same slices are in a NRRD file.
+// TIFF stacks. Known because libtiff wrote the files from random voxels, or, for the real stack, because a NRRD file
+// holds equal slices.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -58,7 +58,7 @@ TEST(IngestTiff, PredictorsAreUndone) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::u16, VoxelType::i32, VoxelType::f32}) {
     const ForeignVolume volume = randomVolume(kStackDims, type, 7);
     for (const bool big : {false, true}) {
-      if (big && isFloating(type)) continue;  // libtiff 4.5 writes these wrong
+      if (big && isFloating(type)) continue;  // libtiff 4.5 writes these files incorrectly
       TiffLayout layout;
       layout.compression = 8;
       layout.predictor = isFloating(type) ? 3 : 2;
@@ -123,7 +123,7 @@ TEST(IngestTiff, NamesAreSortedAsPeopleCount) {
   EXPECT_TRUE(naturallyBefore("a-1", "a1") != naturallyBefore("a1", "a-1"));
 }
 
-// Twelve files without leading zeros; what is no slice is passed over and named.
+// Twelve files without leading zeros; other files are ignored and named.
 TEST(IngestTiff, ADirectoryIsAStackInNaturalOrder) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({21, 19, 12}, VoxelType::u16, 9);
@@ -156,7 +156,7 @@ TEST(IngestTiff, FilesOfSeveralPagesFollowEachOther) {
   expectReadsBack(volume, files.directory(), 10);
 }
 
-// Known: of a stack of files with a page each, one has three.
+// Known: in a stack of single-page files, one file has three pages.
 TEST(IngestTiff, FileOfSeveralPagesAmongSlices_IsAnError) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({21, 19, 6}, VoxelType::u8, 10);
@@ -171,7 +171,7 @@ TEST(IngestTiff, FileOfSeveralPagesAmongSlices_IsAnError) {
   EXPECT_EQ(openSource(files.directory(), options)->info().geometry.dims.z, 5);
 }
 
-// Known: an entry that cannot be a slice has the name of one, and would be missed at the end of the stack only.
+// Known: a folder or pipe with a slice's name would otherwise be missed only at the end of the stack.
 TEST(IngestTiff, FolderOrPipeNamedLikeASlice_IsAnError) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 10);
@@ -199,7 +199,7 @@ TEST(IngestTiff, SmallerCopiesAreNotSlices) {
   EXPECT_EQ(openSource(files.directory() / "a.tif")->info().geometry.dims.z, 3);
 }
 
-// Four threads ask for random boxes of a source that keeps next to nothing and of one that keeps all.
+// Four threads read random boxes, from a source that caches almost nothing and from a source that caches everything.
 TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({70, 60, 9}, VoxelType::u16, 12);
@@ -238,8 +238,8 @@ TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
   }
 }
 
-// The bytes of a file in which each directory follows the pixels of its page and ends with the link to the next page,
-// as most programs write stacks. A cut may leave nothing but a part of that link away.
+// Returns the bytes of a file in which each directory follows the pixels of its page and ends with the link to the next
+// page, as most programs write stacks. A cut may remove only a part of such a link.
 std::string stackWithLinksLast(const ForeignVolume& volume, std::vector<std::size_t>& links) {
   const auto put = [](std::string& out, std::uint64_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
@@ -310,7 +310,7 @@ TEST(IngestTiff, PageLinkThatLeadsNowhere_IsAnError) {
   linked(3, directory);  // back
 }
 
-// ImageJ's number of images is all that shows a link that was overwritten with zero.
+// ImageJ's number of images is the only evidence for a link overwritten with zero.
 TEST(IngestTiff, FewerPagesThanImageJSays_IsAnError) {
   const ForeignFiles files;
   TiffLayout layout;
@@ -331,7 +331,7 @@ TEST(IngestTiff, FewerPagesThanImageJSays_IsAnError) {
   expectRefused(path, ErrorCode::kFormat, "OME's description says 4 images, but 3 are found");
 }
 
-// A cut takes a directory, a value of one, or pixels; where it takes none of them the voxels are all there.
+// A cut removes a directory, a value of a directory, or pixels; otherwise all voxels are there.
 TEST(IngestTiff, EveryTruncationIsAnErrorOrTheData) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({11, 9, 3}, VoxelType::u16, 13);
@@ -411,7 +411,7 @@ TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   expect(layout, "is 2 stacks (channels, times or positions), by tifffile's description");
 }
 
-// What descriptions say of pixels, in the units that their programs write.
+// Spacings in descriptions, in the units that each program writes.
 TEST(IngestTiff, DescriptionsGiveTheSpacing) {
   struct Said {
     std::string description;
@@ -460,7 +460,7 @@ TEST(IngestTiff, SignedNumbersOfImageJAreSigned) {
   EXPECT_NE(source->info().notes[1].find("-1000 + 2 times what is stored"), std::string::npos);
 }
 
-// A slice that is not there, or is empty, would move the others down.
+// A slice that is missing or empty would shift all later slices.
 TEST(IngestTiff, ASliceThatCannotBeReadIsAnError) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 20);
@@ -476,7 +476,7 @@ TEST(IngestTiff, ASliceThatCannotBeReadIsAnError) {
                 "s1.tif: is named like the slices beside it, and is a link to nothing");
 }
 
-// LZW's number in the directory, which is a short at the front of the entry's value, is replaced.
+// Replaces LZW's code in the directory, a short at the front of the entry's value.
 TEST(IngestTiff, AnUnknownCompressionIsNamed) {
   const ForeignFiles files;
   TiffLayout layout;
@@ -501,7 +501,7 @@ TEST(IngestTiff, SlicesThatDifferAreAnErrorThatNamesThem) {
   writeTiff(files.directory() / "s2.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
   expectRefused(files.directory(), ErrorCode::kFormat,
                 "s2.tif: page 1: slice 1 is 21 x 18 of u16, but the first, in s1.tif, is 21 x 19 of u16");
-  // A third slice shows which of the two is odd.
+  // A third slice shows which slice is odd.
   writeTiff(files.directory() / "s3.tif", randomVolume({21, 18, 1}, VoxelType::u16, 17), 0, 1);
   expectRefused(files.directory(), ErrorCode::kFormat,
                 "s1.tif: page 1: slice 0 is 21 x 19 of u16, but the next, in s2.tif, is 21 x 18 of u16");
@@ -520,7 +520,7 @@ TEST(IngestTiff, ADirectoryWithoutSlicesIsOneLine) {
   expectRefused(files.directory(), ErrorCode::kUnsupported, "'a.txt' and 1 more");
 }
 
-// A compressed page of one strip must be decoded whole: the plan says so before anything is read.
+// A compressed page of a single strip must be decoded whole: planning fails before any read.
 TEST(IngestTiff, AStripThatDoesNotFitTheBudgetIsNamedBeforeReading) {
   const ForeignFiles files;
   const ForeignVolume volume{{2048, 1024, 2}, VoxelType::u16, std::vector<std::byte>(2048 * 1024 * 2 * 2)};

@@ -1,6 +1,5 @@
-// OpenVDB grids as the reader takes them. Answers are known because OpenVDB's own io::File and getValue read the same
-// file (tests/support/volumes/vdb_files.h), or because the grid was filled here with a known function of the
-// coordinate.
+// OpenVDB grids. Known because OpenVDB's own io::File and getValue read the file (tests/support/volumes/vdb_files.h),
+// or because the grid is filled here with a known function of the coordinate.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -104,7 +103,7 @@ TEST_F(Vdb, ScalarGridsGiveTheirValuesInactiveOnesToo) {
   }
 }
 
-// OpenVDB's own writer leaves the sizes of leaves out where neither Blosc nor zip packs them.
+// OpenVDB's own writer omits the sizes of leaves without Blosc or zip compression.
 TEST_F(Vdb, Compression_noneOrActiveValuesOrZip_readsEveryVoxel) {
   using test::VdbCompression;
   for (const VdbCompression compression :
@@ -136,7 +135,7 @@ TEST_F(Vdb, Int64Grid_valuesOf32Bits_areReadAsU32) {
   EXPECT_EQ(openVdb(write({{VdbKind::kInt64, "id"}, {VdbKind::kFloat, "heat"}}), {})->info().vdb->grid_name, "heat");
 }
 
-// The last 4096 voxels at either end of the 32-bit coordinates cannot be walked; all others are read.
+// The last 4096 voxels at either end of the 32-bit coordinates cannot be iterated; all others are read.
 TEST_F(Vdb, IndicesNearTheEndOf32Bits_areReadOrRefused) {
   constexpr std::int64_t kEnd = std::int64_t{1} << 31;
   for (const std::int64_t x : {-kEnd + 4096, kEnd - 4096 - 6, std::int64_t{1} << 30, -(std::int64_t{1} << 30) - 3}) {
@@ -156,7 +155,7 @@ TEST_F(Vdb, IndicesNearTheEndOf32Bits_areReadOrRefused) {
   }
 }
 
-// The values are those of earlyVdb, which is written from OpenVDB's description of its older formats.
+// The values come from earlyVdb, written from OpenVDB's description of its older formats.
 TEST_F(Vdb, FileOfBeforeOpenVdb2_readsItsLeaf) {
   test::writeBytes(directory_ / "a.vdb", test::earlyVdb());
   const auto source = openVdb(directory_ / "a.vdb", {});
@@ -169,8 +168,8 @@ TEST_F(Vdb, FileOfBeforeOpenVdb2_readsItsLeaf) {
   expectRefused(directory_ / "a.vdb", ErrorCode::kUnsupported, "version 217");
 }
 
-// Every four bytes of the head as a length of some GiB, in files of all forms: an error, or the same volume, in little
-// memory. OpenVDB would clear as many bytes as the length says.
+// Every four bytes of the header are set to a length of some GiB, in all file formats: an error, or an equal volume, in
+// little memory. OpenVDB would clear as many bytes as the length claims.
 TEST_F(Vdb, HostileLengths_takeLittleMemory) {
   using test::VdbCompression;
   std::vector<test::Bytes> files = {test::earlyVdb()};
@@ -285,7 +284,8 @@ TEST_F(Vdb, RefusesByName) {
   expectRefused(directory_ / "b.vdb", ErrorCode::kFormat, "b.vdb");
 }
 
-// A cut inside the grid's data, or in the directory before it, must be noticed at opening: all of it is read there.
+// A cut inside the grid's data, or in the directory before, must be detected when the file is opened, which reads all
+// bytes.
 TEST_F(Vdb, EveryTruncationIsAnError) {
   using test::VdbCompression;
   for (const auto& [seekable, compression] : {std::pair{true, VdbCompression::kBlosc},
@@ -302,8 +302,8 @@ TEST_F(Vdb, EveryTruncationIsAnError) {
   }
 }
 
-// Names, metadata and the directory of grids, which are walked before OpenVDB sees them. What lies in the tree has no
-// check in the format, and OpenVDB trusts it (see vdb_bytes.h).
+// Names, metadata and the directory of grids, which are checked before OpenVDB reads them. The format has no checksum
+// for the tree, and OpenVDB trusts its bytes (see vdb_bytes.h).
 TEST_F(Vdb, FlippedLengthsInTheMetadataAreErrorsOrHarmless) {
   const std::vector<std::byte> whole = readFile(write({{VdbKind::kFloat, "a"}}));
   constexpr unsigned kFlips[] = {1, 0x80, 0xff};

@@ -1,5 +1,6 @@
-// Known answers: a turn of a quarter is where trigonometry says; a spline passes through its keys; two keys on a circle
-// about the target stay on it; what lies between two transfer functions is their mean, weighted by opacity.
+// Known answers: a quarter turn follows from trigonometry; a spline passes through its keys; between two keys on a
+// circle about the target, the eye stays on the circle. Between two transfer functions lies their mean, weighted by
+// opacity.
 #include "job/animation.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +48,7 @@ TEST(FrameList, NumbersFillTheirPlace) {
   EXPECT_EQ(pathOfFrame("d_##/a_####.exr", 12), "d_12/a_0012.exr");
   EXPECT_EQ(pathOfFrame("a_##.exr", 1234), "a_1234.exr");
   EXPECT_EQ(pathOfFrame("a.exr", 3), "a.exr");
-  // A folder that is there is no pattern, such as the job's own.
+  // An existing folder, such as the job's own, is no pattern.
   const std::filesystem::path shot = test::freshDirectory("frames_of") / "shot#3";
   std::filesystem::create_directory(shot);
   EXPECT_EQ(pathOfFrame(shot / "a_##.exr", 7), shot / "a_07.exr");
@@ -76,7 +77,8 @@ TEST(CameraPath, ATurntableTurnsAboutItsAxis) {
   expectNear(cameraOf(job, 2).up, {0, 0, 1}, 1e-12, __LINE__);
 }
 
-// Two framings a quarter turn apart: the target stays, and so the eye goes round it at one distance and one speed.
+// Two framings a quarter turn apart: the target stays, so the eye moves around the target at constant distance and
+// speed.
 TEST(CameraPath, KeysAboutOneTargetGoRoundIt) {
   const RenderJob job = jobOf(R"("camera": {"view": "front", "keyframes": [{"frame": 10, "azimuth": 0},
                                                                           {"frame": 19, "azimuth": 90}]})");
@@ -95,7 +97,7 @@ TEST(CameraPath, KeysAboutOneTargetGoRoundIt) {
   expectNear(cameraOf(job, 30).eye, last.eye, 0, __LINE__);
 }
 
-// The eye flies through its keys without a corner: on a straight line at constant speed; and looks where keys do.
+// The eye passes its keys without a corner, on a straight line at constant speed, and looks in the keys' directions.
 TEST(CameraPath, KeysOfAnEyeAreASpline) {
   const RenderJob job = jobOf(R"("camera": {"up": [0, 0, 1], "keyframes": [
       {"frame": 0, "eye": [0, -90, 0], "target": [0, 0, 0], "fov": 30},
@@ -108,7 +110,7 @@ TEST(CameraPath, KeysOfAnEyeAreASpline) {
   expectNear(cameraOf(job, 25).eye, {20, -90, 2.5}, 1e-9, __LINE__);
   // From rest to rest: 3t² − 2t³ of the way.
   EXPECT_NEAR(cameraOf(job, 22).eye.z, 5 * (3 * 0.04 - 2 * 0.008), 1e-9);
-  // The tangent of half the angle grows by its ratio.
+  // The tangent of half the angle is interpolated geometrically.
   EXPECT_NEAR(std::tan(glm::radians(cameraOf(job, 25).fov_deg / 2)),
               std::sqrt(std::tan(glm::radians(15.0)) * std::tan(glm::radians(30.0))), 1e-9);
   // No corner at the key in the middle.
@@ -118,7 +120,7 @@ TEST(CameraPath, KeysOfAnEyeAreASpline) {
   expectNear(velocity(10 - 1e-4), velocity(10), 1e-3, __LINE__);
 }
 
-// Orientations: a turn in three keys keeps its speed through the middle one, whichever sign a quaternion has.
+// Orientations: a turn in three keys keeps its speed through the middle key, for either sign of a quaternion.
 TEST(CameraPath, OrientationsGoTheShorterWayWithoutACorner) {
   KeyTimes times(std::vector<Key<int>>{{0, Ease::kSmooth, 0}, {10, Ease::kSmooth, 0}, {20, Ease::kSmooth, 0}});
   const auto turn = [](double degrees) { return glm::angleAxis(glm::radians(degrees), glm::dvec3(0, 0, 1)); };
@@ -129,7 +131,7 @@ TEST(CameraPath, OrientationsGoTheShorterWayWithoutACorner) {
   }
 }
 
-// A matrix whose rows say: the camera's x is -y of the world, it looks along -x from (50, 5, 5), z is up.
+// A matrix with these rows: the camera's x is -y of the world, the view direction is -x from (50, 5, 5), z is up.
 TEST(CameraPath, MatricesAreCameraToWorld) {
   const RenderJob job = jobOf(R"("camera": {"fov": 40, "matrices": [
       [[0, 0, 1, 50], [1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 0, 1]],
@@ -182,7 +184,8 @@ TEST(Animation, EyesAreMixed) {
             (Stereo{StereoEye::kBoth, 6, {}}));
 }
 
-// At each value the opacity is the mean, and the colour that of what is seen: of values that only b shows, b's.
+// At each value the opacity is the mean, and the colour is the visible function's: at values that only b shows, b's
+// colour.
 TEST(TransferFunctionFade, LiesBetween) {
   const TransferFunction a{1, {{0, {1, 0, 0}, 0}, {10, {1, 0, 0}, 0.8}}},
       b{1, {{0, {0, 0, 1}, 0.4}, {5, {0, 0, 1}, 0.4}, {5, {0, 1, 0}, 0}}};

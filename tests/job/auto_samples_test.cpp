@@ -1,4 +1,4 @@
-// How many samples a pixel takes where nobody says, of cameras whose voxels have a known size in pixels.
+// Default number of samples a pixel, for cameras with voxels of a known size in pixels.
 #include "job/auto_samples.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace kiln::test {
 namespace {
 
-// Cubes of voxels of edge 2, and its levels of half as many.
+// A volume of n³ voxels of edge 2, with levels of half as many along each axis.
 Manifest cubesOf(std::int64_t n) {
   Manifest out;
   for (double edge = 2; n >= 1; n /= 2, edge *= 2) {
@@ -22,7 +22,7 @@ Manifest cubesOf(std::int64_t n) {
   return out;
 }
 
-// A picture of 512² in which a voxel at the middle has that many pixels.
+// A camera for a picture of 512² in which a voxel at the middle covers `px_per_voxel` pixels.
 Camera cameraOf(const Manifest& volume, Projection projection, double px_per_voxel) {
   Camera out;
   out.projection = projection;
@@ -63,7 +63,7 @@ TEST(AutoSamples, AreThoseOfTheSmallestEdge) {
   EXPECT_EQ(samplesFor(volume, 0.5), 16);
 }
 
-// Known because the levels of this one have 2^30, 2^27, 2^24 voxels, and the next is shown below 7/16 of a pixel.
+// Known because the levels have 2^30, 2^27, 2^24 voxels, and the next level is shown below 7/16 of a pixel.
 TEST(AutoSamples, ShowNoLevelOfMoreVoxelsThanAreSaid) {
   const Manifest large = cubesOf(1024);
   EXPECT_EQ(samplesFor(large, 0.5), 1);   // 4 show level 0
@@ -78,7 +78,7 @@ TEST(AutoSamples, ShowNoLevelOfMoreVoxelsThanAreSaid) {
   EXPECT_EQ(samplesFor(large, 0.4, job), 1);
 }
 
-// A camera that moves shows details that a single ray meets or misses, until voxels are large.
+// A moving camera shows details that a single ray meets or misses, until voxels are large.
 TEST(AutoSamples, AreFourWhereTheCameraMoves) {
   const Manifest volume = cubesOf(256), large = cubesOf(1024);
   RenderJob job = jobOf({512, 512});
@@ -89,7 +89,7 @@ TEST(AutoSamples, AreFourWhereTheCameraMoves) {
   EXPECT_EQ(samplesFor(volume, 3.9, job), 4);
   EXPECT_EQ(samplesFor(volume, 4.1, job), 1);
   EXPECT_EQ(samplesFor(volume, 0.25, job), 16);
-  // Of a volume that no more than one sample shows whole: 4 read no finer level.
+  // A large volume: 4 samples read no finer level at a pixel a voxel.
   EXPECT_EQ(samplesFor(large, 1, job), 4);
   EXPECT_EQ(samplesFor(large, 0.22, job), 1);
   EXPECT_EQ(samplesFor(volume, 1), 1);
@@ -99,7 +99,7 @@ TEST(AutoSamples, AreFourWhereTheCameraMoves) {
   EXPECT_EQ(samplesFor(volume, 1, job), 1) << "a path of one camera is a still picture";
 }
 
-// Edges of labels are steps, which one ray meets or misses.
+// Edges of labels are steps that a single ray meets or misses.
 TEST(AutoSamples, AreFourOfLabelsNearAPixelAVoxel) {
   Manifest labels = cubesOf(256), large = cubesOf(1024);
   const Manifest amounts = cubesOf(256);
@@ -108,9 +108,9 @@ TEST(AutoSamples, AreFourOfLabelsNearAPixelAVoxel) {
   EXPECT_EQ(samplesFor(labels, 1.24), 4);
   EXPECT_EQ(samplesFor(labels, 1.26), 1);
   EXPECT_EQ(samplesFor(labels, 0.25), 16);
-  EXPECT_EQ(samplesFor(large, 1), 4);  // which read no finer level
+  EXPECT_EQ(samplesFor(large, 1), 4);  // reads no finer level
   EXPECT_EQ(samplesFor(large, 0.4), 1);
-  // Of other volumes beside them rays cost more than of labels.
+  // With other volumes, rays cost more than with labels alone.
   const Camera camera = cameraOf(labels, Projection::kOrthographic, 1);
   EXPECT_EQ(automaticSamples(jobOf({512, 512}), camera, camera.target, {&labels, &labels}), 4);
   EXPECT_EQ(automaticSamples(jobOf({512, 512}), camera, camera.target, {&labels, &amounts}), 1);
@@ -154,14 +154,14 @@ TEST(AutoSamples, OfSeveralVolumesAreThoseOfTheFinest) {
   const Camera camera = cameraOf(coarse, Projection::kOrthographic, 1.5);
   EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse}), 1);
   EXPECT_EQ(automaticSamples(job, camera, camera.target, {&coarse, &fine}), 4);
-  // Of a large volume, the finest level would be shown for the other's sake.
+  // More samples for the fine volume would show the finest level of the large volume.
   const Manifest large = cubesOf(1024);
   const Camera at_large = cameraOf(large, Projection::kOrthographic, 0.8);
   EXPECT_EQ(automaticSamples(job, at_large, at_large.target, {&fine}), 16);
   EXPECT_EQ(automaticSamples(job, at_large, at_large.target, {&large, &fine}), 1);
 }
 
-// Memory is for the frame that takes the most.
+// The number of samples follows the frame that takes the most.
 TEST(AutoSamples, OfAJobAreTheMostOfItsFrames) {
   Manifest volume = cubesOf(256);
   RenderJob job = jobOf({512, 512});

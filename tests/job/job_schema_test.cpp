@@ -1,5 +1,5 @@
-// The schema is made of the parser's own tables; what remains to show is that its references lead somewhere and that a
-// place in a job has the line it stands on.
+// The schema is generated from the parser's own tables. Still tested: its references resolve, and a place in a job maps
+// to its line.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -33,8 +33,7 @@ TEST(JobSchema, ReferencesLeadSomewhere) {
   EXPECT_EQ(named, defined);
 }
 
-// The parser takes each key of the root: what it says of a wrong value names the value, not the key. And it takes no
-// other.
+// The parser accepts each key of the schema's root: for a wrong value the error names the value, not the key.
 TEST(JobSchema, TheParserTakesWhatTheSchemaHas) {
   const Json schema = Json::parse(jobSchemaText());
   for (const auto& [name, definition] : schema["$defs"]["job"]["properties"].items()) {

@@ -1,5 +1,5 @@
-// Whatever is done to a job, it is drawn, or refused with one line that says where and what: never a crash, never an
-// exception of somebody else's. The volume and the pictures are tiny, so that many jobs are asked.
+// A mutated job is drawn, or refused in one line that names place and reason: never a crash, never a foreign exception.
+// The volume and the pictures are tiny, so that many jobs fit into the test's time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ class Mutator {
       case 1:
         text.insert(at, 1, "{}[]\",:0a/\\"[below(11)]);
         break;
-      case 2: {  // a piece of it again, elsewhere
+      case 2: {  // copies a piece of the text to another position
         const std::string piece = text.substr(below(text.size()), 1 + below(30));
         text.insert(at, piece);
         break;

@@ -1,5 +1,4 @@
-// Known answers: an example job with each value where it stands; each way to get a key wrong names that
-// key.
+// Known answers: an example job with each value in its place; each way to get a key wrong names the key.
 #include "job/render_job.h"
 
 #include <gtest/gtest.h>
@@ -116,7 +115,7 @@ TEST(RenderJob, SrgbColoursAreDecoded) {
 struct WrongJob {
   const char* body;  // beside the volume
   ErrorCode code;
-  const char* message;  // a part of it
+  const char* message;  // part of the message
 };
 
 const WrongJob kWrongJobs[] = {
@@ -237,7 +236,7 @@ TEST(RenderJob, EachMistakeNamesItsKey) {
   }
 }
 
-// Cut anywhere, the example is no job; and it never ends in anything but our own error.
+// Truncated at any length, the example is no job, and the exception is always kiln::Error.
 TEST(RenderJob, TruncatedTextIsMalformed) {
   const std::string whole = kExample;
   for (std::size_t length = 0; length < whole.size(); ++length) {
@@ -381,7 +380,7 @@ TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   }
 }
 
-// Values with no short decimal form, so that a rounded one would be seen.
+// Values without a short decimal form, so that rounding would be visible.
 TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   RenderJob job = parseJob(kExample, "job.json");
   job.picture.shading.phong = false;
@@ -435,7 +434,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   }
 }
 
-// Equal pictures have equal headers: what is only speed or place is not in the text.
+// Equal pictures have equal headers: options for speed and output paths are not in the text.
 TEST(RenderJob, ResolvedTextLeavesOutHowFastAndWhereTo) {
   RenderJob job = parseJob(kExample, "job.json");
   const std::string text = resolvedJobText(job, Camera{}, {});

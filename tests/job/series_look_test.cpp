@@ -33,7 +33,8 @@ TEST(SeriesLook, UnionOfFrames_hasAllBoxesValuesAndVoxels) {
   EXPECT_EQ(all.histogram.hi, 8);
   const auto& counts = all.histogram.counts;
   EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}), 106u);
-  // Four bins, 3 wide: 10 + 20 of the first frame are below 2; a bin of the second that lies in two is shared.
+  // Four bins, 3 wide: 10 + 20 of the first frame are below 2; a bin of the second frame that overlaps two bins is
+  // split.
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{1, 31, 73, 1}));
 }
 

@@ -1,5 +1,5 @@
-// On real volumes, too, an exact method changes no bit of the picture: whatever the threshold, the view, the projection
-// and the transfer function, `mask`, `range-tree` and `overlay` draw what `none` draws, and visit no more.
+// Exact methods on real volumes change no bit of the picture. For every threshold, view, projection and transfer
+// function, `mask`, `range-tree` and `overlay` draw the picture of `none`, and visit no more.
 #include <gtest/gtest.h>
 
 #include "convert/convert.h"

@@ -1,6 +1,6 @@
-// Every visibility method answers what a plain array of booleans answers, whatever was closed and whatever is asked:
-// the exact ones whether the rectangle is opaque (the overlay: whether its four enclosing squares are), the quadtree
-// whether its approximate projected area is, which is found here by trying every place for it.
+// Every visibility method agrees with a plain array of booleans, for random closed pixels and queries. Exact methods
+// test whether the rectangle is opaque; the overlay tests its four enclosing squares. The quadtree tests its
+// approximate projected area, found here by trying every position.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -32,7 +32,7 @@ class Plain {
   std::vector<bool> closed_;
 };
 
-// What a method should answer, by counting pixels.
+// Returns the expected answer of a method, by counting pixels.
 using Judge = std::function<bool(const Plain&, const PixelRect& rect, const PixelRect& image)>;
 
 struct Method {
@@ -44,8 +44,8 @@ void PrintTo(const Method& method, std::ostream* out) { *out << method.name; }
 
 bool exactly(const Plain& plain, const PixelRect& rect, const PixelRect&) { return plain.hidden(rect); }
 
-// Meagher's overlays: the least power of two that is no less than the rectangle; the square of its first pixel and the
-// next along both axes.
+// Meagher's overlays: squares whose edge is the least power of two that covers the rectangle; the square of its first
+// pixel and the next along both axes.
 bool overlaid(const Plain& plain, const PixelRect& wanted, const PixelRect& image) {
   const PixelRect rect = intersection(wanted, image);
   if (rect.empty()) return true;
@@ -55,7 +55,7 @@ bool overlaid(const Plain& plain, const PixelRect& wanted, const PixelRect& imag
   return plain.hidden({x, y, x + 2 * square, y + 2 * square});
 }
 
-// The block of two by two squares that covers most of the enlarged rectangle: every place is tried.
+// The block of two by two squares that covers most of the enlarged rectangle: every position is tried.
 template <int kEpsilon>
 bool approximated(const Plain& plain, const PixelRect& wanted, const PixelRect& image) {
   const PixelRect rect = intersection(wanted, image);
@@ -64,7 +64,7 @@ bool approximated(const Plain& plain, const PixelRect& wanted, const PixelRect& 
   int square = 1;
   while (2 * square < edge && square < std::max(image.x1, image.y1)) square *= 2;
   const auto best = [&](int lo, int hi) {
-    // Nearest centre, the upper of two: covers as much as any other place of the block.
+    // The nearest centre, of two the upper, covers as much as any other position of the block.
     int best = 0;
     for (int boundary = 0; boundary <= hi + 2 * square; boundary += square) {
       if (std::abs(lo + hi - 2 * boundary) <= std::abs(lo + hi - 2 * best)) best = boundary;
@@ -75,10 +75,10 @@ bool approximated(const Plain& plain, const PixelRect& wanted, const PixelRect& 
   return plain.hidden({x - square, y - square, x + square, y + square});
 }
 
-// Blobs that grow, as opaque surfaces do, so that both answers are common at every size of rectangle.
+// Growing blobs, as opaque surfaces grow, so that both answers are frequent at every size of rectangle.
 void agree(const Method& method, std::uint64_t seed, int questions) {
   Random random(seed);
-  const int largest = seed % 8 == 0 ? 1300 : 300;  // more than one block of the mask
+  const int largest = seed % 8 == 0 ? 1300 : 300;  // several blocks of the mask
   const int width = random.between(1, largest);
   const int height = random.between(1, largest);
   Plain plain(width, height);
@@ -125,8 +125,8 @@ INSTANTIATE_TEST_SUITE_P(
                              approximated<5>}),
     [](const auto& info) { return std::string(info.param.name); });
 
-// Inside a tile the squares that judge lie in the tile, or outside of the image, so that no answer hangs on what
-// another thread has drawn: closing everything else changes nothing.
+// Inside a tile the tested squares lie in the tile, or outside the image, so that no answer depends on other threads'
+// pixels. Closing all other pixels changes no answer.
 TEST(TiledVisibility, DoesNotLookOutsideOfTheTile) {
   constexpr int kWidth = 300, kHeight = 200, kTile = 64;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {

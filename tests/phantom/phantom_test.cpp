@@ -1,5 +1,5 @@
-// The phantoms as figures: what is where, in closed form. The answers are known because anatomy is: a man has these
-// parts, two sides, a skin around everything and air that the skin encloses.
+// The phantoms as figures in closed form. Known from anatomy: a man has these parts, two sides, a skin around
+// everything and air enclosed by the skin.
 #include "phantom/phantom.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ const Figure& body() {
   return figure;
 }
 
-// A point inside one of the part's shapes.
+// Returns a point inside one of the part's shapes.
 glm::vec3 pointIn(const Figure& figure, const Part& part, std::mt19937& random) {
   std::uniform_real_distribution<float> unit(-1, 1);
   for (;;) {
@@ -39,7 +39,7 @@ std::vector<std::uint16_t> voxelsOf(const Phantom& phantom, const VoxelBox& box)
 }
 
 TEST(PhantomFigure, EveryPartIsThereAndUnderTheSkin) {
-  // Known: a part that no point belongs to would be hidden by the parts that win over it.
+  // Known: a part without points of its own would be hidden by the parts that override it.
   const Figure& figure = body();
   std::mt19937 random(1);
   std::set<std::string> names;
@@ -95,8 +95,8 @@ TEST(PhantomFigure, LimbsAreMirrorImages) {
 }
 
 TEST(PhantomFigure, VoxelsAreTheTissueWithinTheNoise) {
-  // Known: where a voxel and its surroundings are of one tissue, its value is that tissue's; the noise ends at 3.46 of
-  // its deviations. Voxels of a quarter of a millimetre find themselves deep in thin bone, too.
+  // Known: a voxel surrounded by a single tissue has the tissue's value; the noise ends at 3.46 standard deviations.
+  // Voxels of a quarter of a millimetre also lie deep in thin bone.
   const Phantom phantom(*findPhantom("body"), {2348, 1364, 7512});
   const Lattice& lattice = phantom.lattice();
   std::mt19937 random(3);
@@ -128,7 +128,7 @@ TEST(PhantomFigure, VoxelsAreTheTissueWithinTheNoise) {
   }
 }
 
-// The noiseless value of a voxel as sampler.h says it, from all shapes of all parts.
+// The noiseless value of a voxel as defined in sampler.h, from all shapes of all parts.
 float compositeOf(const Figure& figure, const glm::vec3& p, float blur_mm, const ValueTable& values) {
   const auto covered = [&](float distance) { return std::clamp(0.5f - distance / blur_mm, 0.f, 1.f); };
   float value = 0, left = 1;
@@ -148,8 +148,8 @@ float compositeOf(const Figure& figure, const glm::vec3& p, float blur_mm, const
 }
 
 TEST(PhantomFigure, WhatIsFarHasNoSay) {
-  // Known: the sampler leaves out shapes that are far, which must not show anywhere: neither in thin parts of the body
-  // nor where much flows together, with small voxels or large ones.
+  // Known: the sampler omits distant shapes, without a visible effect: neither in thin parts of the body nor at
+  // junctions, with small voxels or large voxels.
   for (const Extent3& dims : {Extent3{587, 341, 1878}, Extent3{60, 35, 190}}) {
     const Figure& figure = body();
     ValueTable values = ctValues();
@@ -176,8 +176,8 @@ TEST(PhantomFigure, WhatIsFarHasNoSay) {
 }
 
 TEST(PhantomFigure, EdgesBlendOverAboutAVoxel) {
-  // Known: coverage is linear in the distance over one voxel, so the shares of a ball's voxels add up to its volume and
-  // those that are neither empty nor full to its surface.
+  // Known: coverage is linear in the distance over one voxel. A ball's shares therefore sum to its volume, and the
+  // number of partial voxels is its surface.
   const PartList parts = {{"ball", filledWith(Tissue::kMuscle), {ball({0.3, -0.2, 0.1}, 7)}}};
   const Figure figure(parts);
   ValueTable table = ctValues();
@@ -199,7 +199,7 @@ TEST(PhantomFigure, EdgesBlendOverAboutAVoxel) {
 }
 
 TEST(PhantomNoise, IsNormalIndependentAndOfTheSaidDeviation) {
-  // Known: 24³ voxels of liver; the error of the mean is sigma / 118, that of a correlation 1 / 118.
+  // Known: 24³ voxels of liver; the error of the mean is sigma / 118, of a correlation 1 / 118.
   const Phantom phantom(*findPhantom("body"), {587, 341, 1878});
   const VoxelBox box = {{215, 180, 1245}, {239, 204, 1269}};
   const std::vector<std::uint16_t> voxels = voxelsOf(phantom, box);
@@ -222,7 +222,7 @@ TEST(PhantomNoise, IsNormalIndependentAndOfTheSaidDeviation) {
   const std::vector<std::uint16_t> air = voxelsOf(phantom, {{0, 0, 0}, {40, 40, 20}});
   double air_mean = 0;
   for (const std::uint16_t v : air) air_mean += v / 32000.0;
-  EXPECT_NEAR(air_mean, 24, 0.4);  // a little above where the noise meets zero
+  EXPECT_NEAR(air_mean, 24, 0.4);  // slightly higher where the noise is clipped at zero
 }
 
 TEST(PhantomVolume, InterestingVoxelsAreAsManyAsInThePaper) {
@@ -236,7 +236,7 @@ TEST(PhantomVolume, InterestingVoxelsAreAsManyAsInThePaper) {
   EXPECT_LE(millions, 95);
 }
 
-// The voxels that air outside reaches through air and lung.
+// Returns the voxels connected to the outside through air and lung.
 std::vector<bool> reachedFromOutside(const std::vector<std::uint16_t>& voxels, const Extent3& dims) {
   std::vector<bool> reached(voxels.size());
   std::vector<std::int64_t> open = {0};
@@ -260,7 +260,7 @@ std::vector<bool> reachedFromOutside(const std::vector<std::uint16_t>& voxels, c
   return reached;
 }
 
-// The volume of dark voxels that are not reached. unit: litres.
+// Returns the volume of dark voxels without connection to the outside. unit: litres.
 double enclosedLitres(const Phantom& phantom) {
   const Extent3 dims = phantom.lattice().dims;
   const std::vector<std::uint16_t> voxels = voxelsOf(phantom, boxOf(dims));
@@ -272,8 +272,8 @@ double enclosedLitres(const Phantom& phantom) {
 }
 
 TEST(PhantomVolume, LungsBowelAndSinusesAreClosed) {
-  // Known: a man's lungs hold some four litres, the air of his head less than a tenth of one; were mouth or nose open,
-  // nothing would be enclosed.
+  // Known: a man's lungs hold about four litres, the air of his head less than a tenth of a litre. With an open mouth
+  // or nose no air would be enclosed.
   const double of_body = enclosedLitres(Phantom(*findPhantom("body"), {84, 49, 268}));
   EXPECT_GT(of_body, 3.5);
   EXPECT_LT(of_body, 8);
@@ -283,9 +283,9 @@ TEST(PhantomVolume, LungsBowelAndSinusesAreClosed) {
 }
 
 TEST(PhantomVolume, DoesNotChangeSilently) {
-  // These checksums are frozen: a store made from a phantom's name is the same volume for ever, and published figures
-  // rest on it. A change of anatomy, values, noise or sampling changes them, and with it every picture of a phantom:
-  // say so where it is made, and write the new ones here.
+  // Frozen checksums: a phantom's name determines its volume forever, and published figures rely on this. A change of
+  // anatomy, values, noise or sampling changes the checksums, and every picture of a phantom. Document such a change at
+  // its place, and update the checksums here.
   const struct {
     const char* name;
     Extent3 dims;

@@ -1,5 +1,5 @@
-// Known answers: a camera on the -y axis looking along +y with +z up has its three view axes along the world's, so
-// every projection can be worked out by hand.
+// Known answers: a camera on the -y axis, looking along +y with +z up, has view axes parallel to the world's, so every
+// projection can be computed by hand.
 #include "scene/camera/camera.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,8 @@ TEST(Camera, ViewAxesAreRightDownForward) {
   EXPECT_LT(glm::distance(view.forward_world, {0, 1, 0}), 1e-12);
 }
 
-// tan(45°) = 1: half the height is seen at a distance equal to it, so a point 10 up at depth 10 is on the upper edge.
+// tan(45°) = 1: at a distance equal to half the height, half the height is visible. A point 10 up at depth 10 is on the
+// upper edge.
 TEST(Camera, PerspectiveEdgeOfTheFieldOfView) {
   const View view = resolve(frontCamera(), {200, 100});
   EXPECT_NEAR(view.focal_px, 50, 1e-12);
@@ -66,8 +67,9 @@ TEST(Camera, OrthographicHeightSpansTheImage) {
   EXPECT_NEAR(pixelOfWorld(view, {-8, -3, 0}).x, 0, 1e-9);
 }
 
-// Known because parallel rays are the same wherever they begin: the pixel of a point near the volume must not depend on
-// the eye's distance, nor its place in view space, and its depth from the eye is its depth there and the origin's.
+// Known because parallel rays do not depend on their starting points. The pixel and the view-space position of a point
+// near the volume must not depend on the eye's distance. Its depth from the eye is its view-space depth plus the
+// origin's.
 TEST(Camera, ParallelViewNearAVolume_dependsOnNoDistance) {
   Camera camera;
   camera.projection = Projection::kOrthographic;
@@ -84,7 +86,7 @@ TEST(Camera, ParallelViewNearAVolume_dependsOnNoDistance) {
     const double depth = (view.view_from_world * glm::dvec4(point, 1)).z + view.origin_depth;
     EXPECT_NEAR(depth, point.y + distance, 1e-12 * distance) << distance;
   }
-  // The target, too, may be far away, as long as it is on the same ray.
+  // The target may also be far away, on the same ray.
   camera.target.y = camera.eye.y + 1e3;
   EXPECT_EQ(nearVolume(resolve(camera, {128, 128}), {30, 30, 30}, 50).view_from_world, near.view_from_world);
   const View unmoved = resolve(camera, {128, 128});
@@ -110,7 +112,7 @@ TEST(Camera, ViewIsARigidMotionForAnyCamera) {
   }
 }
 
-// The two EXR matrices are the same camera as pixelOf, in other axes.
+// The two EXR matrices describe the camera of pixelOf, in other axes.
 TEST(Camera, ExrMatricesAgreeWithPixels) {
   Camera camera = frontCamera();
   camera.eye = {3, -20, 5};

@@ -1,5 +1,5 @@
-// Known answers: a box of voxels holds exactly its voxels, on every level those whose centres are in it; a plane
-// through known world points divides them; a box of voxels is what all its points say.
+// Known answers: a box of voxels holds exactly its voxels, on every level the voxels with centres inside. A plane
+// through known world points divides them; a box is classified as all its points.
 #include "scene/clip_region.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(ClipRegion, ABoxOfVoxelsHoldsItsVoxels) {
   }
 }
 
-// A coarse voxel whose centre lies on the face that two regions share is in exactly one of them.
+// A coarse voxel whose centre lies on the shared face of two regions is in exactly one of them.
 TEST(ClipRegion, RegionsThatShareAFaceShareNoVoxelOfAnyLevel) {
   const VolumeGeometry volume = volumeOf({24, 24, 24});
   for (const Extent3& span : {Extent3{1, 1, 1}, Extent3{2, 2, 2}, Extent3{8, 4, 1}}) {
@@ -48,8 +48,8 @@ TEST(ClipRegion, RegionsThatShareAFaceShareNoVoxelOfAnyLevel) {
   }
 }
 
-// Samples of which 13 fill 8 voxels lie across most faces: what two regions have of each is all of it, and what one has
-// of all of them is its width.
+// 13 samples per 8 voxels lie across most faces. The shares of two adjacent regions sum to the whole sample, and the
+// shares of a region sum to its width.
 TEST(ClipRegion, SharesOfSamplesAddUp) {
   constexpr double kEdge = 8.0 / 13;
   for (std::int64_t face = 1; face < 16; ++face) {
@@ -69,7 +69,7 @@ TEST(ClipRegion, SharesOfSamplesAddUp) {
   }
 }
 
-// Of a stretch across both faces of a thin plate, the plate's thickness is inside.
+// Of an interval across both faces of a thin plate, the plate's thickness is inside.
 TEST(ClipRegion, APlateHasTheShareOfItsThickness) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -1));
   for (const double thickness : {1e-6, 1e-3, 0.2}) {
@@ -102,7 +102,7 @@ TEST(ClipRegion, APlaneDividesTheWorldWhateverTheAffineAndTheLevel) {
   }
 }
 
-// The verdict over a box of voxels against that over many of its points, cut voxels included.
+// Classification of a box of voxels against many of its points, cut voxels included.
 TEST(ClipRegion, ABoxIsClassifiedAsItsPointsAre) {
   VolumeGeometry volume = volumeOf({40, 40, 40});
   volume.world_from_index = obliqueAffine();

@@ -1,5 +1,5 @@
-// Known answers: what VTK 9.1's vtkColorTransferFunction and vtkPiecewiseFunction say of the same nodes; the ends and
-// middle of named maps, which their authors publish.
+// Known answers: values of VTK 9.1's vtkColorTransferFunction and vtkPiecewiseFunction for equal nodes; the published
+// ends and middle of named maps.
 #include "scene/transfer/color_map.h"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST(OpacityCurve, MidpointAndSharpnessAreThoseOfVtk) {
   for (const auto& [value, opacity] : expected) EXPECT_NEAR(kCurve.at(value), opacity, 1e-8) << value;
 }
 
-// Everywhere between its points the sampled function is as near to the map as it says, and it is not lavish.
+// Between its points the sampled function stays within the error bound of the map, without excessive points.
 TEST(ColorMap, SamplingKeepsToItsError) {
   for (const ColorSpace space :
        {ColorSpace::kRgb, ColorSpace::kHsv, ColorSpace::kLab, ColorSpace::kDiverging, ColorSpace::kStep}) {
@@ -110,7 +110,7 @@ TEST(ColorMap, NamedMapsHaveTheirPublishedColours) {
   EXPECT_EQ(hex(namedColorMap("plasma").at(1)), 0xf0f921);
   EXPECT_EQ(hex(namedColorMap("inferno").at(1)), 0xfcffa4);
   EXPECT_EQ(hex(namedColorMap("cool-to-warm").at(0.5)), 0xdddddd);
-  // The tables' middle entries, between two of those kept.
+  // The tables' middle entries, between two stored entries.
   const auto within = [](const glm::dvec3& srgb, const glm::dvec3& bytes) {
     for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(255 * srgb[channel], bytes[channel], 2);
   };
@@ -156,7 +156,7 @@ const char* const kMaps = R"([
   {"ColorSpace": "RGB", "Name": "Bone", "Creator": "A. Person", "RGBPoints": [200, 1, 1, 1, -200, 0, 0, 0, 1200, 1, 0, 0],
    "Points": [200, 0, 0.5, 1, 400, 0.5, 0.5, 0, 1200, 1, 0.5, 0]}])";
 
-// A normalised map is stretched over the range and rises in opacity as the grey preset does; one with values of its own
+// A normalised map is stretched over the range and rises in opacity as the grey preset does; a map with absolute values
 // keeps them. A step halfway from 200 to 400 is at 300.
 TEST_F(TransferFunctionFile, ParaViewMapsAreToldByTheirContent) {
   const TransferFunction cold = read(kMaps, "#Cold");
@@ -190,7 +190,7 @@ TEST_F(TransferFunctionFile, MistakesNameTheFileAndTheKey) {
   expectRefused("[3]", "", ErrorCode::kUsage, "[0]: expected an object");
 }
 
-// A window takes the place of the range; one point alone goes to its centre.
+// A window replaces the range; a single point moves to the window's centre.
 TEST_F(TransferFunctionFile, AWindowStretchesWhatIsThere) {
   const Window window{50, 400};
   const TransferFunction gray = resolve(std::string("grayscale"), window, manifest_);

@@ -1,5 +1,5 @@
-// Known answers: what a side shows follows from the words of the patient's frame, and a fitted box must be inside the
-// image and touch its margin whatever the affine, for that is what fitting means.
+// Known answers: each side of the patient shows the anatomy of its name. A fitted box is inside the image and touches
+// the margin for every affine, by the definition of fitting.
 #include "scene/camera/framing.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ glm::dvec2 pixelOf(const Camera& camera, const ImageSize& size, const glm::dvec3
   return view.pixelOf(glm::dvec3(view.view_from_world * glm::dvec4(world, 1)));
 }
 
-// The greatest distance of a corner from the image's centre, 1 at an edge; infinity where one is behind the eye.
+// Returns the greatest distance of a corner from the image's centre, 1 at an edge; infinity if a corner is behind the
+// eye.
 double reach(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
   const View view = resolve(camera, size);
   double out = 0;
@@ -74,7 +75,7 @@ TEST(Framing, FitsTightlyFromEverySideForAnyAffine) {
   }
 }
 
-// Known because a box is where its origin is: map coordinates, or nanometres a tenth of a metre away, change no extent.
+// Known because an origin only moves a box: map coordinates, or nanometres a tenth of a metre away, change no extent.
 TEST(Framing, LargeOrigins_haveTheBoxesOfSmallOnes) {
   for (const auto& [spacing, origin] : {std::pair{0.1, 4.6e6}, {1e-9, 0.1}, {1.0, -1e12}}) {
     const auto volumeAt = [&](double first_voxel) {
@@ -111,7 +112,7 @@ const Patient kPatients[] = {{PatientFrame::kLps, {1, 0, 0}, {0, -1, 0}, {0, 0, 
                              {PatientFrame::kRas, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                              {PatientFrame::kUnknown, {1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
 
-// In front of a patient who faces us the head is at the top and the patient's left hand at our right.
+// In front of a patient who faces the viewer, the head is at the top and the patient's left hand at the right.
 TEST(Framing, SidesShowWhatTheirNamesSay) {
   struct Seen {
     Side side;

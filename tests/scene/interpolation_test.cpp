@@ -1,4 +1,4 @@
-// The reference's interpolation between voxels is known on polynomials; kernels are held against it
+// The reference's interpolation is known on polynomials; kernels are compared with the reference
 // (engine/ray_lattice_property_test.cpp).
 #include <gtest/gtest.h>
 
@@ -12,7 +12,8 @@ namespace {
 
 constexpr Interpolation kInterpolations[] = {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom};
 
-// Linear functions are kept by all three; of squares the B-spline adds a third, its variance, and Catmull-Rom nothing.
+// All three filters keep linear functions. On squares the B-spline adds a third, its variance, and Catmull-Rom adds
+// nothing.
 TEST(ReferenceField, IsKnownOnPolynomials) {
   const DenseVolume slope =
       fill({{9, 9, 9}, VoxelType::f64}, [](auto i, auto j, auto k) { return 3.0 * i - 2.0 * j + 0.5 * k; });

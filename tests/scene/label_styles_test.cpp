@@ -1,4 +1,4 @@
-// What labels look like, from ITK-SNAP's files, from a job, and where nobody says. Known from the texts.
+// Styles of labels from ITK-SNAP's files, from a job, and by default. Known from the texts.
 #include "scene/transfer/label_styles.h"
 
 #include <gtest/gtest.h>
@@ -196,7 +196,7 @@ TEST(LabelStyles, AJobSaysThem) {
             std::string::npos);
 }
 
-// Between two functions each label goes its own way.
+// Between two functions each label is interpolated separately.
 TEST(LabelStyles, FadeOneByOne) {
   TransferFunction a, b;
   a.unit = b.unit = 1;

@@ -1,6 +1,6 @@
-// Known answers: two peaks in a histogram leave Otsu no choice but a threshold between them; CT presets are quoted in
-// Hounsfield units, so the values of air, skin and bone are known in each scale; the heads of Stanford's archive have
-// skin from about 500 and bone from about 1150 by their description.
+// Known answers: two peaks in a histogram force Otsu's threshold between them. CT presets are quoted in Hounsfield
+// units, so the values of air, skin and bone are known in each scale. By their description, the heads of Stanford's
+// archive have skin from about 500 and bone from about 1150.
 #include "scene/transfer/presets.h"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ TEST(Presets, CtFollowsTheDescriptionOfTheUncHead) {
   EXPECT_NEAR(presetFor("ct-bone", head).points.front().value, 1150, 50);
 }
 
-// Bone is solid, skin is there but lets it through, and what lies between them is not there.
+// Bone is solid, skin is translucent, and values between them are transparent.
 TEST(Presets, BoneShowsThroughTranslucentSkin) {
   const TransferFunction f = presetFor("ct-bone-and-skin", ctHead(0, VoxelType::i16));
   EXPECT_FALSE(f.interesting(-900));
@@ -102,7 +102,7 @@ TEST(Presets, AnIsoSurfaceIsSolidFromItsValueOn) {
   EXPECT_FALSE(isPreset("iso"));
 }
 
-// 8 bits from air to dense bone: the same places of the range.
+// 8 bits from air to dense bone: equal positions within the range.
 TEST(Presets, CtWithoutAKnownScaleIsProportional) {
   const Manifest engine = volumeOf(VoxelType::u8, 0, 255, {{5, 700}, {120, 300}});
   EXPECT_NEAR(presetFor("ct-skin", engine).points.front().value, 474 * 255 / 3272.0, 1);
@@ -123,7 +123,8 @@ TEST(Presets, AutoDrawsTheSurfaceBetweenAirAndTissue) {
   EXPECT_LT(presetFor("mr-head", mr).points.front().value, presetFor("auto", mr).points.front().value);
 }
 
-// A background of exact zeros that is nearly everything; then a few very bright voxels that would take the threshold.
+// A background of exact zeros that fills nearly everything; then a few very bright voxels that would attract the
+// threshold.
 TEST(Presets, AutoIsNotTakenInByDominantPeaks) {
   const Manifest masked = volumeOf(VoxelType::u8, 0, 255, {{0, 950000}, {100, 49000}, {255, 1000}});
   EXPECT_GT(presetFor("auto", masked).at(110).opacity, 0.2);
@@ -142,7 +143,7 @@ TEST(Presets, FogHasAnOpticalDepthOfSixAcrossTheBox) {
   EXPECT_NEAR(extinctionOf(f.at(4).opacity, 1) * 100 * std::sqrt(3.0), 6, 1e-9);
 }
 
-// Known because values have no unit of their own: those of a billionth of a billionth give the same function of them.
+// Known because values have no absolute unit: scaling values by 1e-18 scales the function.
 TEST(Presets, SmallValuesHaveTheirOwnSurface) {
   const auto scaled = [](double s) {
     return volumeOf(VoxelType::f32, 0, 4 * s, {{0.1 * s, 700}, {3 * s, 250}, {3.99 * s, 50}});
@@ -175,7 +176,7 @@ TEST(Presets, ConstantAndEmptyVolumesHaveAFunctionToo) {
   volumes.push_back(volumes[0]);
   volumes.back().histogram = {};
   volumes.push_back(volumes[0]);
-  volumes.back().range = {};  // nothing but NaN
+  volumes.back().range = {};  // only NaN
   volumes.back().histogram = {};
   for (const double huge : {1e30, 1e300})
     volumes.push_back(volumeOf(VoxelType::f64, -huge, huge, {{0, 10}, {huge, 4}}));
