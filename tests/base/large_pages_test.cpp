@@ -117,7 +117,7 @@ TEST(LargePages, AreTheHeapsWhereThereAreTooMany) {
     many.push_back(takePages(kLargePage));
     if (i % 1000 == 0 || i >= kMostPaged - 4) static_cast<char*>(many.back())[0] = static_cast<char>(i);
   }
-  // The heap's may have been somebody's.
+  // Memory from the heap may have been used before.
   std::vector<std::unique_ptr<char[]>> used;
   for (int i = 0; i < 4; ++i) {
     used.push_back(std::make_unique_for_overwrite<char[]>(kLargePage + 128));

@@ -214,7 +214,7 @@ TEST_F(Cli, Slice) {
   expectRefused({"slice", in("v.kiln"), "-o", in("m.png"), "--memory", "2K"}, 1, {in("v.kiln"), "--level"});
 }
 
-// Known because the picture's size is asked for, and the volume is in front of the camera.
+// Known because the command sets the picture's size, and the volume is in front of the camera.
 TEST_F(Cli, RenderAndCompare) {
   makeRampStore();
   expectDone({"render", in("v.kiln"), "-o", in("a.png"), "--size", "40x30"});

@@ -81,7 +81,7 @@ TEST(MemoryBudget, SumsOfSeveralVolumesAreInTheAccount) {
 struct BudgetRow {
   std::string name;
   int least_mib;                       // the smallest sufficient value of kBudgetsMib
-  std::vector<std::string> arguments;  // IN/ stands for the test's folder
+  std::vector<std::string> arguments;  // IN/ is replaced by the test's folder
 };
 
 constexpr int kBudgetsMib[] = {16, 24, 32, 48, 64, 128, 512, 1500};

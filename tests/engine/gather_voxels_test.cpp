@@ -16,7 +16,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr VoxelCoord kExtent = {6, 5, 7};  // of the core; no multiple of a cell
+constexpr VoxelCoord kExtent = {6, 5, 7};  // extent of the core; no multiple of a cell
 
 BrickBlock gatheredBlock(VoxelType type) {
   BrickBlock block;

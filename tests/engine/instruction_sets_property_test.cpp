@@ -46,7 +46,7 @@ TEST_P(InstructionSetsFor, DrawTheSame) {
       // Along an axis, where footprints of voxels are axis-aligned, and obliquely.
       for (const glm::dvec3& from : {glm::dvec3(0, -1, 0), glm::dvec3(0.7, -1, 0.4)}) {
         request.view = resolve(cameraFrom(volume.geometry, from, projection), kSetsSize);
-        // A coarser level stands for intervals of values.
+        // A coarser level stores intervals of values.
         for (const int level : {0, 1}) {
           if (kSanitized && (level == 1) == (projection == Projection::kPerspective)) continue;
           SCOPED_TRACE(testing::Message()

@@ -21,7 +21,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr double kDistance = 120;  // of the eye, in perspective outside of every volume. unit: world
+constexpr double kDistance = 120;  // distance of the eye, in perspective outside every volume. unit: world
 
 class LatticeWeights : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
  protected:

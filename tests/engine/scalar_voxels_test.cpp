@@ -17,7 +17,7 @@
 namespace kiln::test {
 namespace {
 
-constexpr int kEdge = 40;                    // of the picture
+constexpr int kEdge = 40;                    // edge of the picture
 constexpr PixelRect kTile = {9, 6, 33, 31};  // no multiple of a vector
 constexpr std::int32_t kVoxels = 6 * 6 * 6;
 

@@ -65,7 +65,7 @@ TEST(SlabGrid, SlabsAreBetweenHalfAPixelAndAPixelThick) {
   }
 }
 
-// As thick as is asked for, but half a pixel and by default no more than a pixel or a quarter of a voxel.
+// Slabs have the requested thickness, but at least half a pixel; by default at most a pixel or a quarter of a voxel.
 TEST(SlabGrid, SlabsAreAsThickAsIsAskedFor) {
   const Manifest volume = pyramid(glm::dvec3(1));
   const auto thickness = [&](double px, double distance) {

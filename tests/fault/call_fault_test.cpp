@@ -1,5 +1,5 @@
-// Every reader and writer of the program while a system call fails. The run must leave the files of a run without a
-// fault, bit for bit, or one line of error and no half-written file under the name of a result. A call that a signal
+// Every reader and writer of the program while a system call fails. Allowed results: the files of a run without a
+// fault, bit for bit; or one line of error, and no half-written file under a result's name. A call that a signal
 // interrupts, or that moves fewer bytes, must change nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -91,7 +91,7 @@ TEST_P(Scale, OfLightIsThatOfThePicture) {
   EXPECT_GE(*std::min_element(ambient.rgba.begin(), ambient.rgba.end()), 0);
 }
 
-// Of several lit volumes the brightest determines the scale, independent of order.
+// The brightest of several lit volumes determines the scale, independent of order.
 TEST(Scales, OfLightAreThoseOfAnyVolume) {
   const DenseVolume volume = balls(1, 1);
   const auto store = makeStore(volume, "lights", 16);

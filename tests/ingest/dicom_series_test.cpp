@@ -334,7 +334,7 @@ TEST_F(DicomSeries, SlicesOfSeveralFolders_areNamedWithTheirFolders) {
   expectError(ErrorCode::kUnsupported, "'a/0' and 'b/0' lie at the same place");
 }
 
-// A CD: a DICOMDIR and nested folders. The DICOMDIR, or its folder, stands for all series.
+// A CD: a DICOMDIR and nested folders. Opening the DICOMDIR, or its folder, lists all series.
 TEST_F(DicomSeries, DicomdirAndNestedFolders_listTheirSeries) {
   const auto write = [&](const std::string& folder, const DicomSpec& spec, int number) {
     fs::create_directories(files_.directory() / folder);

@@ -288,7 +288,7 @@ TEST(IngestDicom, EachSliceHasItsOwnSlope) {
   }
 }
 
-// A slice may say more bits than the first.
+// A slice may have more stored bits than the first slice.
 TEST(IngestDicom, TheTypeHoldsTheValuesOfAllSlices) {
   const ForeignFiles files;
   DicomSpec spec;

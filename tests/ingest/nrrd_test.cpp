@@ -238,6 +238,7 @@ TEST(IngestNrrd, NegativeSpacing_isNoted) {
   EXPECT_NE(notes("spacings: 1 -2 -3\n")[0].find("negative along y, z"), std::string::npos);
 }
 
+// Known: the header describes a smaller volume than the data; its own bytes are legal.
 TEST(IngestNrrd, BytesBehindTheVolumeAreToldOf) {
   const ForeignFiles files;
   const std::string header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n";

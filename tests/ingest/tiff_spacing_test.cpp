@@ -1,5 +1,5 @@
-// Spacings of TIFF files from tags, and ImageJ's stacks, whose description says more than the tags. Known because the
-// tags are written here.
+// Spacings of TIFF files from tags, and of ImageJ's stacks from their more detailed description. Known because the tags
+// are written here.
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"

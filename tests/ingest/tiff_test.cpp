@@ -238,8 +238,8 @@ TEST(IngestTiff, ThreadsReadBoxesInAnyOrder) {
   }
 }
 
-// Returns the bytes of a file in which each directory follows the pixels of its page and ends with the link to the next
-// page, as most programs write stacks. A cut may remove only a part of such a link.
+// Returns the bytes of a file in which each directory follows the pixels of its page. Each directory ends with the link
+// to the next page, as most programs write stacks. A cut may remove only a part of such a link.
 std::string stackWithLinksLast(const ForeignVolume& volume, std::vector<std::size_t>& links) {
   const auto put = [](std::string& out, std::uint64_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i)));
@@ -442,7 +442,7 @@ TEST(IngestTiff, DescriptionsGiveTheSpacing) {
   }
 }
 
-// ImageJ stores signed numbers 32768 larger and says so.
+// ImageJ stores signed numbers with an offset of 32768 and a mark in the description.
 TEST(IngestTiff, SignedNumbersOfImageJAreSigned) {
   const ForeignFiles files;
   ForeignVolume stored = randomVolume(kStackDims, VoxelType::u16, 19);

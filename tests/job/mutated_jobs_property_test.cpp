@@ -151,7 +151,7 @@ Tally askMany(unsigned first, unsigned count) {
   return tally;
 }
 
-// Some of both, or the mutations are too mild or too wild to ask anything.
+// Both outcomes must occur; otherwise the mutations are too mild or too wild to test anything.
 TEST(MutatedJobs, AreDrawnOrRefused) {
   const Tally tally = askMany(1, 120);
   EXPECT_GE(tally.drawn, 20);

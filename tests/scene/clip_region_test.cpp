@@ -69,7 +69,7 @@ TEST(ClipRegion, SharesOfSamplesAddUp) {
   }
 }
 
-// Of an interval across both faces of a thin plate, the plate's thickness is inside.
+// An interval across both faces of a thin plate has the plate's thickness inside.
 TEST(ClipRegion, APlateHasTheShareOfItsThickness) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -1));
   for (const double thickness : {1e-6, 1e-3, 0.2}) {

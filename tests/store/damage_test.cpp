@@ -138,12 +138,12 @@ TEST_F(StoreDamage, EveryTruncationOfTheManifestIsFound) {
   truncate(store_ / "manifest.json", everyLength(store_ / "manifest.json"));
 }
 
-// Known because the manifest says the index's length.
+// Known because the manifest stores the index's length.
 TEST_F(StoreDamage, EveryTruncationOfTheIndexIsFound) {
   truncate(store_ / "index.bin", everyLength(store_ / "index.bin"));
 }
 
-// Known because the index says the brick's length.
+// Known because the index stores the brick's length.
 TEST_F(StoreDamage, TruncationsOfABrickAreFound) {
   std::cout << "seed 21\n";
   Random random(21);

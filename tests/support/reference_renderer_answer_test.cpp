@@ -1,6 +1,6 @@
-// The reference renderer against closed forms: a slab, a ball, a ramp and a constant medium absorb as their analytic
-// integrals, a planar ramp has a single normal, and a mirrored volume gives a mirrored picture. Expected lengths come
-// from plane distances in world space, not from the renderer's index space.
+// The reference renderer against closed forms. A slab, a ball, a ramp and a constant medium absorb as their analytic
+// integrals; a planar ramp has a single normal; a mirrored volume gives a mirrored picture. Expected lengths come from
+// plane distances in world space, not from the renderer's index space.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -135,8 +135,8 @@ TEST(ReferenceRenderer, UnitZeroIsTheMeanSpacing) {
   EXPECT_NEAR(opticalDepthImage(volume, view, everywhere(0.3)).depth[0], expected, 1e-10);
 }
 
-// Trilinear interpolation crosses half the slab's value exactly at lo - 1/2 and hi - 1/2, so under a step there the
-// depth is extinction * thickness / |cos|. A midpoint step misjudges each of the two planes by half a step at most
+// Trilinear interpolation crosses half the slab's value exactly at lo - 1/2 and hi - 1/2. Under a step function there
+// the depth is extinction * thickness / |cos|. A midpoint step is off by at most half a step at each of the two planes
 // (here 0.005 of 16 voxels each).
 TEST(ReferenceRenderer, SlabSeenObliquely) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32, VoxelType::f64}) {

@@ -29,7 +29,7 @@ class ReferenceField {
   using Kernel = double (*)(double);
   struct Filtered {
     double sum = 0;
-    ValueRange range;  // of the voxels with weight
+    ValueRange range;  // range of the voxels with weight
   };
   double linearAt(const glm::dvec3& index) const;
   Filtered filtered(const glm::dvec3& index, const std::array<Kernel, 3>& kernels) const;

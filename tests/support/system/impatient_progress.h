@@ -7,7 +7,7 @@
 
 namespace kiln::test {
 
-/// Interrupts when asked for the `polls` + 1st time. thread: any.
+/// Cancels at the `polls` + 1st call. thread: any.
 class ImpatientProgress : public Progress {
  public:
   explicit ImpatientProgress(int polls) : left_(polls) {}

@@ -49,7 +49,7 @@ double EmptyBlocks::stepsToSkip(const glm::dvec3& index, const glm::dvec3& step)
   if (empty_[static_cast<std::size_t>((block[2] * blocks_.y + block[1]) * blocks_.x + block[0])] == 0) return 0;
   double steps = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    // Outside of the volume the nearest voxel goes on: the outermost blocks have no end.
+    // Outside the volume the nearest voxel is repeated: the outermost blocks have no end.
     const bool ends = step[axis] > 0 ? block[axis] + 1 < blocks_[axis] : step[axis] < 0 && block[axis] > 0;
     if (!ends) continue;
     const double wall = static_cast<double>(kBlock * (block[axis] + (step[axis] > 0 ? 1 : 0)));
