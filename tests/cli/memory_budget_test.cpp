@@ -100,7 +100,7 @@ BudgetRow converted(const char* name, int least_mib, const char* input, std::vec
   return {name, least_mib, options};
 }
 
-// With more threads than the budget has room for.
+// Uses more threads than the budget has room for.
 BudgetRow compressed(const std::string& compression, const std::string& type, int least_mib,
                      const std::string& size = "900x900", std::vector<std::string> options = {}) {
   options.insert(options.end(), {"--size", size, "--samples", "1", "--threads", "8", "--exr-type", type,

@@ -77,7 +77,7 @@ TEST_F(Names, NoTwoFilesHaveOne) {
   writeText(in("two.json"),
             R"({"kiln": 1, "volume": "h.kiln", "frames": "9-10", "outputs": [)" + first + ", " + second + R"(]})");
   refused({"render", in("two.json")}, 2, "n_10.png: is named twice");
-  // Nor by way of a link.
+  // A link to an output counts as the output's name.
   fs::create_symlink("p.png", in("link.png"));
   refused(drawn("p.png", {"--stats", in("link.png")}), 2, "link.png is the name of another file");
   fs::create_symlink("trace.json", in("t.json"));

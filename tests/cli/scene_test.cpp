@@ -228,7 +228,7 @@ TEST_F(SceneCli, ValuesAreProjected) {
     EXPECT_EQ(drawnTwice({"--mode", mode, "--window", "500,1500", "--aov", "value"}).rgba, colors.rgba) << mode;
     EXPECT_NE(readTextFile(in("a.exr")).find(std::string("\0value\0", 7)), std::string::npos) << mode;
   }
-  // As slices show values: grey in equal steps of a display.
+  // Grey in equal steps of display values, as in slices.
   const Image grey = drawn({"--mode", "mip"});
   for (std::size_t i = 0; i < grey.rgba.size(); i += 4) EXPECT_EQ(grey.rgba[i], grey.rgba[i + 2]);
   expectRefused({"--mode", "sum"}, "--mode: expected one of composite, mip, minip, average, found 'sum'");

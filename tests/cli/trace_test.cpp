@@ -22,7 +22,7 @@ class TraceCli : public ToolTest {
 };
 
 struct TraceSums {
-  std::map<std::string, int> spans;    // by name
+  std::map<std::string, int> spans;    // number of spans by name
   std::map<std::string, double> busy;  // by name, including nested spans. unit: microseconds
   std::map<std::string, std::uint64_t> tiles;
   std::map<int, std::vector<std::pair<double, double>>> tracks;

@@ -40,7 +40,7 @@ TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
   const Image by_options = readImage(in("o.exr")), by_job = readImage(in("j.exr"));
   EXPECT_TRUE(by_options.rgba == by_job.rgba);
   EXPECT_NE(by_job.rgba, ZeroPages<float>(by_job.rgba.size()));
-  // Each volume counts.
+  // Each volume changes the picture.
   for (const char* hidden : {"h.kiln", "e.kiln"}) {
     done({"render", in(hidden), "-o", in("one.exr"), "--size", "40x36", "--exr-type", "float"});
     EXPECT_NE(readImage(in("one.exr")).rgba, by_job.rgba);

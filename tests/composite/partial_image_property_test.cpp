@@ -101,7 +101,7 @@ class PartialImages : public ::testing::TestWithParam<Lattice> {
     if (seed % 3 == 0) picture.crop = PixelRect{5, 7, 66, 51};
     const Image whole = drawn("whole.exr", std::nullopt);
     const Extent3& n = volume_.geometry.dims;
-    // Between bricks or not.
+    // Half of the scenes divide the volume at a border of bricks, half anywhere.
     const VoxelCoord mid = seed % 2 == 0
                                ? VoxelCoord{16, 32, 16}
                                : VoxelCoord{random.between(1, 39), random.between(1, 50), random.between(1, 36)};

@@ -252,7 +252,7 @@ TEST_P(ConvertFault, OverwriteKeepsTheOldStore) {
     if (error) {
       expectError(error);
     } else {
-      // Only tidying up may fail without a word: the new store is in place by then.
+      // Only the final cleanup may fail silently: the new store is already in place.
       EXPECT_TRUE(holds(out, new_volume));
     }
     if (fault().crash) {
@@ -307,7 +307,7 @@ TEST_P(ConvertFault, LeavesNoStoreWithThreads) {
 INSTANTIATE_TEST_SUITE_P(Faults, ConvertFault, ::testing::Range<std::size_t>(0, std::size(kFaults)),
                          [](const auto& fault) { return std::string(kFaults[fault.param].name); });
 
-// As NFS: names cannot be exchanged.
+// Like NFS, which cannot exchange names.
 class WithoutExchange : public FaultyFileSystem {
  public:
   using FaultyFileSystem::FaultyFileSystem;

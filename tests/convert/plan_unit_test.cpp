@@ -55,7 +55,7 @@ std::uint64_t tablesFor(const Extent3& dims) {
 TEST(ConversionPlan, TheSmallestMemoryOfAStreamDoesNotDependOnItsSlices) {
   const Extent3 small = {512, 512, 1000}, large = {65536, 65536, 1000};
   EXPECT_EQ(smallestFor(small) - tablesFor(small), smallestFor(large) - tablesFor(large));
-  EXPECT_LT(smallestFor({1 << 20, 1 << 8, 1 << 8}), 64 * kMiB);  // but a row, here 2 MiB, is read at once
+  EXPECT_LT(smallestFor({1 << 20, 1 << 8, 1 << 8}), 64 * kMiB);  // a whole row, here 2 MiB, is read at once
 }
 
 // A scan of 10,000³ has half a million bricks; voxels 200,000 apart along each axis would be four thousand million.

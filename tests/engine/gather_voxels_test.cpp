@@ -112,9 +112,9 @@ void expectGathered(const BrickBlock& block, const Classifier& classifier, const
 
 TEST(GatherVoxels, AreThoseThatShowSomethingFrontToBack) {
   const TransferFunction functions[] = {
-      withOpacities({{30, 0.0}, {50, 0.5}, {200, 0.5}}),                        // from a value on
-      withOpacities({{30, 0.0}, {50, 0.5}, {70, 0.0}}),                         // between two
-      withOpacities({{30, 0.0}, {40, 0.5}, {50, 0.0}, {80, 0.0}, {90, 0.25}}),  // in two intervals
+      withOpacities({{30, 0.0}, {50, 0.5}, {200, 0.5}}),                        // visible from a value on
+      withOpacities({{30, 0.0}, {50, 0.5}, {70, 0.0}}),                         // visible between two values
+      withOpacities({{30, 0.0}, {40, 0.5}, {50, 0.0}, {80, 0.0}, {90, 0.25}}),  // visible in two intervals
       withOpacities({{0, 0.0}, {120, 0.0}}),
       withOpacities({{0, 0.5}, {120, 1.0}}),  // nowhere, everywhere
       ofSomeLabels()};

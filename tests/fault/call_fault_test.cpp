@@ -349,7 +349,7 @@ bool isUnfinished(const Folder& now, const std::string& name) {
          (!now.contains(name.substr(0, end) + ".kiln/manifest.json") || name.ends_with("/journal.bin"));
 }
 
-// Each writing of an OpenVDB file puts a random UUID into the header.
+// Every write of an OpenVDB file puts a random UUID into the header.
 std::vector<std::byte> withoutUuid(std::vector<std::byte> vdb) {
   constexpr std::size_t kPlace = 21, kBytes = 36;
   if (vdb.size() > kPlace + kBytes) std::fill_n(vdb.begin() + kPlace, kBytes, std::byte{0});

@@ -49,7 +49,7 @@ struct Shared {
 };
 
 Shared* shared = nullptr;
-// In the program under test alone.
+// True only in the program under test.
 bool armed = false;
 
 // Returns the next definition of a function after this executable's.

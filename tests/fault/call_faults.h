@@ -18,7 +18,7 @@ enum class CallFailure {
   kIo,           // EIO, of every call
   kInterrupted,  // EINTR, for calls that a signal may interrupt
   kShort,        // half of the bytes, of reads and writes
-  kEnd,          // no byte, of reads: another program has cut the file
+  kEnd,          // reads return no byte: another program has truncated the file
   kNoSpace,      // ENOSPC, for calls that write
 };
 

@@ -179,7 +179,7 @@ TEST_P(PictureQuality, OfSmallVoxelsIsThatOfTheReferenceByDefault) {
                   100 * (ours.mean_brightness_ratio - 1));
       EXPECT_GE(ours.foreground_psnr_db, 34);
       EXPECT_GE(ours.foreground_psnr_db, of_one_db + 5);
-      EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.02);  // as at a pixel a voxel
+      EXPECT_NEAR(ours.mean_brightness_ratio, 1, 0.02);  // bound as for a pixel a voxel
       job.picture.samples = samples;
       EXPECT_TRUE(equalBits(by_default.image, runRenderJob(job, 1, silent).image));
       sheet.push_back({by_default.image, truth, differenceImage(by_default.image, truth)});

@@ -138,7 +138,7 @@ TEST(Projection, OfASlabIsKnown) {
     camera.fov_deg = 3;
     for (const bool cut : {false, true}) {
       FrameRequest request = requestOf(resolve(camera, {40, 40}), Mode::kMip);
-      // From the middle of the slab on.
+      // The region starts in the middle of the slab.
       if (cut) request.clipping.region = VoxelBox{{0, 0, 25}, {32, 32, 64}};
       const double mean = cut ? 200 * 5 / 39.0 : 200 * 10 / 64.0;
       const double expected[] = {200, 0, mean};

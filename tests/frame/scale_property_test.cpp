@@ -67,7 +67,7 @@ TEST_P(Scale, OfLengthsChangesNothing) {
   for (const double spacing : {0x1p-20, 0x1p20}) EXPECT_TRUE(equalBits(drawn(spacing), usual)) << spacing;
 }
 
-// Each colour is so many times as bright, to the rounding of sums.
+// A factor of the light scales each colour, up to the rounding of sums.
 TEST_P(Scale, OfLightIsThatOfThePicture) {
   const DenseVolume volume = balls(1, 1);
   const auto store = makeStore(volume, "light", 16);

@@ -30,7 +30,7 @@ class FramesBehind : public ::testing::Test {
         makeStore(head({{40, 41, 37}, VoxelType::u8, obliqueAffine()}, usualRange(VoxelType::u8)), "behind", 16);
     folder_ = job_.volume.parent_path();
     job_.picture.size = {48, 40};
-    job_.picture.samples = 1;  // as the least memory below
+    job_.picture.samples = 1;  // equal to the least memory below
     job_.speed.threads = 2;
     job_.animation.camera = Turntable{5, 360, std::nullopt};
     job_.frames = {1, 2, 3, 4, 5};

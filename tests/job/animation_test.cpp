@@ -108,12 +108,12 @@ TEST(CameraPath, KeysOfAnEyeAreASpline) {
   expectNear(cameraOf(job, 10).eye, {10, -90, 0}, 0, __LINE__);
   expectNear(cameraOf(job, 5).target, {5, 0, 0}, 1e-9, __LINE__);
   expectNear(cameraOf(job, 25).eye, {20, -90, 2.5}, 1e-9, __LINE__);
-  // From rest to rest: 3t² − 2t³ of the way.
+  // Ease from rest to rest: 3t² − 2t³ of the way.
   EXPECT_NEAR(cameraOf(job, 22).eye.z, 5 * (3 * 0.04 - 2 * 0.008), 1e-9);
   // The tangent of half the angle is interpolated geometrically.
   EXPECT_NEAR(std::tan(glm::radians(cameraOf(job, 25).fov_deg / 2)),
               std::sqrt(std::tan(glm::radians(15.0)) * std::tan(glm::radians(30.0))), 1e-9);
-  // No corner at the key in the middle.
+  // The path has no corner at the middle key.
   const auto velocity = [&](double frame) {
     return (cameraOf(job, frame + 1e-4).eye - cameraOf(job, frame).eye) / 1e-4;
   };

@@ -67,7 +67,7 @@ class Mutator {
  private:
   std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
 
-  // From a random place on, the next number, word or string.
+  // Returns the position and length of the next number, word or string after a random position.
   std::pair<std::size_t, std::size_t> value(const std::string& text) {
     const std::size_t begin = text.find_first_of("0123456789\"-", below(text.size()));
     if (begin == std::string::npos) return {0, 1};

@@ -113,7 +113,7 @@ TEST(RenderJob, SrgbColoursAreDecoded) {
 }
 
 struct WrongJob {
-  const char* body;  // beside the volume
+  const char* body;  // keys beside `volume`
   ErrorCode code;
   const char* message;  // part of the message
 };

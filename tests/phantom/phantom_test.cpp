@@ -88,7 +88,7 @@ TEST(PhantomFigure, LimbsAreMirrorImages) {
     const glm::vec3 p(x(random), y(random), z(random));
     const Tissue left = body().tissueAt(p), right = body().tissueAt({-p.x, p.y, p.z});
     solid += left != Tissue::kAir;
-    different += left != right;  // by rounding, on a surface
+    different += left != right;  // possible by rounding on a surface
   }
   EXPECT_GT(solid, 80);
   EXPECT_LE(different, 2);

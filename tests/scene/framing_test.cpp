@@ -106,7 +106,7 @@ TEST(Framing, ZoomKeepsThePerspective) {
 
 struct Patient {
   PatientFrame frame;
-  glm::dvec3 left, anterior, superior;  // by the words of the frame
+  glm::dvec3 left, anterior, superior;  // axes by the words of the frame
 };
 const Patient kPatients[] = {{PatientFrame::kLps, {1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
                              {PatientFrame::kRas, {-1, 0, 0}, {0, 1, 0}, {0, 0, 1}},

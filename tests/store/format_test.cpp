@@ -553,7 +553,7 @@ TEST(StoreManifest, NamesTheKeyOfAWrongValue) {
       const bool text = whole.at(place).is_string();
       const bool number = where == "/background" || where == "/histogram/lo" || where == "/histogram/hi";
       if (text && wrong.is_string() && key != "type" && key != "class" && key != "frame" && where != "/index/checksum")
-        return;  // any text will do
+        return;  // any text is accepted
       if (number && wrong.is_number()) return;
       if (where == "/range" && wrong.is_null()) return;
       if ((key == "counts" || key == "files") && wrong.is_array()) return;

@@ -34,7 +34,7 @@ std::string textOf(const TransferFunction& transfer_function) {
 
 std::string textOf(const Shading& s) {
   std::string out = fmt::format("shading {} {:a} {:a} {:a} {:a}\n", s.phong, s.ambient, s.diffuse, s.specular, s.power);
-  // As below.
+  // Default lights add no text, so that older pictures stay valid.
   if (s.lights == Shading().lights) return out;
   for (const Light& light : s.lights) {
     out += fmt::format("light {} {:a} {:a} {:a} {:a} {:a} {:a} {:a}\n", static_cast<int>(light.kind), light.place.x,

@@ -17,8 +17,8 @@ class ReferenceField {
 
   /// Returns NaN if a voxel with weight is NaN. unit: index space, also beyond the volume.
   double at(const glm::dvec3& index) const;
-  /// At voxel scale: the central difference of the linear interpolation over two voxels along each axis; of a cubic the
-  /// derivative of the cubic B-spline. unit: value per voxel.
+  /// Gradient at voxel scale: for linear interpolation the central difference over two voxels along each axis, for a
+  /// cubic the derivative of the cubic B-spline. unit: value per voxel.
   glm::dvec3 gradient(const glm::dvec3& index) const;
 
   double voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {

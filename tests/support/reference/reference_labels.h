@@ -13,8 +13,8 @@ namespace kiln::test {
 /// thread: safe.
 class ReferenceLabels {
  public:
-  /// Between voxels: linear, or by cubic B-spline. Opacities are smoothed by binomial weights over `smoothing` voxels
-  /// to either side.
+  /// Interpolates shares linearly or by cubic B-spline. Opacities are smoothed by binomial weights over `smoothing`
+  /// voxels to either side.
   ReferenceLabels(const DenseVolume& volume, const TransferFunction& function, Interpolation interpolation,
                   int smoothing);
 

@@ -26,7 +26,7 @@ constexpr double kStopTransmittance = 1e-6;
 struct Face {
   glm::dvec3 normal;
   double offset;
-  glm::dvec3 world_normal;  // as a gradient is brought into the world, any length
+  glm::dvec3 world_normal;  // normal in world space, transformed like a gradient; any length
 
   double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
   double distance(const glm::dvec3& index) const { return at(index) / glm::length(world_normal); }

@@ -47,7 +47,7 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
-// Between fork and exec of a process with threads only such calls are allowed.
+// Only async-signal-safe calls are allowed between fork and exec of a process with threads.
 [[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0) ::dup2(null, STDIN_FILENO);

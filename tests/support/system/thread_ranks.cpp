@@ -34,7 +34,7 @@ struct World {
   const int count;
   std::mutex mutex;
   std::condition_variable changed;
-  std::map<std::pair<int, int>, std::deque<RankMessage>> mail;  // by reader and tag
+  std::map<std::pair<int, int>, std::deque<RankMessage>> mail;  // messages by receiver and tag
   std::vector<std::uint64_t> numbers;
   int arrived = 0;
   std::uint64_t barriers = 0;

@@ -33,7 +33,7 @@ struct DicomSpec {
   std::string frame_offsets, dose_scaling;
   /// Elements right before the pixels, as bytes of the syntax.
   std::string elements;
-  /// In the order of the syntax.
+  /// Pixels in the byte order of the syntax.
   std::string pixel_bytes;
 };
 

@@ -52,7 +52,7 @@ ForeignVolume randomVolume(const Extent3& dims, VoxelType type, std::uint64_t se
 
 std::string gzipped(std::string_view bytes);
 std::string zlibbed(std::string_view bytes);
-/// Without the head and the checksum of either.
+/// Returns the raw deflate stream, without the header and checksum of gzip or zlib.
 std::string deflatedAlone(std::string_view bytes);
 
 /// Size of volumes in round trips.

@@ -80,7 +80,7 @@ DenseVolume slab(const VolumeShape& shape, int axis, std::int64_t lo, std::int64
 DenseVolume ball(const VolumeShape& shape, const glm::dvec3& centre, double radius, double value);
 /// first + slope * i.
 DenseVolume ramp(const VolumeShape& shape, double first, double slope);
-/// Every voxel independent and uniform in `range`: the hardest thing for a hierarchy.
+/// Every voxel independent and uniform in `range`: the hardest case for a hierarchy.
 DenseVolume noise(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range);
 /// Curved walls, tunnels and islands at every level of value, a little noise, and less towards the corners.
 DenseVolume cheese(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range);

@@ -17,9 +17,9 @@ namespace kiln::test {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : seed_(seed) {}
-  /// In [lo, hi).
+  /// Returns a number in [lo, hi).
   double uniform(double lo, double hi) { return lo + (hi - lo) * hashUnit(seed_, counter_++); }
-  /// In lo … hi, both possible.
+  /// Returns an integer from lo to hi, inclusive.
   int between(int lo, int hi) {
     return lo + static_cast<int>(hashBits(seed_, counter_++) % std::uint64_t(hi - lo + 1));
   }

@@ -171,7 +171,7 @@ std::vector<std::uint8_t> earlyVdb() {
   put(std::uint32_t{221});
   put(std::uint32_t{1});  // version of the library
   put(std::uint32_t{2});
-  put(std::uint8_t{0});  // no places of grids
+  put(std::uint8_t{0});  // no offsets of grids
   put(std::uint8_t{0});  // not compressed
   for (const char c : std::string("00000000-0000-0000-0000-000000000000")) put(c);
   put(std::uint32_t{0});  // metadata
