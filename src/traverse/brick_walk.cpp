@@ -90,8 +90,8 @@ VoxelBox BrickWalk::voxelsOf(const Layer& layer, const VoxelCoord& at) const {
                       boxOf(levels_.dims(layer.level)));
 }
 
-// The centres of finer voxels lie up to half a voxel outside of the box around this level's centres, and their
-// footprints are no larger than this level's.
+// Finer voxel centres lie up to half a voxel outside the box around this level's centres, and their footprints are no
+// larger than this level's. Dilating by a voxel is therefore conservative.
 PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const {
   const bool holds_finer = node.finer && layer.level > levels_.finest();
   const std::int64_t reach = holds_finer || ghosts_ > 0 ? 1 : 0;
@@ -142,7 +142,7 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
     const VoxelCoord mid = {(first.x + 1) * below.edge, (first.y + 1) * below.edge, (first.z + 1) * below.edge};
     for (const std::uint8_t child : levels_.projector(below.level).order().children(mid)) {
       const VoxelCoord step = {child & 1, child >> 1 & 1, child >> 2};
-      // Along an axis that is not halved there is one child.
+      // An axis that is not halved has a single child.
       if (!boxOf(n).contains(step)) continue;
       this->node(visit, layer - 1, {first.x + step.x, first.y + step.y, first.z + step.z});
     }
@@ -150,13 +150,13 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
   if (!node->drawn) return;
   const BrickKey key{
       nodes.level, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}};
-  // What is finer is nearer, and may hide it; and its parts are smaller than it is.
+  // Finer bricks are nearer and may have hidden the brick; the brick's parts are also smaller than `rect`.
   const Seen seen = this->seen(key, rect, visit.visibility);
   if (seen == Seen::kHidden) ++visit.counts.hidden;
   if (seen == Seen::kOpen) visit.draw(key, rect);
 }
 
-// What of the brick's parts falls on `rect`.
+// Returns the visibility of the brick's parts inside `rect`.
 BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
                                 std::span<const PixelRect> covered) const {
   const VoxelBox core = coreBox(key.brick, brick_size_, levels_.dims(key.level));

@@ -1,8 +1,10 @@
-// The upper part of the one octree: from the cube over all bricks down to a brick, front to back, without what the
-// transfer function, the image or what is already opaque makes pointless. Every node down to brick size of a frame's
-// finest level has a brick of its own, of a coarser level, and is drawn as that where its voxels are small enough;
-// above the coarsest level, nodes are cubes of its bricks. With one level all nodes above bricks are such cubes, which
-// is Lee and Ihm's octree.
+// Front-to-back traversal of a frame's octree, from the cube around all bricks down to single bricks.
+// Problem. Bricks without visible values, outside the image or behind opaque pixels must be neither read nor drawn.
+// Method. Each node of brick size above the finest level has a brick of its own on a coarser level. The coarse brick
+// replaces the node's children if the coarse voxels are small enough. Above the coarsest level a node is a cube of
+// bricks. With a single level, all nodes above bricks are such cubes.
+// Invariant. Drawn bricks fill the volume without overlap (engines that decide levels by depth clip bricks to zones).
+// Source: Lee and Ihm §2.4, for a single level. Differs: exact order in perspective; several levels.
 #pragma once
 
 #include <functional>
@@ -16,15 +18,15 @@
 
 namespace kiln {
 
-/// Bricks at the levels that the view asks for, as if nothing hid anything: they fill the volume without overlap.
+/// Counts of bricks at the levels required by the view. Without occlusion these bricks fill the volume without overlap.
 struct BrickWalkCounts {
-  std::uint64_t bricks = 0;       // all of them, in the image or not
-  std::uint64_t interesting = 0;  // of these, with something below that the transfer function and the clip region show
-  std::uint64_t hidden = 0;       // of the interesting, in the image but behind opaque pixels
+  std::uint64_t bricks = 0;       // all bricks, in the image or not
+  std::uint64_t interesting = 0;  // bricks visible to the transfer function and the clip region
+  std::uint64_t hidden = 0;       // interesting bricks inside the image, behind opaque pixels
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
 };
 
-/// A brick that may be drawn, and what of the image it can touch.
+/// A brick that may be drawn, and the pixels it can touch.
 struct BrickInView {
   BrickKey key;
   PixelRect rect;
@@ -50,28 +52,28 @@ class BrickWalk {
   BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, VisiblePart any_part,
             std::int64_t ghosts = 0);
 
-  /// Calls draw(key, rect) for each brick to be drawn, in front-to-back order; `rect` is what of the image it can
-  /// touch. Whether a node is hidden is asked when its turn comes, so everything in front of it has been drawn. `log`
-  /// may be null; it is told of the nodes above bricks, since a brick is asked about again by whoever walks its cells.
+  /// Calls draw(key, rect) for each brick to be drawn, front to back; `rect` contains the pixels of the brick. A node's
+  /// visibility is tested after everything in front of it has been drawn. `log` may be null; only nodes above bricks
+  /// are logged, since the traversal of a brick's cells logs the brick again.
   void run(const PixelRect& image, const Visibility& visibility,
            const std::function<void(const BrickKey&, const PixelRect&)>& draw, BrickWalkCounts& counts,
            NodeLog* log) const;
 
-  /// The bricks that `run` would draw if nothing hid anything, in its order, and its counts.
+  /// Returns the bricks that `run` would draw without occlusion, in equal order, and fills `counts`.
   std::vector<BrickInView> inView(const PixelRect& image, BrickWalkCounts& counts) const;
-  /// Whether each part of a brick in view is hidden, or lies in one of `covered`.
+  /// Returns true if each part of a brick in view is hidden or lies in a rectangle of `covered`.
   bool hidden(const BrickInView& brick, const Visibility& visibility, std::span<const PixelRect> covered = {}) const;
 
  private:
   struct Node {
-    std::uint32_t bricks = 0, interesting = 0;  // drawn for this node: itself and those below
-    bool drawn = false;                         // as a brick that is interesting
+    std::uint32_t bricks = 0, interesting = 0;  // bricks of the node and below
+    bool drawn = false;                         // the node's brick is drawn and interesting
     bool finer = false;
   };
   struct Layer {
-    int level;          // whose voxels the nodes are boxes of
-    std::int64_t edge;  // of a node. unit: voxels of that level
-    Extent3 children;   // of a node, along each axis: 1 or 2; the layer before has them
+    int level;          // level whose voxels measure the nodes
+    std::int64_t edge;  // edge of a node. unit: voxels of `level`
+    Extent3 children;   // children of a node along each axis: 1 or 2; children are in the layer before
     Extent3 lattice;
     std::vector<Node> nodes;
   };

@@ -18,7 +18,7 @@ DepthZones::Depths DepthZones::depthsOf(const Projector& projector, const VoxelB
   return out;
 }
 
-// With two slabs on either side: samples have a depth, and the outermost bricks own what lies beyond.
+// Allows two slabs on either side: samples extend in depth, and the outermost bricks own samples beyond their faces.
 bool DepthZones::reaches(const Depths& depths, const SlabZone& zone) {
   return depths.far >= zone.near - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
 }

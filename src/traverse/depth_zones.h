@@ -1,4 +1,5 @@
-// Which bricks a frame draws whose levels are decided by depth: those that reach into a zone of their level.
+// Selects bricks for engines that decide levels by depth: a brick is drawn if it reaches into a zone of the brick's
+// level.
 #pragma once
 
 #include <vector>
@@ -15,17 +16,17 @@ class DepthZones {
     double near, far;
   };
 
-  /// requires: `levels`, which has the zones' levels, outlives this.
+  /// requires: `levels` contains the zones' levels and outlives the object.
   DepthZones(const FrameLevels& levels, std::vector<SlabZone> zones) : levels_(levels), zones_(std::move(zones)) {}
   DepthZones(const DepthZones&) = delete;
   DepthZones& operator=(const DepthZones&) = delete;
 
-  /// From the nearest to the farthest.
+  /// Zones from the nearest to the farthest.
   const std::vector<SlabZone>& zones() const { return zones_; }
-  /// Of the voxels' cubes.
+  /// Depths of the voxels' cubes.
   Depths depthsOf(int level, const VoxelBox& box) const { return depthsOf(levels_.projector(level), box); }
   static Depths depthsOf(const Projector& projector, const VoxelBox& box);
-  /// Whether slabs of the zone may take something from there, or be owned there.
+  /// Returns true if slabs of the zone may have samples at these depths, or a brick there may own samples of the zone.
   static bool reaches(const Depths& depths, const SlabZone& zone);
   /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
   BrickWalk::Choice choice() const;

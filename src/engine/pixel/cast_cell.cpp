@@ -23,7 +23,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Interpolates, classifies, composites and shades the samples that CellRays finds. kGaps: voxels may be NaN.
+// Interpolates, classifies, composites and lights the samples found by CellRays. kGaps: voxels may be NaN.
 template <class Field, bool kGaps>
 class CellCaster {
  public:
@@ -51,7 +51,7 @@ class CellCaster {
   static constexpr std::size_t kLanes = CellSamples::kLanes, kLit = CellSamples::kLit;
   static constexpr int kPlane = CellInput::kPlane;
 
-  // Whether there is, or may be, extinction between two places of the table.
+  // Mask of intervals of table positions that contain extinction.
   HWY_INLINE M visible(V lo, V hi) const {
     const D d;
     return hn::And(hn::Gt(hi, hn::Set(d, l_.visible_after)), hn::Lt(lo, hn::Set(d, l_.visible_before)));
@@ -70,17 +70,17 @@ class CellCaster {
     lightAll();
   }
 
-  // Which voxels each is between, and how far.
+  // Computes the voxel before each sample, and the position between voxels.
   void placeAll() {
     const D d;
     const DI di;
     for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
       const CellPlaces::Where w = p_.whereIs(hn::Load(di, s_.code + n));
-      // From the second voxel that was read, half a voxel before the cell, on.
+      // Relative to the second voxel that was read, half a voxel before the cell.
       VI voxel[3];
       for (int a = 0; a < 3; ++a) {
         const V at = p_.indexOf(a, w, in_.lo[a]);
-        // Rounding may put it beyond the cell.
+        // Rounding may put a sample just outside the cell.
         const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
         voxel[a] = hn::ConvertTo(di, inside);
         hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
@@ -91,7 +91,7 @@ class CellCaster {
     }
   }
 
-  // Keeps those that show something, by their indices.
+  // Keeps the visible samples, by index.
   void classifyAll() {
     const D d;
     const DI di;
@@ -117,12 +117,12 @@ class CellCaster {
     }
   }
 
-  // Of the n-th sample and those after it, at these places of the table.
+  // Mean extinction of a vector of samples from the n-th on, at table positions `entry`.
   HWY_NOINLINE V meanExtinctionOf(std::size_t n, V value, V entry, M alive) {
     const D d;
     const D4 d4;
     const std::size_t count = std::min(count_ - n, hn::Lanes(d));
-    // Rows through the sample along x, and those a voxel before and after it along y and z.
+    // Rows along x through the sample, and one voxel before and after the sample along y and z.
     enum { kHere, kBeforeY, kAfterY, kBeforeZ, kAfterZ, kRows };
     alignas(64) float rows[kRows][4 * kLanes] = {};
     for (std::size_t lane = 0; lane < count; ++lane) {
@@ -153,10 +153,10 @@ class CellCaster {
     return meanExtinction(d, l_, intervalOf(d, value, before, after), place, alive, at_point);
   }
 
-  // Their opacities; of several volumes, their optical depths.
+  // Computes the opacities of visible samples; for several volumes, the optical depths. Equation (6).
   void attenuateAll() {
     const D d;
-    // Beyond the last one vectors look up the table's first entry.
+    // Vectors beyond the last sample look up the table's first entry.
     hn::StoreU(hn::Zero(d), d, s_.entry + kept_);
     const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
@@ -173,7 +173,8 @@ class CellCaster {
     }
   }
 
-  // What kernels do not know: sites are kept for colours, and extinctions are what is left of them.
+  // Finishes extinctions one by one: opacity by gradient and cuts. Stores gradients and positions for finishing
+  // colours.
   HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
     const D d;
     field_.findSlopes(n, count);
@@ -207,17 +208,16 @@ class CellCaster {
     return out;
   }
 
-  // What of each is seen: of a pixel's samples the nearest comes first. What is seen is kept, what it is multiplied by,
-  // and, in the place of its opacity, the alpha in front of it. A pixel that reaches the threshold is closed; its
-  // colours are divided by its alpha when they are all there.
+  // Composites the visible samples; samples of a pixel come front to back. Keeps samples that contribute, with their
+  // weight and, instead of their opacity, the alpha in front of them. A pixel that reaches the threshold is closed; its
+  // colour is divided by alpha after all its light has been added. Equations (8) and (9).
   void blendAll() {
     std::size_t seen = 0, closed = 0;
     out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
       const std::int32_t code = s_.kept_code[n], pixel = code & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
-      // Nothing where the pixel is closed. No branches, as nobody can tell which samples close a pixel, or are behind
-      // it.
+      // The weight is 0 if the pixel is closed. Branches on opacity or closing would be unpredictable.
       const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
       const bool closes = (after >= opaque_at_) & (before != 1.0f);
       alpha = after;
@@ -274,8 +274,8 @@ class CellCaster {
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
   }
 
-  // Adds the light of what is seen, some vectors at a time: what is done to single samples is on its way long before a
-  // vector of them is asked for.
+  // Adds the light of contributing samples, several vectors at a time: scalar work on samples overlaps with vector work
+  // on earlier samples.
   void lightAll() {
     for (std::size_t n = 0; n < kept_; n += kLit) light(n, std::min(kept_ - n, kLit));
     for (std::size_t i = 0; i < closed_count_; ++i) {
@@ -344,7 +344,7 @@ class CellCaster {
     }
   }
 
-  // The four floats that a sample's light is added to.
+  // Returns the four floats to which a sample's light is added.
   HWY_INLINE float* lightOf(std::int32_t code) const {
     if (in_.sums == nullptr) return p_.pixelOf(code & CellPlaces::kPixel);
     const CellPlaces::Place at = p_.placeOf(code);
@@ -359,7 +359,7 @@ class CellCaster {
     }
   }
 
-  // Between two neighbours along an axis, whatever the interpolation of values (Interval).
+  // Interpolates between neighbours along an axis, independent of the interpolation of values (Interval).
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
     return LinearCellField<kGaps>::mix(d, a, b, t);
@@ -371,8 +371,8 @@ class CellCaster {
   const CellInput& in_;
   const TilePixels& tile_;
   const float opaque_at_;
-  const bool finishes_;  // whether samples are lit, cut and made less opaque one by one
-  const bool derives_;   // whether that, or their places and gradients are asked for
+  const bool finishes_;  // samples are lit, cut or modulated one by one
+  const bool derives_;   // positions and gradients of samples are needed
   const CellPlaces p_;
   Field field_;
   CellSamples& s_;

@@ -1,9 +1,12 @@
-// One cell of a brick on pixels' rays: the kernel of the pixel lattice, in steps that each go through many rays or
-// samples, so that vectors are full and no sample waits for what was done to the one before: rays are found that go
-// through what may show something; along them places where samples may; their values are interpolated and classified;
-// those that do show something hide each other, one after the other; what is seen of them is lit. One implementation in
-// Highway for every instruction set, chosen at run time; nothing in it is approximate, so that they all give the same
-// bits.
+// Kernel of the pixel engine: casts the rays of a tile through one cell of a brick.
+// Problem. Few samples of a cell are visible, and consecutive samples of a ray depend on each other.
+// Method. Each step handles many rays or samples, so that vectors are full and no sample waits for the sample before
+// it. (1) Find rays through the box of visible voxels. (2) Find places along the rays where samples may be visible. (3)
+// Interpolate and classify values. (4) Composite visible samples in order. (5) Light the samples that contribute.
+// Invariant. One Highway implementation without approximate operations returns equal bits on all instruction sets,
+// chosen at run time.
+// Source: Levoy 1990 (early ray termination); Mueller et al. 1999 (classification after interpolation, tests before
+// shading). Equations: README.md.
 #pragma once
 
 #include <array>
@@ -21,9 +24,9 @@
 
 namespace kiln {
 
-/// A cell in a tile.
+/// Input: a cell of a brick in a tile.
 struct CellInput {
-  /// Edge of what is read for a cell, and from plane to plane of it. unit: voxels.
+  /// Edge of the voxels read for a cell (with margin); distance of the planes of voxels. unit: voxels.
   static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
   const float* values = nullptr;           // loadUnit's; of labels their opacities
   const std::int32_t* labels = nullptr;    // of a label volume: LabelVoxels::ranks
@@ -38,30 +41,31 @@ struct CellInput {
   SlabSums* sums = nullptr;                // of several volumes: samples are added to the sums, not to the tile
 };
 
-/// What is known of rays and samples, for one cell after the other. Beyond the last one vectors read anything, and use
-/// none of it.
+/// Scratch memory for the rays and samples of a cell. Vectors may read undefined values beyond the last ray or sample;
+/// these are never used.
 struct CellSamples {
-  /// That go through a cell's steps together, at the most; and room for what vectors go beyond.
+  /// Most samples and rays that pass through a cell's steps together, and array sizes with room for whole vectors.
   static constexpr std::size_t kLanes = 16, kMost = 512, kRoom = kMost + 2 * kLanes;
   static constexpr std::size_t kMostRays = 512, kRayRoom = kMostRays + 2 * kLanes;
-  static constexpr std::size_t kLit = 4 * kLanes;  // that are lit together
+  static constexpr std::size_t kLit = 4 * kLanes;  // samples lit together
 
-  // Of each ray through the cell, the code of its first slab there, and where it ends.
+  // Per ray through the cell: code of its first slab in the cell, and end of the ray in the cell.
   alignas(64) std::int32_t ray_code[kRayRoom];
   alignas(64) float ray_end[kRayRoom];
-  // Of each sample that was found: its code, which voxels it is between, how far, and the values around it along x.
+  // Per sample found: code, index of the voxel before the sample, position between voxels, and the two values around
+  // the sample along x.
   alignas(64) std::int32_t code[kRoom], offset[kRoom];
   alignas(64) float fraction[3][kRoom], pair[2 * kRoom];
-  // Of each that is kept: which of them it is, its code and its place in the table, and so on.
+  // Per visible sample: index among the samples found, code, table position, opacity, weight.
   alignas(64) std::int32_t index[kRoom], kept_code[kRoom];
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
-  // The same, where samples are finished one by one.
+  // Per visible sample, if samples are finished one by one: gradient and position in index space.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
-  // Of a vector of pixels.
+  // Alpha of a vector of pixels.
   alignas(64) float alpha[kLanes];
-  // Of samples that are lit together.
+  // Per sample that is lit: position along x; rows of interpolated values.
   alignas(64) float fraction_x[kLit], rows[4][4 * kLit];
-  // Of each that closed its pixel.
+  // A pixel that a sample closed.
   struct Closed {
     std::int32_t pixel;
     float alpha;
@@ -69,14 +73,14 @@ struct CellSamples {
   Closed closed[kRoom];
 };
 
-/// What a cell did to the tile.
+/// Effect of a cell on the tile.
 struct CellOutput {
-  std::array<std::uint64_t, kSquareEdge> closed{};  // a bit a pixel of the rectangle
-  std::uint64_t shown = 0, samples = 0;             // that show something, and that are seen
+  std::array<std::uint64_t, kSquareEdge> closed{};  // one bit per pixel of the rectangle
+  std::uint64_t shown = 0, samples = 0;             // visible samples; samples that contribute to a pixel
 };
 
-/// Adds what the cell shows to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure
-/// is not told. requires: as castCells.
+/// Adds the cell's light to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure is
+/// not updated. requires: as castCells.
 void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
               float opaque_at, CellSamples& samples, CellOutput& out);
 

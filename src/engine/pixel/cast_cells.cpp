@@ -10,7 +10,7 @@
 namespace kiln {
 namespace {
 
-// Rows of a brick lie far from each other: a cell's are asked for before they are needed.
+// Prefetches the rows of a cell, which lie far apart in a brick's memory.
 void fetch(const BrickBlock& block, const VoxelBox& cell) {
   const VoxelBox box = intersection(dilated(cell, kUnitMargin), block.extent);
   const auto bytes = static_cast<std::int64_t>(sizeOf(block.type));
@@ -42,7 +42,7 @@ class Casting {
         part_(frame.look().clip->part()),
         counts_(counts) {}
 
-  // One cell is fetched while the one before it is cast, which may hide it.
+  // Prefetches a cell while the cell before it is cast; that cell may hide the next.
   void run(std::span<const SlabCell> cells) {
     SeenCell due;
     for (const SlabCell& cell : cells) {
@@ -79,7 +79,7 @@ class Casting {
     in.rect = seen.rect;
     if (!part_.all()) in.part = &part_;
     in.sums = sums_;
-    // Samples of several volumes meet in single slabs.
+    // Several volumes are composited in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;
     CellOutput out;
     castCell(rays_, frame_, in, tile_, opaque_at_, samples_, out);
@@ -98,12 +98,12 @@ class Casting {
     in.in_pairs = frame_.inPairs(range);
     return true;
   }
-  // False where no label is shown.
+  // Returns false if no label is visible.
   bool loadLabelsOf(const VoxelBox& box, CellInput& in) {
     if (!labels_) labels_ = std::make_unique_for_overwrite<LabelVoxels>();
     const LabelsAround around = loadLabels(block_, frame_.lattice(), box.lo, frame_.table(), *labels_);
     in.values = labels_->opacities, in.labels = labels_->ranks;
-    // Along a ray one label looks the same all over.
+    // Along a ray a single label looks uniform.
     in.one_label = in.in_pairs = around == LabelsAround::kOne;
     return around != LabelsAround::kNone;
   }
@@ -114,11 +114,11 @@ class Casting {
   const TilePixels& tile_;
   Visibility& visibility_;
   const float opaque_at_;
-  SlabSums* const sums_;  // null where samples are composited at once
+  SlabSums* const sums_;  // null if samples are composited at once
   const ClipRegion::Part& part_;
   DrawCounts& counts_;
   CellSamples samples_;
-  std::unique_ptr<LabelVoxels> labels_;  // where the volume is of labels
+  std::unique_ptr<LabelVoxels> labels_;  // label volumes only
 };
 
 }  // namespace

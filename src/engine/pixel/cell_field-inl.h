@@ -1,9 +1,9 @@
-// Values and gradients of the samples of a cell, interpolated from its voxels. A field has
-// - shown(): the spaces in which samples may show something; nothing where that is not known;
+// Values and gradients of a cell's samples, interpolated from its voxels. A field has
+// - shown(): the spaces in which samples may be visible; empty if unknown;
 // - interpolate(count): prepares the values of the first `count` samples of CellSamples::code;
-// - values(n): the values of a vector of samples from the n-th on; NaN where a voxel with weight is NaN;
+// - values(n): the values of a vector of samples from the n-th on; NaN if a voxel with weight is NaN;
 // - findSlopes(n, count), slopes(i): gradients of up to kLit samples of CellSamples::index from the n-th on, then a
-//   vector of these gradients from the i-th on. unit: value per voxel.
+// vector of these gradients from the i-th on. unit: value per voxel.
 // Compiled once for each instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_CELL_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_CELL_FIELD_INL_H
@@ -35,14 +35,14 @@ namespace {
 using D2 = hn::CappedTag<float, 2>;
 using D4 = hn::CappedTag<float, 4>;
 
-// Trilinear interpolation of voxels, and of their central differences. kGaps: voxels may be NaN.
+// Trilinear interpolation of voxels and of central differences. kGaps: voxels may be NaN. Equation (3).
 template <bool kGaps>
 class LinearCellField {
  public:
   LinearCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
       : l_(lattice), in_(in), s_(samples) {}
 
-  // Intervals reach beyond the eight voxels around a sample.
+  // Unknown with intervals, which reach beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (kGaps || l_.integral != nullptr) return std::nullopt;
     return shownSpaces(l_, in_.values);
@@ -69,7 +69,7 @@ class LinearCellField {
     return mix(d, before, after, hn::Load(d, s_.fraction[0] + n));
   }
 
-  // Interpolates along y and z, four voxels along x at a time, of two samples where a vector holds both.
+  // Interpolates along y and z, for four voxels along x at a time, and for two samples if a vector holds both.
   HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
     const DRows d;
     constexpr std::size_t kSamples = (hn::MaxLanes(DRows()) + 3) / 4;
@@ -110,7 +110,7 @@ class LinearCellField {
             hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
   }
 
-  // a + t (b - a); a itself where t is 0, because a voxel without weight may be NaN.
+  // a + t (b - a), exactly a if t is 0: a voxel without weight may be NaN.
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
     const Vec out = between(a, b, t);
@@ -140,8 +140,8 @@ class LinearCellField {
   CellSamples& s_;
 };
 
-// The cubic B-spline or Catmull-Rom spline over 4³ voxels; gradients are the B-spline's. A value is clamped to the
-// range of its 4³ voxels, so that the range of a cell bounds its samples.
+// Cubic B-spline or Catmull-Rom spline over 4³ voxels; gradients are always the B-spline's. Values are clamped to the
+// range of their 4³ voxels, so that the range of a cell bounds its samples. Source: Catmull and Rom 1974.
 class CubicCellField {
   using Weights = CubicWeights<float>;
 
@@ -196,7 +196,7 @@ class CubicCellField {
     return interpolation_ == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t);
   }
 
-  // The taps of an axis that have weight: a voxel without weight may be NaN.
+  // Taps of an axis with nonzero weight: a voxel without weight may be NaN.
   struct Taps {
     explicit Taps(const Weights& weights) {
       for (int tap = 0; tap < 4; ++tap) {
@@ -210,7 +210,7 @@ class CubicCellField {
     float weight[4];
   };
 
-  // Calls f(voxels of a row from lane i of four on, weight of the row) for the rows around the n-th sample.
+  // Calls f(row, weight) for the rows around the n-th sample; `row` holds the row's voxels from lane i of four on.
   template <class F>
   HWY_INLINE void forEachRow(std::size_t n, const Taps& y, const Taps& z, std::size_t i, F f) const {
     const float* const at = in_.values + s_.offset[n] - 1 + i;
@@ -220,7 +220,7 @@ class CubicCellField {
     }
   }
 
-  // The weighted sum of the rows' sums. Pairs are added first, so that equal voxels give their own value.
+  // Weighted sum of the rows' sums. Pairs are added first, so that equal voxels give exactly their own value.
   static float along(const Weights& x, const float* sum) {
     const auto term = [&](std::size_t i) { return x[i] == 0 ? 0.0f : x[i] * sum[i]; };
     return (term(0) + term(1)) + (term(2) + term(3));
@@ -252,8 +252,8 @@ class CubicCellField {
   const Interpolation interpolation_;
 };
 
-// Places in the table of labels (engine/pixel/label_voxels.h), each of which is interpolated by itself; gradients are
-// the B-spline's of opacities that are smoothed before.
+// Table positions of labels (engine/pixel/label_voxels.h), each interpolated by itself. Gradients are the B-spline's,
+// of opacities that were smoothed before.
 class LabelCellField {
  public:
   LabelCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
@@ -262,7 +262,7 @@ class LabelCellField {
         opacities_(lattice, in, samples),
         cubic_(lattice.interpolation == Interpolation::kCubic) {}
 
-  // The B-spline reaches beyond the eight voxels around a sample.
+  // Unknown with the B-spline, which reaches beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (in_.one_label || cubic_) return std::nullopt;
     return labelledSpaces(in_.labels);
@@ -293,7 +293,7 @@ class LabelCellField {
  private:
   static constexpr int kPlane = CellInput::kPlane;
 
-  // Of a vector of samples: of the labels of the eight voxels around each, that with the largest share.
+  // Selects for each sample of a vector the label with the largest share among the eight voxels around it.
   HWY_INLINE void placeLinearly(std::size_t n) {
     const D d;
     const DI di;
@@ -335,14 +335,14 @@ class LabelCellField {
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) s_.pair[n + i] = labelPlace(shares[i], ranks[i]);
   }
 
-  // The same of the 64 voxels around one.
+  // Selects the label with the largest share among the 64 voxels around a sample.
   float placeBySpline(std::size_t n) const {
     const D4 d4;
     const hn::RebindToSigned<D4> di4;
     constexpr int kEdge = 4;
     const std::int32_t* const first = in_.labels + s_.offset[n] - (kPlane + kUnitSamples + 1);
     const auto row = [&](int y, int z) { return first + z * kPlane + y * kUnitSamples; };
-    // The ranks among them, each once.
+    // Distinct ranks among the 64 voxels.
     std::int32_t ranks[kEdge * kEdge * kEdge], last = -1;
     int count = 0;
     for (int z = 0; z < kEdge; ++z) {

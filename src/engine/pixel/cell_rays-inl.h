@@ -1,4 +1,4 @@
-// The rays that go through a cell, and where along them samples may show something. Compiled once for each instruction
+// Rays through a cell, and the places along them at which samples may be visible. Compiled once for each instruction
 // set; hence no #pragma once.
 #if defined(KILN_SPLAT_CELL_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_CELL_RAYS_INL_H
@@ -25,8 +25,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// `cast(count)` is called for the first samples of CellSamples::code, and may close
-// pixels.
+// Finds samples and calls cast(count) for the first `count` codes in CellSamples::code. `cast` may close pixels.
 template <class Cast>
 class CellRays {
  public:
@@ -34,7 +33,7 @@ class CellRays {
            CellSamples& samples, Cast cast)
       : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), cast_(cast) {}
 
-  // `shown`: where samples may show something, everywhere if it is not there.
+  // `shown`: spaces in which samples may be visible; all spaces if empty.
   void run(const std::optional<Spaces>& shown) {
     if (!findBox(shown)) return;
     for (int y = in_.rect.y0; y < in_.rect.y1; ++y) {
@@ -50,10 +49,10 @@ class CellRays {
  private:
   static constexpr int kSlabBits = CellPlaces::kSlabBits;
   static constexpr float kFar = CellPlaces::kFar;
-  // The slabs that rays go on before those drop out whose pixels are closed.
+  // Number of slabs that rays advance before rays of closed pixels are dropped.
   static constexpr int kSlabsAtOnce = 6;
 
-  // The box around what may show something; false where nothing may.
+  // Computes the box around the spaces in which samples may be visible; false if there are none.
   HWY_INLINE bool findBox(const std::optional<Spaces>& shown) {
     for (int a = 0; a < 3; ++a) lo_[a] = r_.faceAt(a, in_.corner[a]), hi_[a] = r_.faceAt(a, in_.end[a]);
     if (!shown) {
@@ -65,7 +64,8 @@ class CellRays {
     SpaceBox box{};
     if (!boxOf(*shown, box)) return false;
     for (int a = 0; a < 3; ++a) {
-      // Spaces begin half a voxel before the cell. A little more than them, as places are rounded.
+      // Spaces begin half a voxel before the cell. The box is slightly larger than the spaces, as positions are
+      // rounded.
       constexpr double kHalf = 0.51;
       if (box.first[a] > 0) lo_[a] = r_.faceAt(a, in_.corner[a] + box.first[a] - kHalf);
       const double end = in_.corner[a] + box.last[a] + kHalf;
@@ -74,7 +74,7 @@ class CellRays {
     return true;
   }
 
-  // Which of a vector of row y's rays, from pixel x on, go through the box and are not closed.
+  // Keeps the rays of a vector of row y, from pixel x on, that pass through the box and whose pixels are open.
   HWY_INLINE void findRays(int x, int y, const glm::vec3& row_place, const glm::vec3& row_step) {
     const D d;
     const DI di;
@@ -105,7 +105,7 @@ class CellRays {
     if (ray_count_ >= CellSamples::kMostRays) followRays();
   }
 
-  // Goes along these rays, some slabs at a time: what is behind those that close a pixel is not looked at.
+  // Advances the kept rays some slabs at a time, so that nothing behind a closed pixel is examined.
   HWY_NOINLINE void followRays() {
     while (ray_count_ > 0) {
       findPlaces();
@@ -115,7 +115,8 @@ class CellRays {
     }
   }
 
-  // Where samples of the next slabs may show something. Each lane goes along its own ray; those that end there go.
+  // Finds the places in the next slabs at which samples may be visible. Each lane follows its own ray; rays that end
+  // are dropped.
   HWY_INLINE void findPlaces() {
     const D d;
     const DI di;
@@ -130,7 +131,7 @@ class CellRays {
         place[a] = hn::Sub(CellPlaces::linear(r_.place, a, w), hn::Set(d, in_.lo[a]));
         step[a] = CellPlaces::linear(r_.step, a, w);
       }
-      // A sample belongs to the part that holds its middle: of two samples that are one, theirs.
+      // A sample belongs to the part that contains its middle; for a pair, the middle of both slabs.
       V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
       for (int a = 0; a < 3 && in_.part != nullptr; ++a)
         p_.cut(CellPlaces::linear(r_.place, a, w), step[a], r_.faceAt(a, in_.part->lo[a]),
@@ -140,7 +141,7 @@ class CellRays {
         V at = t, advance = one;
         VI taken = code;
         if (in_.in_pairs) {
-          // Slabs 2 n and 2 n + 1, where both are in the cell.
+          // Slabs 2n and 2n + 1 form a pair if both are in the cell.
           const VI odd = hn::And(code, hn::Set(di, 1 << kSlabBits));
           const M pair = hn::And(hn::RebindMask(d, hn::Eq(odd, hn::Zero(di))), hn::Lt(hn::Add(t, one), end));
           at = hn::Add(t, hn::IfThenElseZero(pair, hn::Set(d, 0.5f)));
@@ -181,12 +182,12 @@ class CellRays {
     ray_count_ = left;
   }
 
-  // Of a vector, which are rays.
+  // Mask of the lanes of a vector that hold rays.
   HWY_INLINE M raysFrom(std::size_t n) const {
     const DI di;
     return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(ray_count_))));
   }
-  // Those of a vector behind the first `count` that are kept; how many there are then.
+  // Appends the rays of a vector in `kept` behind the first `count`. Returns the new count.
   HWY_INLINE std::size_t keepRays(VI code, V end, M kept, std::size_t count) {
     const D d;
     const DI di;

@@ -11,13 +11,13 @@
 namespace kiln {
 namespace {
 
-// Entries of a table where values are not whole numbers of at most 16 bits.
+// Number of entries for types other than whole numbers of up to 16 bits.
 constexpr double kTableSteps = 1 << 15;
 
-// The largest change of a soft voxel's optical depth, or light, over its values (figures: decisions/samples.md).
+// Limit of the change of optical depth, or of light, over the values of a soft voxel (figures: decisions/samples.md).
 constexpr double kSoftChange = 1;
 
-// By how much the extinction of two materials, or the light that they give off, differs at the most.
+// Largest difference of two materials in extinction or emitted light.
 double changeBetween(const Material& a, const Material& b) {
   const auto light = [](const Material& m) { return glm::dvec3(m.r, m.g, m.b) * static_cast<double>(m.tau); };
   const glm::dvec3 change = glm::abs(light(b) - light(a));
@@ -59,7 +59,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     sum += 0.5 * (static_cast<double>(entries_[i - 1].tau) + static_cast<double>(entries_[i].tau));
     integral_.push_back(static_cast<float>(sum));
   }
-  // A float's last digit of the whole sum is then at most a thousandth of the interval's part.
+  // The last digit of a float sum is then at most a thousandth of the integral over the interval.
   least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
   before_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
@@ -82,7 +82,7 @@ void SampleTable::addLabels(const std::vector<LabelStyle>& looks, double unit) {
     }
   }
   last_ = static_cast<float>(std::max<std::size_t>(entries_.size(), 1) - 1);
-  // One for the last place, and one where nothing is shown.
+  // An extra entry after the last, and a single entry if no label is visible.
   const std::size_t count = static_cast<std::size_t>(last_) + 2;
   entries_.resize(count, entries_.empty() ? Material{} : entries_.back());
   extinctions_.resize(count, entries_.back().tau);

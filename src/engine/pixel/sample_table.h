@@ -1,6 +1,6 @@
-// Classification of interpolated values: colour and extinction by one table over the volume's values, linear between
-// its entries. What it says of a range is exact for what it says of values. Of labels it has two entries each, of those
-// that are shown: nothing of it, and all.
+// Classification of interpolated values: colour and extinction, linear between the entries of one table over the
+// volume's values. Tests of a range agree exactly with the extinctions of its values. For label volumes the table has
+// two entries for each visible label: extinction 0 and the label's extinction.
 #pragma once
 
 #include <algorithm>
@@ -14,23 +14,23 @@ namespace kiln {
 
 class SampleTable {
  public:
-  /// `range` bounds the values that will be asked for; whole-numbered types of up to 16 bits have an entry a value,
-  /// others as many as fit over classifiedRange.
+  /// `range` bounds the values of later calls. Whole-numbered types of up to 16 bits have an entry per value; other
+  /// types have a fixed number of entries over classifiedRange.
   SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
-  /// Whether values are labels: then `at` is not asked for values.
+  /// Returns true for label volumes; `at` must then not be called with values.
   bool ofLabels() const { return of_labels_; }
-  /// Of a label less `offset()`: which of those shown it is, from 0; -1 where it is none. cost: a binary search.
+  /// Rank of a label (less `offset()`) among the visible labels, from 0; -1 if invisible. cost: a binary search.
   int rankOf(float label) const {
     const auto first = std::lower_bound(labels_.begin(), labels_.end(), label);
     return first != labels_.end() && *first == label ? static_cast<int>(first - labels_.begin()) : -1;
   }
   float opacityOf(int rank) const { return rank < 0 ? 0.0f : label_opacities_[static_cast<std::size_t>(rank)]; }
-  /// Where the table has a label of which this much is there, from 0 to 1.
+  /// Table position of a label of which the share `solid`, from 0 to 1, is present.
   static float placeOf(int rank, float solid) { return static_cast<float>(2 * rank) + solid; }
-  /// What values are shifted by before they become floats, so that large whole numbers keep their last digit.
+  /// Subtracted from values before they become floats, so that large whole numbers keep their last digit.
   double offset() const { return lo_; }
-  /// `value` less `offset()`. A value outside of the range is as its end.
+  /// Material of a value less `offset()`. Values outside the range are clamped.
   Material at(float value) const {
     const float place = std::min(std::max(value * scale_, 0.0f), last_);
     const auto i = static_cast<std::size_t>(place);
@@ -38,26 +38,26 @@ class SampleTable {
     const Material &a = entries_[i], &b = entries_[i + 1];
     return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b), a.tau + t * (b.tau - a.tau)};
   }
-  /// What `at` reads. shape: r, g, b, tau an entry; the one after `last` repeats it. unit: entries per value for
-  /// `scale`.
+  /// Entries that `at` reads. shape: r, g, b, tau per entry; the entry after `last` repeats the last. unit: `scale`:
+  /// entries per value.
   const float* entries() const { return &entries_.front().r; }
   float scale() const { return scale_; }
   float last() const { return last_; }
-  /// Of each entry. shape: as entries.
+  /// Extinctions of the entries. shape: as entries.
   const float* extinctions() const { return extinctions_.data(); }
-  /// `at` gives an extinction above zero only beyond the first of these places and before the second. unit: entries.
+  /// `at` returns an extinction above zero only between these table positions, exclusive. unit: entries.
   float visibleAfter() const { return visible_after_; }
   float visibleBefore() const { return visible_before_; }
-  /// Extinction integrated over the entries, from the first: what it grows by between two places, over their distance,
-  /// is the mean extinction of the values between them. It tells places apart that are `leastInterval` from each other.
-  /// shape: as entries. unit: extinction times entries.
+  /// Integral of extinction over the entries, from the first. Its difference between two positions over their distance
+  /// is the mean extinction between them. Positions closer than `leastInterval` cannot be resolved. shape: as entries.
+  /// unit: extinction times entries.
   const float* integral() const { return integral_.data(); }
   float leastInterval() const { return least_interval_; }
-  /// Whether `at` gives an extinction above zero for some value of the range, or nearly so. cost: O(1).
+  /// Returns true if `at` gives an extinction above zero for some value of the range. Slightly conservative. cost:
+  /// O(1).
   bool interesting(const ValueRange& range) const;
-  /// Whether voxels of this length that hold values of `range` are soft: they look nearly the same all over, so that
-  /// fewer samples show as much. `beside_nothing`: what they show may end within them.
-  /// requires: not labels. cost: O(1).
+  /// Returns true if voxels of edge `length` with values in `range` are soft, nearly uniform, so that fewer samples
+  /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
 
  private:
@@ -74,7 +74,7 @@ class SampleTable {
   std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
   std::vector<double> changes_;  // of extinction and of light, from the first entry up to each: sums of the larger
   bool of_labels_ = false;
-  std::vector<float> labels_, label_opacities_;  // of those shown, by label, less the offset
+  std::vector<float> labels_, label_opacities_;  // visible labels in ascending order, less the offset
 };
 
 }  // namespace kiln

@@ -1,6 +1,6 @@
-// Between which voxels of a cell samples may show something: a sample is interpolated from the eight voxels around it,
-// and where none of them is above where extinction begins, or none below where it ends, it shows nothing. Compiled once
-// for each instruction set; hence no #pragma once.
+// Finds the spaces between voxels of a cell in which samples may be visible. A sample is interpolated from the eight
+// voxels around it. If none of these is above the least visible value, or none is below the greatest visible value, the
+// sample is invisible. Compiled once for each instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
 #undef KILN_SPLAT_SHOWN_SPACES_INL_H
@@ -27,12 +27,12 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Of the spaces between two voxels each along an axis, from the voxel before a cell on, a bit each: bit x of byte y of
-// number z. There are nine; the last two share a bit, so that eight planes are one vector.
+// One bit per space between two voxels along each axis, from the voxel before a cell on: bit x of byte y of word z.
+// There are nine spaces per axis; the last two share a bit, so that eight planes form a vector.
 constexpr int kSpaces = kUnitVoxels;
 using Spaces = std::array<std::uint64_t, kSpaces>;
 
-// Bits x and on of sixteen.
+// Stores the mask at bit x of sixteen.
 HWY_INLINE void addBits(M mask, std::size_t x, std::uint8_t* to) {
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(D(), mask, bits);
@@ -43,19 +43,19 @@ HWY_INLINE void addBits(M mask, std::size_t x, std::uint8_t* to) {
   }
 }
 
-// The voxels around the spaces, a bit each: bit x of the y-th row of plane z.
+// One bit per voxel around the spaces: bit x of row y of plane z.
 constexpr int kSpaceRows = kSpaces + 2;
 struct VoxelBits {
-  static constexpr std::size_t kBytes = 16;  // of a plane's rows, with some beyond them
+  static constexpr std::size_t kBytes = 16;  // rows of a plane, padded
   std::uint16_t rows[kSpaceRows][kBytes] = {};
 };
-// Where a row of them begins. shape: as UnitInput's values.
+// Offset of a row of voxels. shape: as loadUnit's `values`.
 constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
   constexpr int kFirst = kUnitMargin - 1, kEdge = kUnitVoxels + 2 * kUnitMargin;
   return ((z + kFirst) * kEdge + y + kFirst) * kUnitSamples + kFirst;
 }
 
-// Those that have one of the voxels at a corner: around each space, along x, then along y, then along z.
+// Returns the spaces with a set voxel at a corner: combines neighbours along x, then y, then z.
 HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
   std::uint64_t planes[kSpaceRows];
   for (int z = 0; z < kSpaceRows; ++z) {
@@ -75,12 +75,12 @@ HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
   return out;
 }
 
-// Those in which samples may show something. shape: `values` as UnitInput's.
+// Returns the spaces in which samples may be visible. shape: `values` as loadUnit's.
 HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
   const D d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
-  // Of each row of voxels, which are above where extinction begins, and which below where it ends. Values beyond the
-  // table's ends are as those at the ends.
+  // For each row of voxels: masks of the voxels above the least visible position and below the greatest. Values beyond
+  // the table's ends are clamped to it.
   const V scale = hn::Set(d, l.table_scale);
   const V begin = hn::Set(d, l.visible_after < 0 ? -kFar : l.visible_after);
   const V end = hn::Set(d, l.visible_before > l.table_last ? kFar : l.visible_before);
@@ -104,7 +104,7 @@ HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
   return out;
 }
 
-// Those beside a voxel of a label that is shown (LabelVoxels::ranks).
+// Returns the spaces next to a voxel of a visible label (LabelVoxels::ranks).
 HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
   const DI di;
   VoxelBits shown;
@@ -120,7 +120,7 @@ HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
   return spacesAround(shown);
 }
 
-// Along each axis the first and the last of them; false where there are none.
+// Bounding box of the set spaces; boxOf returns false if there are none.
 struct SpaceBox {
   int first[3], last[3];
 };

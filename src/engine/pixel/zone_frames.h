@@ -1,5 +1,4 @@
-// What is made of a volume for each zone of slabs, and which bricks show anything there: the same whether a volume is
-// drawn alone or with others.
+// Per-zone state of a volume, and visible bricks in a zone: shared by frames of one volume and of several.
 #pragma once
 
 #include <memory>
@@ -35,7 +34,7 @@ std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& le
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const BrickWalk::RectTest& test);
 
-/// The tile in squares of kSquareEdge pixels: pixels of a tile are closed by one thread at a time.
+/// Splits the tile into squares of at most kSquareEdge pixels. A tile's pixels are closed by one thread at a time.
 std::vector<TilePixels> squaresOf(const TilePixels& tile);
 
 }  // namespace kiln
