@@ -141,7 +141,7 @@ class LinearCellField {
 };
 
 // Cubic B-spline or Catmull-Rom spline over 4³ voxels; gradients are always the B-spline's. Values are clamped to the
-// range of their 4³ voxels, so that the range of a cell bounds its samples. Source: Catmull and Rom 1974.
+// range of the 4³ voxels, so that the range of a cell bounds all samples. Source: Catmull and Rom 1974.
 class CubicCellField {
   using Weights = CubicWeights<float>;
 

@@ -115,8 +115,8 @@ class CellRays {
     }
   }
 
-  // Finds the places in the next slabs at which samples may be visible. Each lane follows its own ray; rays that end
-  // are dropped.
+  // Finds the places in the next slabs at which samples may be visible. Each lane follows a ray; ended rays are
+  // dropped.
   HWY_INLINE void findPlaces() {
     const D d;
     const DI di;
@@ -210,7 +210,7 @@ class CellRays {
   const TilePixels& tile_;
   CellSamples& s_;
   Cast cast_;
-  float lo_[3], hi_[3];  // faces around what may show something, as RaySlabs::faceAt has them
+  float lo_[3], hi_[3];  // faces of the box of visible spaces (RaySlabs::faceAt)
   std::size_t ray_count_ = 0, count_ = 0;
   alignas(64) std::array<std::int32_t, 16> shown_;  // Spaces
 };

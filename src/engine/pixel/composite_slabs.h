@@ -9,8 +9,8 @@
 
 namespace kiln {
 
-/// Composites the sums behind the tile's pixels. A pixel that reaches `opaque_at` is divided by its alpha, gets an
-/// alpha of one, and is closed in `visibility`. requires: the sums cover `tile.rect` and a zone of `rays`.
+/// Composites the sums behind the tile's pixels. At an alpha of `opaque_at` a pixel is divided by alpha, alpha is set
+/// to 1, and the pixel is closed in `visibility`. requires: the sums cover `tile.rect` and a zone of `rays`.
 void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
                     float opaque_at, Visibility& visibility);
 

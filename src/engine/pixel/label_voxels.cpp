@@ -78,7 +78,7 @@ class LabelLoad {
     return table_.rankOf(static_cast<float>(static_cast<double>(value) - table_.offset()));
   }
 
-  // Smooths along one axis after the other; each pass leaves fewer voxels along its axis.
+  // Smooths along x, y and z in turn; each pass leaves fewer voxels along the axis.
   void smooth() {
     float *from = out_.smoothed[0], *to = out_.smoothed[1];
     const int stride[3] = {1, kWide, kWide * kWide};

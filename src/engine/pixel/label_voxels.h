@@ -32,7 +32,7 @@ struct LabelVoxels {
   float smoothed[2][kWide * kWide * kWide];
 };
 
-/// Labels of all voxels that samples and their gradients read: none visible, one visible label only, or several.
+/// Labels of the voxels read by samples and gradients: none visible, a single visible label, or several.
 enum class LabelsAround { kNone, kOne, kSeveral };
 
 /// Loads the cell whose first voxel is `lo`. Writes all of `out` for several labels, only the ranks for one. thread:

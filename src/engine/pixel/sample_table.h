@@ -48,8 +48,9 @@ class SampleTable {
   /// `at` returns an extinction above zero only between these table positions, exclusive. unit: entries.
   float visibleAfter() const { return visible_after_; }
   float visibleBefore() const { return visible_before_; }
-  /// Integral of extinction over the entries, from the first. Its difference between two positions over their distance
-  /// is the mean extinction between them. Positions closer than `leastInterval` cannot be resolved. shape: as entries.
+  /// Integral of extinction over the entries, from the first. The difference between two positions, divided by the
+  /// distance, is the mean extinction in between. Positions closer than `leastInterval` cannot be resolved. shape: as
+  /// entries.
   /// unit: extinction times entries.
   const float* integral() const { return integral_.data(); }
   float leastInterval() const { return least_interval_; }

@@ -1,6 +1,6 @@
 // Finds the spaces between voxels of a cell in which samples may be visible. A sample is interpolated from the eight
-// voxels around it. If none of these is above the least visible value, or none is below the greatest visible value, the
-// sample is invisible. Compiled once for each instruction set; hence no #pragma once.
+// voxels around it. The sample is invisible if no such voxel is above the least visible value, or no such voxel is
+// below the greatest. Compiled once for each instruction set; hence no #pragma once.
 #if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
 #undef KILN_SPLAT_SHOWN_SPACES_INL_H

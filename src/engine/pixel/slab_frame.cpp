@@ -12,8 +12,8 @@ namespace {
 
 int floorOf(double v) { return static_cast<int>(std::floor(std::clamp(v, -kFar_px, kFar_px))); }
 
-// A box that spans more than this fraction of its nearest depth is clipped to the zone before projection. The whole box
-// would cover many more pixels than its part in the zone.
+// Depth of a box, as a fraction of the nearest depth, above which the box is clipped to the zone before projection. A
+// deep box would cover many more pixels than the part inside the zone.
 constexpr double kDeep = 0.25;
 
 // Fraction of the limit of SampleTable::soft up to which one sample per voxel shows as much as two.
