@@ -48,14 +48,18 @@ class LinearCellField {
     return shownSpaces(l_, in_.values);
   }
 
-  // Stores the values before and after each sample along x.
+  // Stores the values before and after each sample along x: of two samples at a time where a vector holds both.
   void interpolate(std::size_t count) {
-    const D2 d;
-    for (std::size_t n = 0; n < count; ++n) {
-      const float* const at = in_.values + s_.offset[n];
-      const auto y = hn::Set(d, s_.fraction[1][n]), z = hn::Set(d, s_.fraction[2][n]);
+    const D4 d;
+    for (std::size_t n = 0; n < count; n += kInterpolated) {
+      const float* const first = in_.values + s_.offset[n];
+      const float* const last = in_.values + s_.offset[n + kInterpolated - 1];
+      const auto y = ofPairs(s_.fraction[1] + n), z = ofPairs(s_.fraction[2] + n);
       for (std::size_t i = 0; i < 2; i += hn::Lanes(d)) {
-        const auto row = [&](int dy, int dz) { return hn::LoadU(d, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto row = [&](int dy, int dz) {
+          const std::size_t at = static_cast<std::size_t>(dz * kPlane + dy * kUnitSamples) + i;
+          return pairsFrom(first + at, last + at);
+        };
         const auto near = mix(d, row(0, 0), row(1, 0), y), far = mix(d, row(0, 1), row(1, 1), y);
         hn::Store(mix(d, near, far, z), d, s_.pair + 2 * n + i);
       }
@@ -120,6 +124,21 @@ class LinearCellField {
 
  private:
   static constexpr int kPlane = CellInput::kPlane;
+
+#if HWY_MAX_BYTES < 16  // a vector holds one value
+  static constexpr std::size_t kInterpolated = 1;
+  static HWY_INLINE hn::Vec<D4> ofPairs(const float* of) { return hn::Set(D4(), *of); }
+  static HWY_INLINE hn::Vec<D4> pairsFrom(const float* first, const float*) { return hn::LoadU(D4(), first); }
+#else
+  static constexpr std::size_t kInterpolated = 2;
+  static HWY_INLINE hn::Vec<D4> ofPairs(const float* of) {
+    const auto both = hn::LoadU(D4(), of);
+    return hn::InterleaveLower(D4(), both, both);
+  }
+  static HWY_INLINE hn::Vec<D4> pairsFrom(const float* first, const float* last) {
+    return hn::Combine(D4(), hn::LoadU(D2(), last), hn::LoadU(D2(), first));
+  }
+#endif
 
 #if HWY_MAX_BYTES < 32  // a vector holds one row of slopes
   using DRows = D4;
