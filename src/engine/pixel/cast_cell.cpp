@@ -212,51 +212,59 @@ class CellCaster {
   // weight and, instead of their opacity, the alpha in front of them. A pixel that reaches the threshold is closed; its
   // colour is divided by alpha after all its light has been added. Equations (8) and (9).
   void blendAll() {
-    std::size_t seen = 0, closed = 0;
-    out_.shown += kept_;
+    std::size_t closed = 0;
+    const bool any_aovs = tile_.aovs.any();
     for (std::size_t n = 0; n < kept_; ++n) {
-      const std::int32_t code = s_.kept_code[n], pixel = code & CellPlaces::kPixel;
+      const std::int32_t pixel = s_.kept_code[n] & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
       // The weight is 0 if the pixel is closed. Branches on opacity or closing would be unpredictable.
       const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
       const bool closes = (after >= opaque_at_) & (before != 1.0f);
       alpha = after;
-      keep(n, seen, weight);
-      if (tile_.aovs.any() && weight > 0) addAovs(seen, pixel, before, weight, opacity, closes);
-      s_.opacity[seen] = before;
-      seen += weight > 0 ? 1 : 0;
+      s_.weight[n] = weight;
+      s_.opacity[n] = before;
+      if (any_aovs && weight > 0) addAovs(n, pixel, before, weight, opacity, closes);
       if (!closes) continue;
       s_.closed[closed++] = {pixel, after};
       alpha = 1.0f;
     }
     closed_count_ = closed;
-    kept_ = seen;
-    out_.samples += seen;
+    keepSeen();
   }
 
-  // Moves the n-th of those that are kept forward, with what it is multiplied by.
-  HWY_INLINE void keep(std::size_t n, std::size_t to, float weight) {
-    s_.index[to] = s_.index[n], s_.kept_code[to] = s_.kept_code[n], s_.entry[to] = s_.entry[n], s_.weight[to] = weight;
-    if (!derives_) return;
-    for (int a = 0; a < 3; ++a) s_.slope[a][to] = s_.slope[a][n], s_.index_place[a][to] = s_.index_place[a][n];
+  // Leaves samples that are multiplied by something.
+  HWY_INLINE void keepSeen() {
+    const D d;
+    const DI di;
+    std::size_t seen = 0;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      const V weight = hn::Load(d, s_.weight + n);
+      const VI index = hn::Iota(di, static_cast<int>(n));
+      const M there = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(kept_))));
+      const M kept = hn::And(there, hn::Gt(weight, hn::Zero(d)));
+      const Packing packed(kept);
+      const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
+      move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);
+      for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]), move(d, s_.index_place[a]);
+      hn::StoreU(packed(weight), d, s_.weight + seen);
+      seen += hn::CountTrue(d, kept);
+    }
+    out_.shown += kept_;
+    out_.samples += seen;
+    kept_ = seen;
   }
 
   // Keeps all samples with optical depth, for sums over several volumes.
   HWY_NOINLINE void keepAll() {
-    std::size_t seen = 0;
     closed_count_ = 0;
-    out_.shown += kept_;
     for (std::size_t n = 0; n < kept_; ++n) {
-      const float depth = s_.opacity[n];
-      keep(n, seen, depth);
+      const float depth = s_.weight[n] = s_.opacity[n];
       if (derives_ && in_.sums->hasNormals() && depth > 0) {
-        const CellPlaces::Place at = p_.placeOf(s_.kept_code[seen]);
-        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(seen)));
+        const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
+        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(n)));
       }
-      seen += depth > 0 ? 1 : 0;
     }
-    kept_ = seen;
-    out_.samples += seen;
+    keepSeen();
   }
 
   HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
