@@ -300,21 +300,16 @@ class CellCaster {
   HWY_INLINE void light(std::size_t n, std::size_t count) {
     const D d;
     const D4 d4;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float entry = s_.entry[n + i];
-      const auto whole = static_cast<std::int32_t>(entry);
-      const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
-      const auto t = hn::Set(d4, entry - static_cast<float>(whole));
-      for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
-        const auto here = hn::LoadU(d4, at + c);
-        hn::Store(between(here, hn::LoadU(d4, at + 4 + c), t), d4, s_.rows[0] + 4 * i + c);
-      }
-    }
+    const bool one_color = in_.color != nullptr && !finishes_;
+    if (!one_color) lookUpColors(n, count);
     if (finishes_) finishColors(n, count);
     if (l_.light.phong) field_.findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
-      hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
+      if (one_color)
+        red = hn::Set(d, in_.color[0]), green = hn::Set(d, in_.color[1]), blue = hn::Set(d, in_.color[2]);
+      else
+        hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
       if (l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const Sight sight = p_.sightOf(p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i)));
@@ -331,6 +326,20 @@ class CellCaster {
       float* const to = lightOf(s_.kept_code[n + i]);
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
         hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
+    }
+  }
+
+  HWY_INLINE void lookUpColors(std::size_t n, std::size_t count) {
+    const D4 d;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float entry = s_.entry[n + i];
+      const auto whole = static_cast<std::int32_t>(entry);
+      const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
+      const auto t = hn::Set(d, entry - static_cast<float>(whole));
+      for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+        const auto here = hn::LoadU(d, at + c);
+        hn::Store(between(here, hn::LoadU(d, at + 4 + c), t), d, s_.rows[0] + 4 * i + c);
+      }
     }
   }
 

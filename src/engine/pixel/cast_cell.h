@@ -36,6 +36,7 @@ struct CellInput {
   bool at_end = false;                     // of the volume
   bool in_pairs = false;                   // whether two samples may be one, twice as long
   bool gaps = false;                       // whether there may be NaN among its voxels
+  const float* color = nullptr;            // the r, g, b of all its samples, where they are the same
   const ClipRegion::Part* part = nullptr;  // of the volume: only samples in it are drawn; null where all are
   bool one_label = false;                  // whether all of them are of one label: then `values` is not read
   SlabSums* sums = nullptr;                // of several volumes: samples are added to the sums, not to the tile

@@ -96,6 +96,7 @@ class Casting {
     in.values = values;
     in.gaps = range.gaps;
     in.in_pairs = frame_.inPairs(range);
+    if (!range.values.empty()) in.color = frame_.table().oneColor(range.values);
     return true;
   }
   // Returns false if no label is visible.

@@ -66,6 +66,18 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   changes_.assign(1, 0.0);
   for (std::size_t i = 1; i < count; ++i)
     changes_.push_back(changes_.back() + changeBetween(entries_[i - 1], entries_[i]));
+  findSameColors();
+}
+
+void SampleTable::findSameColors() {
+  same_until_.resize(entries_.size());
+  for (std::size_t i = entries_.size(); i-- > 0;) {
+    const Material& here = entries_[i];
+    const bool last = i + 1 == entries_.size();
+    const Material& next = entries_[last ? i : i + 1];
+    const bool same = here.r == next.r && here.g == next.g && here.b == next.b;
+    same_until_[i] = same && !last ? same_until_[i + 1] : static_cast<std::uint32_t>(i);
+  }
 }
 
 void SampleTable::addLabels(const std::vector<LabelStyle>& looks, double unit) {
@@ -102,6 +114,12 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
   const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
   const double most = kSoftChange / length - (changes_[to] - changes_[from]);
   return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
+}
+
+// Interpolation may round a value beyond the range.
+const float* SampleTable::oneColor(const ValueRange& range) const {
+  const std::size_t below = entryBelow(range.lo), from = below - (below > 0 ? 1 : 0);
+  return same_until_[from] > entryAbove(range.hi) ? &entries_[from].r : nullptr;
 }
 
 std::size_t SampleTable::entryBelow(double value) const {
