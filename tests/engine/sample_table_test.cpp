@@ -40,6 +40,25 @@ TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
   }
 }
 
+// Known because the colour is constant up to 100 and from 150 on.
+TEST(SampleTable, HasOneColorWhereNoValueHasAnother) {
+  const glm::dvec3 red(0.9, 0.3, 0.1), blue(0.1, 0.2, 0.7);
+  for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
+    const SampleTable table = tableOf({{50, red, 0}, {100, red, 0.9}, {150, blue, 0.9}}, type);
+    for (const ValueRange& range : {ValueRange{0, 99}, {60, 61}, {151, 255}, {-50, 20}, {200, 900}}) {
+      SCOPED_TRACE(testing::Message() << range.lo << " to " << range.hi);
+      const float* const color = table.oneColor(range);
+      ASSERT_NE(color, nullptr);
+      for (double value = range.lo; value <= range.hi; value += 0.25) {
+        const Material at = table.at(static_cast<float>(value));
+        EXPECT_TRUE(at.r == color[0] && at.g == color[1] && at.b == color[2]) << value;
+      }
+    }
+    for (const ValueRange& range : {ValueRange{0, 101}, {99, 151}, {110, 120}, {149, 200}, {0, 255}})
+      EXPECT_EQ(table.oneColor(range), nullptr) << range.lo << " to " << range.hi;
+  }
+}
+
 // Known because a function is constant beyond its points, for every range of values.
 TEST(SampleTable, TellsApartWhatItsFunctionDoes) {
   const std::vector<TransferPoint> ramp = {{9, {1, 1, 1}, 0}, {11, {1, 1, 1}, ofDepth(1)}};
