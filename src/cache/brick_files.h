@@ -6,15 +6,9 @@
 #include <vector>
 
 #include "store/store_reader.h"
+#include "store/stored_brick.h"
 
 namespace kiln {
-
-/// A brick of one of a cache's stores.
-struct StoredBrick {
-  BrickKey key;
-  int store = 0;  // index into the cache's stores
-  auto operator<=>(const StoredBrick&) const = default;
-};
 
 struct BrickFile {
   std::shared_ptr<const std::vector<std::byte>> bytes;

@@ -76,8 +76,6 @@ void addAovPlanes(const Aovs& aovs, Image& image) {
   if (aovs.value) image.planes.push_back({"value", ZeroPages<float>(pixels, kNoValue)});
 }
 
-float* valuePlane(const Aovs& aovs, Image& image) { return aovs.value ? image.planes.back().values.data() : nullptr; }
-
 AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y) {
   AovPixels out;
   std::size_t next = 0;
@@ -87,6 +85,7 @@ AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y) {
     out.mean = plane();
   }
   for (int axis = 0; axis < 3 && aovs.normal; ++axis) out.normal[axis] = plane();
+  if (aovs.value) out.value = plane();
   return out.from(std::ptrdiff_t{y} * image.width + x);
 }
 
@@ -104,8 +103,8 @@ void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& i
       }
       pixel.put(world_from_view, view.origin_depth, aovPixels(aovs, image, x, row + y));
       if (aovs.value)
-        valuePlane(aovs, image)[std::ptrdiff_t{row + y} * image.width + x] =
-            meanValue(valuePlane(aovs, from.image), from.image.width, edge, from.x + edge * x, from.y + edge * y);
+        *aovPixels(aovs, image, x, row + y).value = meanValue(aovPixels(aovs, from.image, 0, 0).value, from.image.width,
+                                                              edge, from.x + edge * x, from.y + edge * y);
     }
   });
 }

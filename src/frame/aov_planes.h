@@ -20,9 +20,6 @@ void addAovPlanes(const Aovs& aovs, Image& image);
 /// Returns the planes of the picture, from pixel (x, y) on. requires: the picture has the planes of `aovs`.
 AovPixels aovPixels(const Aovs& aovs, Image& image, int x, int y);
 
-/// Returns the plane of values, or null where `aovs` has none. requires: as above.
-float* valuePlane(const Aovs& aovs, Image& image);
-
 /// Rows of pixels in an image of their sub-pixels: `rows` rows, the first of them edge × edge sub-pixels from (x, y)
 /// on.
 struct SubPixels {

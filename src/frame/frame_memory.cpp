@@ -11,26 +11,30 @@
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
-#include "engine/projection/projected_values.h"
-#include "engine/voxel/tile_planes.h"
 #include "frame/aov_planes.h"
-#include "frame/frame_drawing.h"
 #include "frame/make_visibility.h"
-#include "frame/multi_volume.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
+#include "frame/pass/make_pass.h"
 #include "frame/pixel_filter.h"
 #include "image/file/exr_cost.h"
 #include "image/file/image_file.h"
-#include "traverse/brick_walk.h"
 
 namespace kiln {
 namespace {
 
-// RGBA in floats, and what goes with it.
+EngineChoice engineOf(const RenderJob& job) {
+  return {job.picture.mode, job.picture.lattice, !job.volumes.empty()};
+}
+
+// `tile`: the size of the largest tile.
+EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
+  return passMemory(engineOf(job), job.picture.aovs.normal, tile, brick_size);
+}
+
+// RGBA in floats, planes, and the engine's own numbers.
 std::uint64_t pixelBytes(const RenderJob& job) {
-  const bool projects = job.picture.mode != Mode::kComposite;
-  return 16 + aovBytes(job.picture.aovs) + (projects ? ProjectedValues::bytesOfPixel(job.picture.mode) : 0);
+  return 16 + aovBytes(job.picture.aovs) + engineMemory(job, {}, 0).pixel;
 }
 
 // Pictures in memory at a time: of both eyes, and as many again while one is put beside the other.
@@ -47,37 +51,19 @@ bool castsRays(const RenderJob& job) {
   return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
 }
 
-// The octree above bricks has some 12 bytes a brick and a seventh.
-constexpr std::uint64_t kWalkBytes = 16;
 // Stacks of threads, and what the allocator and TBB keep for each. Measured: the first few, which decode, take most.
 std::uint64_t threadsBytes() {
   constexpr std::uint64_t kFirst = 16, kFirstBytes = 384 << 10, kOtherBytes = 128 << 10;
   const std::uint64_t threads = ThreadLimit::active();
   return std::min(threads, kFirst) * kFirstBytes + (threads - std::min(threads, kFirst)) * kOtherBytes;
 }
-// Of several volumes, a brick is in the lists of two or three zones, and in two sets of those drawn.
-constexpr std::uint64_t kMixBytes = 4 * sizeof(MultiVolume::Brick) + 2 * 64;
+// Threads that draw: a frame of one tile has one.
+std::uint64_t drawingThreads(const RenderJob& job) { return job.speed.tile_px == 0 ? 1 : ThreadLimit::active(); }
 
-// A cell's voxels and samples.
-constexpr std::uint64_t kCellBytes = 512u << 10;
-
-std::uint64_t slabBytes(const RenderJob& job, int bricks_together, std::int64_t brick_size) {
-  const std::uint64_t threads = job.speed.tile_px == 0 ? 1 : ThreadLimit::active();
-  const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
-  const std::uint64_t summed = job.volumes.empty() ? 0 : SlabSums::bytesFor(job.picture.aovs.normal);
-  return threads * (summed + kCellBytes) + together * PixelLattice::cellBytes(brick_size);
-}
-
-bool splatsVoxels(const RenderJob& job) {
-  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kVoxel;
-}
-
-// What each thread holds a tile's pixels in while it splats voxels into them. `drawn`: at a time. unit: sub-pixels.
-std::uint64_t planesBytes(const RenderJob& job, const ImageSize& drawn) {
-  const auto width = static_cast<std::size_t>(drawn.width), height = static_cast<std::size_t>(drawn.height);
-  const auto tile = static_cast<std::size_t>(job.speed.tile_px);
-  if (tile == 0) return TilePlanes::bytesFor(width, height);
-  return ThreadLimit::active() * TilePlanes::bytesFor(std::min(tile, width), std::min(tile, height));
+// The largest tile of what is drawn at a time. unit: sub-pixels.
+ImageSize largestTile(const RenderJob& job, const ImageSize& drawn) {
+  const int tile = job.speed.tile_px;
+  return tile == 0 ? drawn : ImageSize{std::min(tile, drawn.width), std::min(tile, drawn.height)};
 }
 
 // A piece of the picture is drawn as a whole, as the picture is.
@@ -138,6 +124,7 @@ class FrameAccount {
         written_(written.value_or(drawn_)),
         tested_(testedSize(job_, drawn_, filter_)) {
     out_.brick = brick_bytes;
+    for (const StoreReader* const store : stores_) brick_size_ = std::max(brick_size_, store->manifest().brick_size);
     out_.several = !job.volumes.empty();
     out_.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
   }
@@ -145,13 +132,12 @@ class FrameAccount {
   FrameMemory charged() {
     chargePixels();
     chargeFace();
-    if (job_.picture.mode == Mode::kComposite) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
+    if (closesPixels(engineOf(job_))) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
     chargeIndex();
     out_.threads = threadsBytes();
     chargeFiles(0);
     out_.least_files = out_.files;
-    if (castsRays(job_)) chargeSlabs();
-    if (splatsVoxels(job_)) chargePlanes();
+    chargeEngine();
     if (banded_) shareWithBand();
     chargeFiles(shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.files + out_.brick));
     chooseBricksTogether();
@@ -160,7 +146,7 @@ class FrameAccount {
 
  private:
   void chargePixels() {
-    out_.image = pixels_ * (banded_ ? pixelBytes(job_) : pixelBytes(job_)) * picturesHeld(job_);
+    out_.image = pixels_ * pixelBytes(job_) * picturesHeld(job_);
     if (drawsDeep(job_))
       out_.deep = DeepSamples::bytesFor(pixels_, job_.output.deep_bound) * eyesOf(job_.picture).size();
     if (!filter_.none() && !banded_) {
@@ -181,8 +167,7 @@ class FrameAccount {
   }
 
   void chargeIndex() {
-    const std::uint64_t lists = job_.picture.mode == Mode::kComposite ? 1 : 2;
-    const std::uint64_t of_brick = job_.volumes.empty() ? kWalkBytes + lists * sizeof(BrickInView) : kMixBytes;
+    const std::uint64_t of_brick = engineMemory(job_, {}, brick_size_).stored_brick;
     for (const StoreReader* const store : stores_)
       out_.index += store->index().bytes() + store->index().size() * of_brick;
   }
@@ -205,34 +190,44 @@ class FrameAccount {
     out_.files = std::max(out_.files, exrBytes(deep, exrWork(deep, 0)));
   }
 
-  // The most bricks at a time that stay little of the budget.
-  void chargeSlabs() {
+  // The engine's memory with so many bricks, and so many sub-pixels, at a time.
+  EngineMemory engineAt(const ImageSize& drawn) const {
+    return engineMemory(job_, largestTile(job_, drawn), brick_size_);
+  }
+  std::uint64_t engineBytes(int bricks_together, const ImageSize& drawn) const {
+    const EngineMemory engine = engineAt(drawn);
+    const std::uint64_t threads = drawingThreads(job_);
+    const std::uint64_t together = threads > 1 ? static_cast<std::uint64_t>(bricks_together) : 1;
+    return threads * (engine.thread + engine.tile) + together * engine.brick;
+  }
+
+  // The most bricks at a time whose memory is little of the budget.
+  void chargeEngine() {
     const std::uint64_t budget = job_.speed.memory_bytes;
+    const ImageSize drawn = banded_     ? bandSize(drawn_, filter_, out_.band_px)
+                            : panorama_ ? tested_
+                                        : ImageSize{drawn_.width(), drawn_.height()};
     const auto fits = [&] { return out_.slabs <= budget / 8 && out_.besideBricks() + out_.brick <= budget; };
-    std::int64_t brick_size = 0;
-    for (const StoreReader* const store : stores_) brick_size = std::max(brick_size, store->manifest().brick_size);
-    out_.least_slabs = slabBytes(job_, 1, brick_size);
-    const auto charge = [&] { out_.slabs = slabBytes(job_, out_.bricks_together, brick_size); };
+    out_.least_slabs = engineBytes(1, drawn);
+    const auto charge = [&] { out_.slabs = engineBytes(out_.bricks_together, drawn); };
     charge();
+    if (engineAt(drawn).brick == 0) return;
     while (out_.bricks_together > kEnoughBricksTogether && !fits()) out_.bricks_together /= 2, charge();
     if (!fits()) out_.bricks_together = 1, charge();
   }
 
-  void chargePlanes() {
-    const ImageSize at_a_time = banded_     ? bandSize(drawn_, filter_, out_.band_px)
-                                : panorama_ ? tested_
-                                            : ImageSize{drawn_.width(), drawn_.height()};
-    out_.slabs = out_.least_slabs = planesBytes(job_, at_a_time);
-  }
-
+  // A higher band takes memory for its pixels, and for the tiles of the threads.
   void shareWithBand() {
-    const std::uint64_t planes = splatsVoxels(job_) ? out_.slabs : 0;
-    const std::uint64_t share = shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.band - planes + out_.brick);
+    const auto tiles = [&](const ImageSize& drawn) { return drawingThreads(job_) * engineAt(drawn).tile; };
+    const std::uint64_t first_tiles = tiles(bandSize(drawn_, filter_, out_.band_px));
+    const std::uint64_t share =
+        shareOf(job_.speed.memory_bytes, out_.besideBricks() - out_.band - first_tiles + out_.brick);
+    const std::uint64_t engine = out_.slabs - first_tiles;
     const auto charge = [&](int rows) {
       const ImageSize band = bandSize(drawn_, filter_, rows);
       out_.band = bandBytes(job_, band);
-      if (splatsVoxels(job_)) out_.slabs = planesBytes(job_, band);
-      return out_.band + (splatsVoxels(job_) ? out_.slabs : 0);
+      out_.slabs = engine + tiles(band);
+      return out_.band + tiles(band);
     };
     while (out_.band_px < filter_.edge() * drawn_.height() && charge(2 * out_.band_px) <= share) out_.band_px *= 2;
     charge(out_.band_px);
@@ -255,6 +250,7 @@ class FrameAccount {
   const bool panorama_, banded_;
   const PixelRect written_;
   ImageSize tested_;  // what visibility is known of
+  std::int64_t brick_size_ = 0;  // the largest of the stores
   FrameMemory out_;
 };
 

@@ -287,7 +287,7 @@ std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const Pix
   return out;
 }
 
-Image renderPanorama(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+Image renderPanorama(BrickCache& cache, const FrameRequest& request, Progress& progress,
                      FrameStatistics& statistics) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   Panorama panorama(request.view, pixels, request.aovs);
@@ -299,7 +299,7 @@ Image renderPanorama(const StoreReader& store, BrickCache& cache, const FrameReq
     FrameRequest of_face = faceOf(request, faces[i]);
     of_face.crop = drawn_pixels[i];
     FrameStatistics drawn;
-    const Image image = renderFrame(store, cache, of_face, progress, drawn);
+    const Image image = renderFrame(cache, of_face, progress, drawn);
     panorama.add(i, DrawnFace(image, *of_face.crop));
     statistics.addView(drawn);
   }

@@ -18,6 +18,7 @@
 #include "frame/frame_drawing.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
+#include "frame/pass/make_pass.h"
 #include "frame/pixel_filter.h"
 #include "scene/camera/framing.h"
 
@@ -156,14 +157,8 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
   requireRequest(stores, request);
   std::vector<StoredBrick> out;
   for (const DrawnPlane& plane : planesOf(request, stores)) {
-    const FramePlan plan(stores, plane.request);
-    if (plan.mix) {
-      counts = plan.mix->counts();
-      const std::vector<StoredBrick> seen = plan.mix->inView(plane.pixels);
-      out.insert(out.end(), seen.begin(), seen.end());
-    } else {
-      for (const BrickInView& brick : plan.bricks->inView(plane.pixels, counts)) out.push_back({brick.key});
-    }
+    for (const BrickOfFrame& brick : makePass(stores, plane.request)->inView(plane.pixels, counts))
+      out.push_back(brick.brick);
   }
   return out;
 }
@@ -177,36 +172,35 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planes) {
     if (planes.size() == 1 && plane.bands.size() == 1) return 0;
-    const FramePlan plan(stores, plane.request);
-    for (const PixelRect& band : plane.bands) out += plan.stepsOf(band, plane.request.tile_px);
+    const std::unique_ptr<FramePass> pass = makePass(stores, plane.request);
+    for (const PixelRect& band : plane.bands) out += pass->steps(band);
   }
   return out;
 }
 
-std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
+std::vector<BrickOfFrame> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
   requireRequest({&store}, request);
   const DrawnPlane plane = planeOf(request, {&store}, drawnPixels(request.view.size, request.crop));
   BrickWalkCounts ignored;
-  return FramePlan({&store}, plane.request).bricks->inView(plane.pixels, ignored);
+  return makePass({&store}, plane.request)->inView(plane.pixels, ignored);
 }
 
-std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+std::uint64_t bytesAtOnce(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planesOf(request, stores)) {
-    const FramePlan plan(stores, plane.request);
-    out = std::max(out, plan.mix->mostBytes(tilesOf(request.tile_px, plane.pixels, plane.pixels)));
+    out = std::max(out, makePass(stores, plane.request)->bytesAtOnce(plane.pixels));
   }
   return out;
 }
 
-FramePainter::FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress)
+FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress)
     : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), cache.stores())) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
   drawnPixels(request.view.size, request.crop);
-  drawing_ = std::make_unique<FrameDrawing>(store, cache, of_sub_pixels_, progress);
+  drawing_ = std::make_unique<FrameDrawing>(cache, of_sub_pixels_, progress);
   count(begin, before);
 }
 
@@ -250,18 +244,18 @@ FrameStatistics FramePainter::finish() {
   return out;
 }
 
-Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics) {
   if (request.view.projection == Projection::kEquirectangular) {
     const auto begin = std::chrono::steady_clock::now();
     const BusyTimes before = BusyTimes::now();
     requireRequest(cache.stores(), request);
-    Image panorama = renderPanorama(store, cache, request, progress, statistics);
+    Image panorama = renderPanorama(cache, request, progress, statistics);
     statistics.wall_s = secondsSince(begin);
     statistics.busy = busySince(before);
     return panorama;
   }
-  FramePainter painter(store, cache, request, progress);
+  FramePainter painter(cache, request, progress);
   Image image = painter.draw(drawnPixels(request.view.size, request.crop));
   statistics = painter.finish();
   return image;

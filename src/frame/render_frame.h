@@ -8,54 +8,14 @@
 
 #include "base/progress.h"
 #include "cache/brick_cache.h"
+#include "frame/pass/frame_pass.h"
+#include "frame/pass/frame_request.h"
 #include "frame/statistics.h"
 #include "image/image.h"
 #include "job/render_job.h"
 #include "traverse/brick_walk.h"
-#include "traverse/node_log.h"
 
 namespace kiln {
-
-/// How a frame shows one of several volumes.
-struct VolumeRequest {
-  TransferFunction transfer_function;
-  Shading shading;
-  Clipping clipping;
-};
-
-/// With so many bricks at a time a thread that has no tile of one has another's: after each set threads wait for the
-/// last tile of it, and of four bricks that is up to a tenth of the time.
-inline constexpr int kMostBricksTogether = 32;
-/// And so many are worth more than room for other things, or than knowing what they hide of the next one.
-inline constexpr int kEnoughBricksTogether = 4;
-
-/// What a frame needs beside the volume, every choice made.
-struct FrameRequest {
-  View view;
-  TransferFunction transfer_function;
-  Shading shading;
-  Clipping clipping;
-  Background background;
-  double opacity_threshold = 0.998;
-  Mode mode = Mode::kComposite;
-  Lattice lattice = Lattice::kPixel;
-  Interpolation interpolation = Interpolation::kLinear;
-  double sample_distance = kSampleDistance;  // Sampling's
-  std::optional<PixelRect> crop;             // these pixels of the whole picture are drawn; else all
-  int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
-  bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
-  Aovs aovs;                      // what the image has planes of
-  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
-  std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
-  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
-  VisibilityOptions visibility;
-  int tile_px = 64;                           // as SpeedOptions has it
-  int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
-  int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
-  NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
-  /// Of several volumes in one picture, each; transfer function, shading and clipping above say nothing then.
-  std::vector<VolumeRequest> volumes;
-};
 
 /// The view in which a frame of the volume is drawn: a parallel view with its origin near the volume (nearVolume).
 /// Slabs of samples are counted from the origin. Several volumes have theirs near the box around all.
@@ -69,11 +29,13 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
 /// sub-pixels, faces, eyes); 0 where there is one part, which counts for itself. cost: of several parts, their plans.
 std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes);
 
-/// What of several volumes a frame has in memory at once, at least. unit: bytes.
-std::uint64_t leastMixBytes(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
+/// Returns the memory of bricks that must be in the cache at once, beyond the largest brick: the bricks of several
+/// volumes that meet in a tile. unit: bytes.
+std::uint64_t bytesAtOnce(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
-/// Those of one volume, with what of the image of sub-pixels each can touch. requires: no other volumes.
-std::vector<BrickInView> bricksOnImage(const StoreReader& store, const FrameRequest& request);
+/// Returns the bricks of one volume, with the pixels of the image of sub-pixels that each can touch. requires: no other
+/// volumes.
+std::vector<BrickOfFrame> bricksOnImage(const StoreReader& store, const FrameRequest& request);
 
 class FrameDrawing;
 
@@ -81,7 +43,7 @@ class FrameDrawing;
 class FramePainter {
  public:
   /// requires: all but `request` outlive this; nobody else uses the cache. throws: as renderFrame.
-  FramePainter(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress);
+  FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress);
   ~FramePainter();
   FramePainter(const FramePainter&) = delete;
   FramePainter& operator=(const FramePainter&) = delete;
@@ -104,10 +66,10 @@ class FramePainter {
 /// on an exact visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is
 /// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
 /// brick that the cache skips is drawn as nothing. Of several volumes, `store` is the first and the cache is of all.
-/// `progress` hears how far each part is, one after the other (frame/frame_progress.h).
+/// `progress` hears how far each part is, one after the other (frame/pass/frame_progress.h).
 /// throws: what BrickCache::get throws, Error kCancelled, kUsage (lattice, level, crop, samples, interpolation,
 /// distance of samples), kBudget where the cache has no room for the bricks of several volumes that meet in a tile.
-Image renderFrame(const StoreReader& store, BrickCache& cache, const FrameRequest& request, Progress& progress,
+Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress,
                   FrameStatistics& statistics);
 
 }  // namespace kiln

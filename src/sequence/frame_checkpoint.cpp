@@ -19,7 +19,7 @@
 #include "base/path_status.h"
 #include "base/record_file.h"
 #include "frame/aov_planes.h"
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 #include "sequence/file_part.h"
 #include "sequence/frame_files.h"
 #include "sequence/tile_image.h"

@@ -10,7 +10,7 @@
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "frame/empty_frame.h"
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 #include "grid/shared_world.h"
 #include "job/series_look.h"
 #include "scene/transfer/label_styles.h"
@@ -126,7 +126,7 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   std::uint64_t least = 0;
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
-    least = std::max(least, leastMixBytes(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
+    least = std::max(least, bytesAtOnce(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
   // The caller's memory is taken off before shares of the budget are computed.
   job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes);
   FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
@@ -190,7 +190,7 @@ FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
 }
 
 std::unique_ptr<FramePainter> OpenedJob::painterFor(const FrameScene& scene, Progress& progress) {
-  return std::make_unique<FramePainter>(store(), cache_, requestFor(scene), progress);
+  return std::make_unique<FramePainter>(cache_, requestFor(scene), progress);
 }
 
 FrameStatistics OpenedJob::finish(FramePainter& painter, int frame) const {
@@ -215,7 +215,7 @@ DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
   FrameProgress of_frame(frame, stepsOfParts(readersOf(stores_), eyes), progress);
   for (const FrameRequest& request : eyes) {
     FrameStatistics statistics;
-    out.views.push_back({renderFrame(store(), cache_, request, of_frame, statistics), request.view});
+    out.views.push_back({renderFrame(cache_, request, of_frame, statistics), request.view});
     out.statistics.addView(statistics);
   }
   out.statistics.frame = frame;

@@ -5,7 +5,7 @@
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
 #include "frame/empty_frame.h"
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 #include "job/frame_scene.h"
 #include "sequence/frame_files.h"
 #include "sequence/opened_job.h"

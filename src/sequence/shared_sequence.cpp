@@ -12,7 +12,7 @@
 #include "cluster/shared_lists.h"
 #include "cluster/work_ranges.h"
 #include "frame/aov_planes.h"
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 #include "sequence/brick_sequence.h"
 #include "sequence/ranked_sequence.h"
 #include "sequence/tile_image.h"

@@ -38,11 +38,12 @@ SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, Br
     std::vector<SampledBrick> bricks;
     const FrameRequest request = opened.requestFor(opened.sceneAt(frames[i * frames.size() / count]));
     const int edge = subPixelsAlongEdge(request.samples);
-    for (const BrickInView& brick : bricksOnImage(opened.store(), request)) {
+    for (const BrickOfFrame& brick : bricksOnImage(opened.store(), request)) {
       const PixelRect& r = brick.rect;
-      bricks.push_back({places.emplace(brick.key, places.size()).first->second,
+      const BrickKey& key = brick.brick.key;
+      bricks.push_back({places.emplace(key, places.size()).first->second,
                         {r.x0 / edge, r.y0 / edge, (r.x1 + edge - 1) / edge, (r.y1 + edge - 1) / edge},
-                        opened.store().index().at(brick.key).file_bytes});
+                        opened.store().index().at(key).file_bytes});
     }
     out.push_back(std::move(bricks));
   }

@@ -15,13 +15,8 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, VisiblePart any_part,
-                     std::int64_t ghosts)
-    : store_(store),
-      levels_(levels),
-      any_part_(std::move(any_part)),
-      brick_size_(store.manifest().brick_size),
-      ghosts_(ghosts) {
+BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, BrickSelection selection)
+    : store_(store), levels_(levels), selection_(std::move(selection)), brick_size_(store.manifest().brick_size) {
   for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
     Extent3 children{1, 1, 1};
     if (level > levels.finest()) {
@@ -29,15 +24,15 @@ BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, const 
       const Extent3& finer = levels.span(level - 1);
       children = {own.x / finer.x, own.y / finer.y, own.z / finer.z};
     }
-    addLayer({level, brick_size_, children, store.index().lattice(level), {}}, choice);
+    addLayer({level, brick_size_, children, store.index().lattice(level), {}});
   }
   while (layers_.back().lattice.count() > 1) {
     const Layer& below = layers_.back();
-    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}}, choice);
+    addLayer({below.level, 2 * below.edge, {2, 2, 2}, brickLattice(below.lattice, 2), {}});
   }
 }
 
-void BrickWalk::addLayer(Layer layer, const Choice& choice) {
+void BrickWalk::addLayer(Layer layer) {
   layers_.push_back(std::move(layer));
   Layer& added = layers_.back();
   added.nodes.reserve(static_cast<std::size_t>(added.lattice.count()));
@@ -46,20 +41,24 @@ void BrickWalk::addLayer(Layer layer, const Choice& choice) {
     const VoxelCoord at = {brick.x, brick.y, brick.z};
     const bool brick_sized = added.edge == brick_size_;
     const VoxelBox voxels = voxelsOf(added, at);
-    const Use use = brick_sized ? choice(added.level, voxels) : Use{false, true};
+    const BrickUse use = brick_sized ? selection_.choose_level(added.level, voxels) : BrickUse{false, true};
     Node node;
     if (use.finer) node = sumOfChildren(layers_.size() - 1, at);
     node.finer = node.interesting > 0;
     if (use.itself) {
       const bool shown =
-          levels_.clipRegion(added.level).classify(dilated(voxels, ghosts_)) != ClipRegion::Overlap::kOutside;
+          levels_.clipRegion(added.level).classify(dilated(voxels, selection_.ghosts)) != ClipRegion::Overlap::kOutside;
       const BrickEntry& entry = store_.index().at({added.level, brick});
-      node.drawn = shown && any_part_(added.level, voxels, entry, [](const PixelRect&) { return true; });
+      node.drawn = shown && visiblePart(added.level, voxels, entry, [](const PixelRect&) { return true; });
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
     }
     added.nodes.push_back(node);
   }
+}
+
+bool BrickWalk::visiblePart(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test) const {
+  return levels_.clipRegion(level).part().touches(core) && selection_.visible_part(level, core, entry, test);
 }
 
 BrickWalk::Node BrickWalk::sumOfChildren(std::size_t layer, const VoxelCoord& at) const {
@@ -94,7 +93,7 @@ VoxelBox BrickWalk::voxelsOf(const Layer& layer, const VoxelCoord& at) const {
 // larger than this level's. Dilating by a voxel is therefore conservative.
 PixelRect BrickWalk::boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const {
   const bool holds_finer = node.finer && layer.level > levels_.finest();
-  const std::int64_t reach = holds_finer || ghosts_ > 0 ? 1 : 0;
+  const std::int64_t reach = holds_finer || selection_.ghosts > 0 ? 1 : 0;
   return levels_.projector(layer.level).bounds(reach > 0 ? dilated(voxels, reach) : voxels);
 }
 
@@ -161,7 +160,7 @@ BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, cons
                                 std::span<const PixelRect> covered) const {
   const VoxelBox core = coreBox(key.brick, brick_size_, levels_.dims(key.level));
   Seen out = Seen::kOutside;
-  any_part_(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
+  visiblePart(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
     const PixelRect touched = intersection(part, rect);
     if (touched.empty()) return false;
     const bool hidden =
@@ -178,19 +177,18 @@ bool BrickWalk::hidden(const BrickInView& brick, const Visibility& visibility,
   return visibility.hidden(brick.rect) || seen(brick.key, brick.rect, visibility, covered) != Seen::kOpen;
 }
 
-BrickWalk::Choice voxelChoice(const FrameLevels& levels) {
+ChooseLevel voxelLevelChoice(const FrameLevels& levels) {
   return [&levels](int level, const VoxelBox& box) {
     const bool itself = levels.fineEnough(level, box);
-    return BrickWalk::Use{itself, !itself};
+    return BrickUse{itself, !itself};
   };
 }
 
-BrickWalk::VisiblePart wholeBrick(const Classifier& classifier) {
+VisiblePart wholeBrick(const Classifier& classifier) {
   constexpr int kAll = std::numeric_limits<int>::max();
-  return
-      [&classifier](int /*level*/, const VoxelBox& /*core*/, const BrickEntry& entry, const BrickWalk::RectTest& test) {
-        return classifier.interesting(entry.core) && test({-kAll, -kAll, kAll, kAll});
-      };
+  return [&classifier](int /*level*/, const VoxelBox& /*core*/, const BrickEntry& entry, const RectTest& test) {
+    return classifier.interesting(entry.core) && test({-kAll, -kAll, kAll, kAll});
+  };
 }
 
 }  // namespace kiln

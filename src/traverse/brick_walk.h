@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/brick_selection.h"
 #include "engine/shared/classifier.h"
 #include "store/store_reader.h"
 #include "traverse/frame_levels.h"
@@ -34,23 +35,10 @@ struct BrickInView {
 
 class BrickWalk {
  public:
-  /// What a frame does with a brick of a level that has the voxels of `box`.
-  struct Use {
-    bool itself = false;  // it is drawn
-    bool finer = false;   // those below it are, before it
-  };
-  using Choice = std::function<Use(int level, const VoxelBox& box)>;
-  /// Whether any part of a brick with the voxels of `core` is interesting and passes the test, which is told what of
-  /// the plane of the image the part can touch, and perhaps more.
-  using RectTest = std::function<bool(const PixelRect&)>;
-  using VisiblePart =
-      std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test)>;
-
-  /// requires: `store` and `levels`, which are of this store, outlive this; no brick of the finest level has finer
-  /// ones. What is drawn of a brick reaches at most `ghosts` voxels beyond its own voxels' footprints. cost: memory of
-  /// 12 bytes a brick and a seventh.
-  BrickWalk(const StoreReader& store, const FrameLevels& levels, const Choice& choice, VisiblePart any_part,
-            std::int64_t ghosts = 0);
+  /// Only bricks that touch the part of the volume that is drawn (`Clipping::part`) are selected. requires: `store` and
+  /// `levels`, which are of this store, outlive this; no brick of the finest level has finer bricks. cost: memory of 12
+  /// bytes a brick and a seventh.
+  BrickWalk(const StoreReader& store, const FrameLevels& levels, BrickSelection selection);
 
   /// Calls draw(key, rect) for each brick to be drawn, front to back; `rect` contains the pixels of the brick. A node's
   /// visibility is tested after everything in front of it has been drawn. `log` may be null; only nodes above bricks
@@ -81,7 +69,8 @@ class BrickWalk {
   enum class Seen { kOpen, kHidden, kOutside };
   Seen seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
             std::span<const PixelRect> covered = {}) const;
-  void addLayer(Layer layer, const Choice& choice);
+  void addLayer(Layer layer);
+  bool visiblePart(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test) const;
   Node sumOfChildren(std::size_t layer, const VoxelCoord& at) const;
   const Node* find(std::size_t layer, const VoxelCoord& at) const;
   VoxelBox voxelsOf(const Layer& layer, const VoxelCoord& at) const;
@@ -90,15 +79,15 @@ class BrickWalk {
 
   const StoreReader& store_;
   const FrameLevels& levels_;
-  const VisiblePart any_part_;
-  std::int64_t brick_size_, ghosts_;
+  const BrickSelection selection_;
+  const std::int64_t brick_size_;
   std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
 };
 
-/// The choice of the voxel lattice: the coarsest brick whose voxels are small enough where it is nearest. requires:
+/// The levels of the voxel lattice: the coarsest brick whose voxels are small enough where it is nearest. requires:
 /// `levels` outlives the result.
-BrickWalk::Choice voxelChoice(const FrameLevels& levels);
+ChooseLevel voxelLevelChoice(const FrameLevels& levels);
 /// The brick as one part: whether its own voxels show anything. requires: `classifier` outlives the result.
-BrickWalk::VisiblePart wholeBrick(const Classifier& classifier);
+VisiblePart wholeBrick(const Classifier& classifier);
 
 }  // namespace kiln

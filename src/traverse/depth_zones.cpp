@@ -23,10 +23,10 @@ bool DepthZones::reaches(const Depths& depths, const SlabZone& zone) {
   return depths.far >= zone.near - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
 }
 
-BrickWalk::Choice DepthZones::choice() const {
+ChooseLevel DepthZones::levelChoice() const {
   return [this](int level, const VoxelBox& box) {
     const Depths depths = depthsOf(level, box);
-    BrickWalk::Use use;
+    BrickUse use;
     for (const SlabZone& zone : zones_) {
       if (!reaches(depths, zone)) continue;
       use.itself = use.itself || zone.level == level;

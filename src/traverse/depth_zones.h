@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "engine/shared/slab_grid.h"
-#include "traverse/brick_walk.h"
+#include "engine/brick_selection.h"
+#include "traverse/frame_levels.h"
 
 namespace kiln {
 
@@ -29,7 +30,7 @@ class DepthZones {
   /// Returns true if slabs of the zone may have samples at these depths, or a brick there may own samples of the zone.
   static bool reaches(const Depths& depths, const SlabZone& zone);
   /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
-  BrickWalk::Choice choice() const;
+  ChooseLevel levelChoice() const;
 
  private:
   const FrameLevels& levels_;

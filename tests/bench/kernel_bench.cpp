@@ -12,10 +12,12 @@
 
 #include "convert/convert.h"
 #include "engine/pixel/cast_cells.h"
+#include "engine/pixel/pixel_engine.h"
 #include "engine/pixel/unit_load.h"
 #include "engine/voxel/gather_voxels.h"
 #include "engine/voxel/tile_walk.h"
-#include "frame/frame_drawing.h"
+#include "engine/voxel/voxel_engine.h"
+#include "frame/pass/frame_request.h"
 #include "frame/make_visibility.h"
 #include "ingest/open_source.h"
 #include "scene/camera/framing.h"
@@ -55,9 +57,11 @@ FrameRequest requestFor(const StoreReader& store, Interpolation interpolation) {
 struct Scene {
   explicit Scene(const StoreReader& store, Interpolation interpolation)
       : request(requestFor(store, interpolation)),
-        plan({&store}, request),
+        levels(store.manifest(), request.level, request.view, request.visibility.area),
+        appearance(store.manifest(), request.transfer_function, request.shading, request.view, interpolation),
+        engine(store.manifest(), levels, request.sampling(), appearance),
         block(store.read({0, {0, 0, 0}})),
-        zones(plan.pixel->cellsOf(block)),
+        zones(engine.cellsOf(block)),
         fullest(*std::max_element(zones.begin(), zones.end(),
                                   [](const auto& a, const auto& b) { return a.cells.size() < b.cells.size(); })),
         frame(*fullest.frame) {
@@ -69,10 +73,12 @@ struct Scene {
   }
 
   FrameRequest request;
-  FramePlan plan;
+  FrameLevels levels;
+  VolumeAppearance appearance;
+  PixelEngine engine;
   BrickBlock block;
-  std::vector<PixelLattice::ZoneCells> zones;
-  const PixelLattice::ZoneCells& fullest;
+  std::vector<PixelEngine::ZoneCells> zones;
+  const PixelEngine::ZoneCells& fullest;
   const SlabFrame& frame;
   std::vector<VoxelCoord> units;
 };
@@ -150,7 +156,7 @@ void castBrick(benchmark::State& state) {
 // A cell's voxels, all opaque enough to be visible, at 1.5 pixels a voxel in perspective.
 struct VoxelScene {
   explicit VoxelScene(const Scene& s)
-      : projector(s.plan.levels.projector(0)), view(projector, plainLight(s.request.shading, 1e-3f, projector)) {
+      : projector(s.levels.projector(0)), view(projector, plainLight(s.request.shading, 1e-3f, projector)) {
     const VoxelCoord lo = {60, 60, 60};
     std::int32_t codes[kVoxelBatch];
     for (std::int32_t i = 0; i < kVoxelBatch; ++i) codes[i] = voxelCode(i % 4, i / 4, 0);
@@ -177,7 +183,8 @@ struct VoxelScene {
 void gatherVoxels(benchmark::State& state) {
   const OnTarget on(state);
   const Scene& s = scene();
-  const VisitingOrder& order = s.plan.levels.projector(0).order();
+  const VisitingOrder& order = s.levels.projector(0).order();
+  const VoxelEngine engine(benchStore().manifest(), s.levels, s.appearance, {});
   std::int64_t voxels = 0;
   std::size_t next = 0;
   for (auto _ : state) {
@@ -185,11 +192,11 @@ void gatherVoxels(benchmark::State& state) {
     const VoxelBox cell =
         intersection({lo, {lo.x + kSplatCellSize, lo.y + kSplatCellSize, lo.z + kSplatCellSize}}, s.block.core);
     FoundVoxels found;
-    findVoxels(s.plan.classifier, order, s.block, cell, found);
+    findVoxels(engine.classifier(), order, s.block, cell, found);
     ShadedVoxels taken;
     for (int first = 0; first < found.count; first += kVoxelBatch) {
       const std::uint32_t all = (1u << std::min(found.count - first, kVoxelBatch)) - 1;
-      takeVoxels(s.plan.classifier, s.block, found, first, all, true, taken);
+      takeVoxels(engine.classifier(), s.block, found, first, all, true, taken);
       benchmark::DoNotOptimize(taken);
     }
     voxels += found.count;
@@ -241,25 +248,17 @@ void layBatch(benchmark::State& state) {
 void splatVoxels(benchmark::State& state) {
   const Scene& s = scene();
   const VisibilityOptions options{.method = static_cast<VisibilityMethod>(state.range(0))};
-  SplatContext frame;
-  frame.classifier = &s.plan.classifier;
-  frame.projector = &s.plan.levels.projector(0);
-  frame.shader = Shader(s.request.shading, s.request.view, 1e-3f, *frame.projector);
-  frame.view = VoxelView(*frame.projector, plainLight(s.request.shading, 1e-3f, *frame.projector));
-  frame.clip = &s.plan.levels.clipRegion(0);
-  frame.ends = s.plan.levels.endVoxels(0);
-  frame.opaque_at = 0.998f;
-  frame.test_samples = options.method != VisibilityMethod::kNone;
+  const VoxelEngine engine(benchStore().manifest(), s.levels, s.appearance,
+                           {options.method != VisibilityMethod::kNone, nullptr});
   TilePlanes planes;
   planes.reserve({0, 0, kPicture, kPicture});
   std::int64_t splats = 0;
   for (auto _ : state) {
     Image image(kPicture, kPicture);
     const auto visibility = makeVisibility(options, s.request.view.size, 0);
-    frame.visibility = visibility.get();
     DrawCounts counts;
-    walkTile(frame, s.block, {{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, nullptr, {}}, planes, counts,
-             nullptr);
+    const TilePixels tile{{0, 0, kPicture, kPicture}, image.pixel(0, 0), 4 * kPicture, {}, nullptr};
+    walkTile(engine.contextOf(0), s.block, {tile, *visibility, 0.998f, {}}, planes, counts, nullptr);
     splats += static_cast<std::int64_t>(counts.splats);
   }
   constexpr double kPixels = 36;

@@ -167,7 +167,7 @@ class Studio {
   Image drawn(const FrameRequest& request, FrameStatistics& statistics) {
     Progress silent;
     statistics = {};
-    return renderFrame(*store_, *cache_, request, silent, statistics);
+    return renderFrame(*cache_, request, silent, statistics);
   }
 
   Image referenceOf(const ReferencePictures& pictures, const FrameRequest& request, ReferenceSettings settings) const {

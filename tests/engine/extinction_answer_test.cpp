@@ -162,7 +162,7 @@ TEST_P(Extinction, HasItsClosedForm) {
       if (i % 2 == 0) request.transfer_function.points.push_back({2 * shape.largest_value, glm::dvec3(1), 0.99});
       Progress silent;
       FrameStatistics statistics;
-      const Image image = renderFrame(reader, cache, request, silent, statistics);
+      const Image image = renderFrame(cache, request, silent, statistics);
       const Agreement agreement = compareDepths(image, value_length, tau_per_value, kMargin);
       EXPECT_GT(agreement.pixels, 500);
       EXPECT_LT(std::abs(agreement.mean_error), 0.005)
@@ -199,7 +199,7 @@ TEST_P(Extinction, IsTheSameOnCoarserLevels) {
       request.transfer_function = linearExtinction(shape.largest_value, tau_per_value);
       Progress silent;
       FrameStatistics statistics;
-      const Image image = renderFrame(reader, cache, request, silent, statistics);
+      const Image image = renderFrame(cache, request, silent, statistics);
       const Agreement agreement = compareDepths(image, value_length, tau_per_value, kMargin << level);
       EXPECT_GT(agreement.pixels, 100) << "level " << level << " view " << i;
       worst_mean = std::max(worst_mean, std::abs(agreement.mean_error));

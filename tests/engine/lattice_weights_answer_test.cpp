@@ -55,7 +55,7 @@ class LatticeWeights : public ::testing::TestWithParam<std::tuple<Lattice, Proje
   Image drawn(const FrameRequest& request) {
     Progress silent;
     FrameStatistics statistics;
-    return renderFrame(*reader_, *cache_, request, silent, statistics);
+    return renderFrame(*cache_, request, silent, statistics);
   }
 
   std::optional<StoreReader> reader_;

@@ -25,12 +25,12 @@ TEST_P(BricksTogether, ChangeNoBit) {
     FrameRequest request = requestOf(randomScene(seed, volume, {97, 83}), GetParam(), randomThreshold(seed));
     request.bricks_together = 1;
     FrameStatistics alone;
-    const Image truth = renderFrame(store, cache, request, silent, alone);
+    const Image truth = renderFrame(cache, request, silent, alone);
     // All bricks of the volume are in memory now.
     for (const int together : {2, 5, 32}) {
       request.bricks_together = together;
       FrameStatistics statistics;
-      EXPECT_TRUE(equalBits(truth, renderFrame(store, cache, request, silent, statistics))) << seed << ' ' << together;
+      EXPECT_TRUE(equalBits(truth, renderFrame(cache, request, silent, statistics))) << seed << ' ' << together;
       EXPECT_EQ(statistics.voxels_splats, alone.voxels_splats) << seed << ' ' << together;
       EXPECT_EQ(statistics.bricks_contributing, alone.bricks_contributing) << seed << ' ' << together;
     }

@@ -4,7 +4,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/frame_memory.h"
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 #include "sequence/frame_checkpoint.h"
 #include "sequence/opened_job.h"
 #include "support/reference/drawing.h"

@@ -36,7 +36,7 @@ class Frames {
   Image draw(FrameRequest request, std::optional<int> level) {
     request.level = level;
     Progress silent;
-    return renderFrame(reader_, cache_, request, silent, statistics);
+    return renderFrame(cache_, request, silent, statistics);
   }
   FrameStatistics statistics;
 

@@ -131,7 +131,7 @@ TEST_P(RayPixels, AreTheSameInPieces) {
       const StoreReader reader(store_);
       BrickCache cache(reader, 1ull << 30);
       Progress silent;
-      FramePainter painter(reader, cache, request, silent);
+      FramePainter painter(cache, request, silent);
       for (const PixelRect& piece : {PixelRect{0, 40, 75, 83}, PixelRect{0, 0, 31, 40}, PixelRect{31, 0, 75, 40}}) {
         EXPECT_TRUE(equalBits(partOf(whole, piece), painter.draw(piece))) << piece.x0 << " " << piece.y0;
       }

@@ -200,7 +200,7 @@ TEST(Projection, BricksThatHaveNothingMoreAreNotRead) {
   BrickCache cache(reader, 1 << 24);
   Progress silent;
   FrameStatistics statistics;
-  const Image image = renderFrame(reader, cache, request, silent, statistics);
+  const Image image = renderFrame(cache, request, silent, statistics);
   EXPECT_EQ(statistics.bricks_total, 64u);
   EXPECT_EQ(statistics.bricks_read, 16u);
   EXPECT_EQ(statistics.bricks_contributing, 16u);

@@ -48,7 +48,7 @@ FrameRequest requestAt(std::uint64_t seed, const std::vector<DenseVolume>& volum
 
 std::uint64_t leastBytes(const Paths& stores, const FrameRequest& request) {
   const StoreReader first(stores[0]), second(stores[1]);
-  return std::max({leastMixBytes({&first, &second}, request), first.largestReadBytes(), second.largestReadBytes()});
+  return std::max({bytesAtOnce({&first, &second}, request), first.largestReadBytes(), second.largestReadBytes()});
 }
 
 class VolumeMixEquality : public ::testing::Test {

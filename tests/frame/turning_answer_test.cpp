@@ -66,7 +66,7 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
     request.view = resolve(turned(turning.camera, angle_deg), {turning.pixels, turning.pixels});
     Progress silent;
     FrameStatistics statistics;
-    return std::pair(renderFrame(reader, cache, request, silent, statistics),
+    return std::pair(renderFrame(cache, request, silent, statistics),
                      referenceImage(turning.volume, request.view, turning.transfer_function, request.shading,
                                     {0, 0, 0, 0}, turning.reference));
   };

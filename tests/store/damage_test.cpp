@@ -303,7 +303,7 @@ TEST_F(StoreDamage, ASkippedBrickIsDrawnAsNothing) {
     BrickCache cache(reader, 1u << 30, 2, [&](const Error& damage) { told.push_back(damage.path()); });
     Progress silent;
     FrameStatistics statistics;
-    EXPECT_TRUE(samePicture(renderFrame(reader, cache, request_, silent, statistics))) << "brick " << x;
+    EXPECT_TRUE(samePicture(renderFrame(cache, request_, silent, statistics))) << "brick " << x;
     EXPECT_EQ(told, std::vector<fs::path>{brick(x, 0)});
     EXPECT_EQ(statistics.bricks_damaged, 1u);
     overwrite(brick(x, 0), whole);

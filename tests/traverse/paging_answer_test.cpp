@@ -30,7 +30,7 @@ TEST(Paging, AFrameReadsWhatItDraws) {
     std::vector<FrameStatistics> frames(2);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       job.picture.camera.azimuth_deg = 20 + static_cast<double>(i);
-      renderFrame(store, cache,
+      renderFrame(cache,
                   frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)), progress,
                   frames[i]);
     }

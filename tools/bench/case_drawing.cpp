@@ -58,7 +58,7 @@ MeasuredFrame CaseDrawing::draw(const View& view, const VisibilityOptions& visib
   request.node_log = log;
   MeasuredFrame out;
   for (int i = 0; i < repeat; ++i) {
-    out.image = renderFrame(store_, cache_, request, progress_, out.statistics);
+    out.image = renderFrame(cache_, request, progress_, out.statistics);
     out.render_s.push_back(out.statistics.wall_s - out.statistics.load_s);
   }
   return out;

@@ -21,7 +21,7 @@ std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& le
 }
 
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
-               const BrickWalk::RectTest& test) {
+               const RectTest& test) {
   if (!frame.interesting(entry.support)) return false;
   const auto passes = [&](const VoxelBox& samples) {
     if (frame.cutOff(samples)) return false;

@@ -5,22 +5,13 @@
 #include <vector>
 
 #include "engine/pixel/slab_frame.h"
+#include "engine/brick_selection.h"
 #include "engine/shared/tile_pixels.h"
+#include "engine/shared/volume_appearance.h"
 #include "scene/sampling.h"
-#include "scene/transfer/transfer_function.h"
-#include "traverse/brick_walk.h"
+#include "traverse/frame_levels.h"
 
 namespace kiln {
-
-/// How a volume looks. requires: what it refers to outlives the frames made of it.
-struct VolumeAppearance {
-  const TransferFunction& transfer_function;
-  const Shading& shading;
-  const View& view;
-  double unit = 1;           // that opacities are per. unit: world
-  float gradient_noise = 0;  // unit: value per voxel
-  Interpolation interpolation = Interpolation::kLinear;
-};
 
 /// The volume as its slabs are decided. requires: the manifest outlives the result.
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
@@ -29,10 +20,10 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
                                      const VolumeAppearance& look);
 
-/// As BrickWalk::VisiblePart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// As VisiblePart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
 /// (store/ranges/sub_bricks.h).
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
-               const BrickWalk::RectTest& test);
+               const RectTest& test);
 
 /// Splits the tile into squares of at most kSquareEdge pixels. A tile's pixels are closed by one thread at a time.
 std::vector<TilePixels> squaresOf(const TilePixels& tile);

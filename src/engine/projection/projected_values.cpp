@@ -10,8 +10,11 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-ProjectedValues::ProjectedValues(Mode mode, const PixelRect& rect)
-    : rect_(rect), blocks_(blocksOf(rect)), mean_(mode == Mode::kAverage), sign_(mode == Mode::kMinip ? -1 : 1) {
+ProjectedValues::ProjectedValues(PixelValue held, const PixelRect& rect)
+    : rect_(rect),
+      blocks_(blocksOf(rect)),
+      mean_(held == PixelValue::kMean),
+      sign_(held == PixelValue::kLeast ? -1 : 1) {
   const std::size_t pixels = rect.count();
   held_.assign(pixels, mean_ ? 0 : kNothingHeld);
   if (mean_)

@@ -6,16 +6,18 @@
 
 #include "grid/value_range.h"
 #include "image/pixel_rect.h"
-#include "scene/render_options.h"
 
 namespace kiln {
 
+/// The value of a pixel among the values along its ray.
+enum class PixelValue { kGreatest, kLeast, kMean };
+
 class ProjectedValues {
  public:
-  /// Pixels of `rect` without values. requires: a mode that projects values.
-  ProjectedValues(Mode mode, const PixelRect& rect);
+  /// Pixels of `rect` without values.
+  ProjectedValues(PixelValue held, const PixelRect& rect);
   /// Upper bound of the memory of a pixel. unit: bytes.
-  static std::uint64_t bytesOfPixel(Mode mode) { return mode == Mode::kAverage ? 17 : 9; }
+  static std::uint64_t bytesOfPixel(PixelValue held) { return held == PixelValue::kMean ? 17 : 9; }
 
   const PixelRect& rect() const { return rect_; }
   bool mean() const { return mean_; }

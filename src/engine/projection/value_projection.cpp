@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "base/thread/parallel.h"
 #include "traverse/tile_scope.h"
@@ -25,19 +26,29 @@ std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, std::op
   return out;
 }
 
+// Reach beyond a brick's voxels that the walk tests. unit: voxels.
+constexpr std::int64_t kGhosts = 1;
+
 bool crosses(const DepthZones::Depths& depths, const SlabZone& zone) {
   return depths.far >= zone.near && depths.near <= zone.far;
 }
 
 }  // namespace
 
+struct ValueProjection::Prepared final : PreparedBrick {
+  Prepared(BrickToDraw the_due, double the_bound) : due(std::move(the_due)), bound(the_bound) {}
+  const BrickToDraw due;
+  const double bound;  // greatest value that its samples may hold (ProjectedValues::bound)
+};
+
 ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view,
-                                 std::optional<int> level, Mode mode, bool culls)
+                                 const ProjectionOptions& options)
     : store_(store),
       levels_(levels),
-      mode_(mode),
-      culls_(culls && mode != Mode::kAverage),
-      zones_(levels, rayZones(store.manifest(), view, level, levels.projector(levels.finest()).nearDepth())) {
+      held_(options.held),
+      culls_(options.culls && options.held != PixelValue::kMean),
+      zones_(levels,
+             rayZones(store.manifest(), view, options.level, levels.projector(levels.finest()).nearDepth())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
     RayFrame frame{{}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
     std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),
@@ -58,8 +69,8 @@ VoxelBox ValueProjection::coreOf(const BrickKey& key) const {
   return coreBox(key.brick, store_.manifest().brick_size, levels_.dims(key.level));
 }
 
-BrickWalk::VisiblePart ValueProjection::anyPart() const {
-  return [this](int level, const VoxelBox& core, const BrickEntry& entry, const BrickWalk::RectTest& test) {
+BrickSelection ValueProjection::selection() const {
+  const auto visible_part = [this](int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test) {
     constexpr int kAll = std::numeric_limits<int>::max();
     if (entry.support.empty() || levels_.clipRegion(level).classify(core) == ClipRegion::Overlap::kOutside)
       return false;
@@ -67,10 +78,15 @@ BrickWalk::VisiblePart ValueProjection::anyPart() const {
     const auto shown = [&](const SlabZone& zone) { return zone.level == level && crosses(depths, zone); };
     return std::any_of(zones_.zones().begin(), zones_.zones().end(), shown) && test({-kAll, -kAll, kAll, kAll});
   };
+  return {zones_.levelChoice(), visible_part, kGhosts};
 }
 
-ProjectedValues ValueProjection::begin(const PixelRect& pixels) const {
-  ProjectedValues out(mode_, pixels);
+std::unique_ptr<const PreparedBrick> ValueProjection::prepare(const BrickToDraw& brick) const {
+  return std::make_unique<Prepared>(brick, values_->bound(rangeOf(store_.index().at(brick.brick.key))));
+}
+
+void ValueProjection::begin(const PixelRect& pixels) {
+  ProjectedValues& out = values_.emplace(held_, pixels);
   parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
     const int y = pixels.y0 + static_cast<int>(row);
     for (int x = pixels.x0; x < pixels.x1; ++x) {
@@ -80,7 +96,6 @@ ProjectedValues ValueProjection::begin(const PixelRect& pixels) const {
     }
   });
   out.update(pixels);
-  return out;
 }
 
 ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
@@ -91,8 +106,8 @@ ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
 }
 
 std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front_to_back) const {
-  if (mode_ == Mode::kAverage) return front_to_back;
-  const ProjectedValues bounds(mode_, {0, 0, 1, 1});
+  if (held_ == PixelValue::kMean) return front_to_back;
+  const ProjectedValues bounds(held_, {0, 0, 1, 1});
   const auto urgency = [&](const BrickInView& brick) {
     const BrickEntry& entry = entryOf(brick);
     return std::tuple(entry.constant, bounds.bound(entry.core), bounds.bound(rangeOf(entry)));
@@ -102,11 +117,11 @@ std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front
   return front_to_back;
 }
 
-bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& values) const {
+bool ValueProjection::hidden(const BrickInView& brick) const {
   if (!culls_) return false;
   const BrickEntry& entry = entryOf(brick);
   const auto shows = [&](const ValueRange& range, const PixelRect& rect) {
-    return !range.empty() && !rect.empty() && values.bound(range) > values.least(rect);
+    return !range.empty() && !rect.empty() && values_->bound(range) > values_->least(rect);
   };
   if (!shows(rangeOf(entry), brick.rect)) return true;
   if (!entry.sub_ranges) return false;
@@ -120,30 +135,41 @@ bool ValueProjection::hidden(const BrickInView& brick, const ProjectedValues& va
   });
 }
 
-void ValueProjection::drawTile(const BrickInView& brick, const BrickBlock* block, double bound, const PixelRect& rect,
-                               ProjectedValues& values, DrawCounts& counts) const {
-  if (culls_ && !(bound > values.least(rect))) return;
-  const RayFrame& frame = frames_[static_cast<std::size_t>(brick.key.level - levels_.finest())];
-  if (block != nullptr)
-    projectBrick(frame, *block, bound, !culls_, rect, values, counts);
+void ValueProjection::drawBrick(const Prepared& brick, const PixelRect& rect, DrawCounts& counts) {
+  if (culls_ && !(brick.bound > values_->least(rect))) return;
+  const BrickKey& key = brick.due.brick.key;
+  const RayFrame& frame = frames_[static_cast<std::size_t>(key.level - levels_.finest())];
+  if (brick.due.block != nullptr)
+    projectBrick(frame, *brick.due.block, brick.bound, !culls_, rect, *values_, counts);
   else
-    projectConstant(frame, coreOf(brick.key), entryOf(brick).core.lo, rect, values, counts);
-  values.update(rect);
+    projectConstant(frame, coreOf(key), store_.index().at(key).core.lo, rect, *values_, counts);
+  values_->update(rect);
 }
 
-DrawCounts ValueProjection::draw(const BrickInView& brick, const BrickBlock* block, const std::vector<PixelRect>& tiles,
-                                 ProjectedValues& values) const {
-  const double bound = values.bound(rangeOf(entryOf(brick)));
-  std::vector<DrawCounts> counts(tiles.size());
-  parallelFor(tiles.size(), [&](std::size_t i) {
-    const PixelRect rect = intersection(tiles[i], brick.rect);
-    if (rect.empty()) return;
-    const TileScope span(brick.key, rect, counts[i]);
-    drawTile(brick, block, bound, rect, values, counts[i]);
+void ValueProjection::draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) {
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const auto& brick = static_cast<const Prepared&>(*bricks[i]);
+    const PixelRect rect = intersection(target.pixels.rect, brick.due.rect);
+    if (rect.empty()) continue;
+    const TileScope span(brick.due.brick.key, rect, target.counts[i]);
+    drawBrick(brick, rect, target.counts[i]);
+  }
+}
+
+void ValueProjection::finish(const TransferFunction& transfer_function, const TilePixels& target) const {
+  parallelFor(static_cast<std::size_t>(target.rect.height()), [&](std::size_t row) {
+    const int y = target.rect.y0 + static_cast<int>(row);
+    for (int x = target.rect.x0; x < target.rect.x1; ++x) {
+      const double value = values_->value(x, y);
+      if (std::isnan(value)) continue;
+      const glm::dvec3 color = transfer_function.at(value).color;
+      const std::ptrdiff_t place = target.placeOf(x, y);
+      float* const pixel = target.rgba + 4 * place;
+      for (int channel = 0; channel < 3; ++channel) pixel[channel] = static_cast<float>(color[channel]);
+      pixel[3] = 1;
+      if (target.aovs.value != nullptr) target.aovs.value[place] = static_cast<float>(value);
+    }
   });
-  DrawCounts total;
-  for (const DrawCounts& tile : counts) total.add(tile);
-  return total;
 }
 
 }  // namespace kiln

@@ -1,55 +1,69 @@
-// `--mode mip|minip|average`: selects the bricks to project, their order, and the bricks that can change no pixel.
-// Method. Levels are chosen as in the pixel engine. For an extremum any order is correct: constant bricks come first,
-// then bricks by the greatest value of their own voxels, so that pixels soon hold values that hide the rest. A mean
-// takes all bricks, front to back.
+// `--mode mip|minip|average`: the greatest, least or mean value along each ray, in a colour of the transfer function.
+// Method. Levels are the levels of the pixel lattice. An extremum needs no order of bricks: constant bricks come first,
+// then bricks with the most in their own voxels, so that pixels soon hold values that hide the rest. A mean takes all
+// bricks, front to back. A pixel's value becomes a colour when all bricks are drawn.
 #pragma once
 
+#include <optional>
+
+#include "engine/engine.h"
+#include "engine/engine_memory.h"
 #include "engine/projection/project_brick.h"
-#include "engine/shared/draw_counts.h"
+#include "traverse/brick_walk.h"
 #include "traverse/depth_zones.h"
 
 namespace kiln {
 
-class ValueProjection {
+/// - culls: leave out bricks, tiles and cells that can change no pixel.
+struct ProjectionOptions {
+  PixelValue held = PixelValue::kGreatest;
+  std::optional<int> level;
+  bool culls = true;
+};
+
+class ValueProjection final : public VolumeEngine {
  public:
-  /// With `culls`, bricks, tiles and cells that can change no pixel are skipped. requires: `store` and `levels` outlive
-  /// the object, `levels` belongs to `store`; a mode that projects values.
-  ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view, std::optional<int> level,
-                  Mode mode, bool culls);
+  /// requires: `store` and `levels`, which are of this store, outlive this.
+  ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view,
+                  const ProjectionOptions& options);
+  ValueProjection(const ValueProjection&) = delete;
+  ValueProjection& operator=(const ValueProjection&) = delete;
 
-  /// Distance beyond a brick's voxels that its samples reach. unit: voxels.
-  static constexpr std::int64_t kGhosts = 1;
-  /// requires: the object outlives the results.
-  BrickWalk::Choice choice() const { return zones_.choice(); }
-  BrickWalk::VisiblePart anyPart() const;
+  static EngineMemory memory(PixelValue held) { return {.pixel = ProjectedValues::bytesOfPixel(held)}; }
 
-  /// Pixels without values; pixels that no sample can reach are marked (leaveOut).
-  ProjectedValues begin(const PixelRect& pixels) const;
-  /// Returns the bricks in drawing order. `front_to_back` is the order of the walk.
+  BrickSelection selection() const override;
+  /// requires: `begin`.
+  std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const override;
+  /// Takes the values of the bricks into the pixels of the tile. requires: `begin` with the tile's pixels; bricks of a
+  /// mean in the order of `ordered`.
+  void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override;
+
+  /// Forgets all values, and prepares the pixels; pixels without a sample behind them are left out.
+  void begin(const PixelRect& pixels);
+  /// Returns the bricks in the order of drawing. `front_to_back` is the order of the walk.
   std::vector<BrickInView> ordered(std::vector<BrickInView> front_to_back) const;
-  /// Returns true if the brick can change no pixel.
-  bool hidden(const BrickInView& brick, const ProjectedValues& values) const;
-
-  /// Projects the brick into the tiles in parallel; `block` is null for a constant brick.
-  DrawCounts draw(const BrickInView& brick, const BrickBlock* block, const std::vector<PixelRect>& tiles,
-                  ProjectedValues& values) const;
+  /// Returns whether the brick can change no pixel. requires: `begin`.
+  bool hidden(const BrickInView& brick) const;
+  /// Writes the colours and values of the pixels. requires: all bricks are drawn; `begin` with the target's pixels.
+  void finish(const TransferFunction& transfer_function, const TilePixels& target) const;
 
  private:
+  struct Prepared;
   const BrickEntry& entryOf(const BrickInView& brick) const { return store_.index().at(brick.key); }
   VoxelBox coreOf(const BrickKey& key) const;
-  /// End of level 0 in the index space of `level`.
+  /// Returns the end of level 0 in the index space of `level`.
   glm::dvec3 endOf(int level) const;
-  /// Bounds of a brick's samples.
+  /// Returns the range of the brick's possible samples.
   static ValueRange rangeOf(const BrickEntry& entry);
-  void drawTile(const BrickInView& brick, const BrickBlock* block, double bound, const PixelRect& rect,
-                ProjectedValues& values, DrawCounts& counts) const;
+  void drawBrick(const Prepared& brick, const PixelRect& rect, DrawCounts& counts);
 
   const StoreReader& store_;
   const FrameLevels& levels_;
-  const Mode mode_;
+  const PixelValue held_;
   const bool culls_;
   DepthZones zones_;
-  std::vector<RayFrame> frames_;  // one for each level, the finest first
+  std::vector<RayFrame> frames_;  // one per level, the finest first
+  std::optional<ProjectedValues> values_;
 };
 
 }  // namespace kiln

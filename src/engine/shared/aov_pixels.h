@@ -17,11 +17,12 @@ struct AovPixels {
   float* first = nullptr;  // depth of the first hit; undefined while alpha < kHitAlpha. unit: world
   float* mean = nullptr;   // sum of depths. unit: world
   float* normal[3]{};      // sum of unit vectors in view space
+  float* value = nullptr;  // a projected value, NaN where there is none; written when all bricks are drawn
 
   bool any() const { return mean != nullptr || normal[0] != nullptr; }
   AovPixels from(std::ptrdiff_t pixels) const {
     const auto at = [&](float* plane) { return plane == nullptr ? nullptr : plane + pixels; };
-    return {at(first), at(mean), {at(normal[0]), at(normal[1]), at(normal[2])}};
+    return {at(first), at(mean), {at(normal[0]), at(normal[1]), at(normal[2])}, at(value)};
   }
   /// Adds premultiplied depth and normal to a pixel, then multiplies the pixel's sums by `scale`.
   void add(std::ptrdiff_t pixel, float depth, const glm::vec3& unit, float scale) const {

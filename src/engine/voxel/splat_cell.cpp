@@ -17,21 +17,22 @@ namespace {
 // batch take effect from the next batch on.
 class CellSplatter {
  public:
-  CellSplatter(const SplatContext& frame, const BrickBlock& block, TilePlanes& planes, DrawCounts& counts)
-      : frame_(frame), block_(block), planes_(planes), counts_(counts) {}
+  CellSplatter(const SplatContext& context, const BrickBlock& block, const TileTarget& target, TilePlanes& planes,
+               DrawCounts& counts)
+      : context_(context), block_(block), target_(target), planes_(planes), counts_(counts) {}
 
   void cell(const VoxelBox& box) {
     lo_ = box.lo;
-    cut_ = frame_.clip->classify(box) == ClipRegion::Overlap::kCut;
-    ends_ = frame_.ends.any() && endsIn(box);
-    more_ = cut_ || ends_ || !frame_.light_is_plain || frame_.gradient_opacity.active() || planes_.aovs().any();
-    findVoxels(*frame_.classifier, frame_.projector->order(), block_, box, found_);
+    cut_ = context_.clip->classify(box) == ClipRegion::Overlap::kCut;
+    ends_ = context_.ends.any() && endsIn(box);
+    more_ = cut_ || ends_ || !context_.light_is_plain || context_.gradient_opacity.active() || planes_.aovs().any();
+    findVoxels(*context_.classifier, context_.projector->order(), block_, box, found_);
     for (int n = 0; n < found_.count; n += kVoxelBatch) batch(n);
   }
 
  private:
   bool endsIn(const VoxelBox& box) const {
-    const VoxelCoord& last = frame_.ends.last;
+    const VoxelCoord& last = context_.ends.last;
     return last.x < box.hi.x || last.y < box.hi.y || last.z < box.hi.z;
   }
 
@@ -39,22 +40,22 @@ class CellSplatter {
     const std::int32_t* const codes = found_.codes + first;
     const int count = std::min(found_.count - first, kVoxelBatch);
     ProjectedVoxels projected;
-    projectVoxels(frame_.view, lo_, codes, count, planes_.rect(), projected);
+    projectVoxels(context_.view, lo_, codes, count, planes_.rect(), projected);
     std::uint32_t drawn = projected.touching;
     if (cut_) {
       forEach(projected.touching, [&](std::size_t n) {
-        if (!frame_.clip->contains(indexOf(codes[n]))) drawn &= ~(1u << n);
+        if (!context_.clip->contains(indexOf(codes[n]))) drawn &= ~(1u << n);
       });
     }
     counts_.visited += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
-    if (frame_.test_samples && drawn != 0) drawn = openOf(projected, drawn);
+    if (context_.test_samples && drawn != 0) drawn = openOf(projected, drawn);
     counts_.splats += static_cast<std::uint64_t>(std::popcount(drawn & projected.inside));
     if (drawn == 0) return;
     counts_.changed = true;
     ShadedVoxels shaded;
-    takeVoxels(*frame_.classifier, block_, found_, first, drawn, frame_.view.light.phong || more_, shaded);
+    takeVoxels(*context_.classifier, block_, found_, first, drawn, context_.view.light.phong || more_, shaded);
     if (more_) forEach(drawn, [&](std::size_t n) { takeMore(codes[n], n, shaded); });
-    rasterizeFootprints(frame_.view, projected, shaded, drawn, planes_, frame_.opaque_at, *frame_.visibility);
+    rasterizeFootprints(context_.view, projected, shaded, drawn, planes_, target_.opacity_threshold, target_.visibility);
   }
 
   // Returns a mask of the voxels of `asked` that have an open pixel. Footprints of a batch have nearly equal sizes; for
@@ -65,7 +66,7 @@ class CellSplatter {
       return planes_.open(projected, asked);
     std::uint32_t out = 0;
     forEach(asked, [&](std::size_t n) {
-      const bool hidden = frame_.visibility->hidden(intersection(projected.rect(n), planes_.rect()));
+      const bool hidden = target_.visibility.hidden(intersection(projected.rect(n), planes_.rect()));
       out |= (hidden ? 0u : 1u) << n;
     });
     return out;
@@ -82,13 +83,13 @@ class CellSplatter {
     const glm::vec3 measured(shaded.slope[0][n], shaded.slope[1][n], shaded.slope[2][n]);
     // A NaN or infinite neighbour leaves no usable gradient.
     const glm::vec3 slope = std::isfinite(measured.x + measured.y + measured.z) ? measured : glm::vec3(0);
-    const Shader& shader = frame_.shader;
-    const glm::dvec3 p = frame_.projector->viewOf(voxelAt(lo_, code));
+    const Shader& shader = context_.shader;
+    const glm::dvec3 p = context_.projector->viewOf(voxelAt(lo_, code));
     const float* const m = shaded.material + 4 * n;
     Material material = {m[0], m[1], m[2], m[3]};
-    if (frame_.gradient_opacity.active()) material.tau = frame_.gradient_opacity(material.tau, slope);
-    const glm::vec3* const face = cut_ ? frame_.clip->cutGradient(indexOf(code)) : nullptr;
-    if (face != nullptr || !frame_.light_is_plain) {
+    if (context_.gradient_opacity.active()) material.tau = context_.gradient_opacity(material.tau, slope);
+    const glm::vec3* const face = cut_ ? context_.clip->cutGradient(indexOf(code)) : nullptr;
+    if (face != nullptr || !context_.light_is_plain) {
       const Color color = face != nullptr ? shader.onCut(material, *face, p) : shader(material, slope, p);
       material = {color.r, color.g, color.b, material.tau};
       for (auto& axis : shaded.slope) axis[n] = 0;
@@ -96,7 +97,7 @@ class CellSplatter {
     if (planes_.aovs().any())
       shaded.aov[n] = {static_cast<float>(p.z),
                        face != nullptr ? shader.normalOnCut(*face, p) : shader.normal(slope, p)};
-    if (ends_) material.tau *= static_cast<float>(frame_.ends.partOf(voxelAt(lo_, code)));
+    if (ends_) material.tau *= static_cast<float>(context_.ends.partOf(voxelAt(lo_, code)));
     std::memcpy(shaded.material + 4 * n, &material, sizeof material);
   }
 
@@ -105,8 +106,9 @@ class CellSplatter {
     return {v.x, v.y, v.z};
   }
 
-  const SplatContext& frame_;
+  const SplatContext& context_;
   const BrickBlock& block_;
+  const TileTarget& target_;
   TilePlanes& planes_;
   DrawCounts& counts_;
   // State of the current cell.
@@ -119,10 +121,10 @@ class CellSplatter {
 
 }  // namespace
 
-void splatCell(const SplatContext& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
-               DrawCounts& counts) noexcept {
-  const VoxelBox drawn = intersection(cell, frame.part);
-  if (!drawn.empty()) CellSplatter(frame, block, planes, counts).cell(drawn);
+void splatCell(const SplatContext& context, const BrickBlock& block, const VoxelBox& cell, const TileTarget& target,
+               TilePlanes& planes, DrawCounts& counts) noexcept {
+  const VoxelBox drawn = intersection(cell, context.part);
+  if (!drawn.empty()) CellSplatter(context, block, target, planes, counts).cell(drawn);
 }
 
 }  // namespace kiln

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "engine/engine.h"
 #include "engine/shared/classifier.h"
 #include "engine/shared/draw_counts.h"
 #include "engine/shared/end_voxels.h"
@@ -14,31 +15,29 @@
 #include "engine/shared/shade.h"
 #include "engine/voxel/project_voxels.h"
 #include "engine/voxel/tile_planes.h"
-#include "occlusion/visibility.h"
 #include "scene/clip_region.h"
 #include "store/codec/brick_block.h"
 
 namespace kiln {
 
-/// Parameters that all cells of a brick share.
+/// Parameters that all bricks of a level share in a frame.
 struct SplatContext {
-  const Projector* projector = nullptr;         // belongs to the brick's level
-  EndVoxels ends;                               // belongs to the brick's level
-  Shader shader;                                // belongs to the brick's level
-  bool light_is_plain = true;                   // the light of `view` suffices; otherwise `shader` computes colours
-  VoxelView view;                               // belongs to the brick's level
-  GradientOpacity gradient_opacity;             // belongs to the brick's level
-  const ClipRegion* clip = nullptr;             // belongs to the brick's level
+  const Projector* projector = nullptr;
+  EndVoxels ends;
+  Shader shader;
+  bool light_is_plain = true;  // the light of `view` suffices; otherwise `shader` computes colours
+  VoxelView view;
+  GradientOpacity gradient_opacity;
+  const ClipRegion* clip = nullptr;
   VoxelBox part = ClipRegion::Part().voxels();  // voxels of the level that are drawn
   const Classifier* classifier = nullptr;
-  float opaque_at = 1;  // alpha at which a pixel is closed
-  Visibility* visibility = nullptr;
   bool test_samples = false;  // skip voxels whose pixels are all closed, before shading
 };
 
-/// Splats the voxels of `cell` that lie in the frame's part into the tile. A pixel's result does not depend on the
-/// tile's rectangle. requires: cell inside block.core, at most kSplatCellSize voxels along an axis.
-void splatCell(const SplatContext& frame, const BrickBlock& block, const VoxelBox& cell, TilePlanes& planes,
-               DrawCounts& counts) noexcept;
+/// Splats the voxels of `cell` that lie in the context's part into `planes`, which hold pixels of the target's tile. A
+/// pixel's result does not depend on the tile's rectangle. requires: cell inside block.core, at most kSplatCellSize
+/// voxels along an axis.
+void splatCell(const SplatContext& context, const BrickBlock& block, const VoxelBox& cell, const TileTarget& target,
+               TilePlanes& planes, DrawCounts& counts) noexcept;
 
 }  // namespace kiln

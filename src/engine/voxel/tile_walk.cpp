@@ -9,13 +9,13 @@ namespace {
 static_assert(kCellSize / 2 == kSplatCellSize);
 
 struct Walk {
-  const SplatContext& frame;
+  const SplatContext& context;
   const BrickBlock& block;
-  const TilePixels& tile;
+  const TileTarget& target;
   TilePlanes& planes;
   DrawCounts& counts;
   NodeLog* log;
-  const PixelRect brick_rect = frame.projector->bounds(block.core);
+  const PixelRect brick_rect = context.projector->bounds(block.core);
   bool taken = false;  // the planes hold the tile's pixels
 
   // Visits the node of `level` that covers `box`: level 0 is a cell, depth - 1 the brick.
@@ -23,7 +23,7 @@ struct Walk {
     const auto at = [&](int axis) {
       return static_cast<int>(((box.lo[axis] - block.core.lo[axis]) >> level) / kCellSize);
     };
-    if (!frame.classifier->interesting(block.octree.at(level, at(0), at(1), at(2))) || skipped(box, rect, level))
+    if (!context.classifier->interesting(block.octree.at(level, at(0), at(1), at(2))) || skipped(box, rect, level))
       return;
     if (level == 0) fetch(box);
     const std::int64_t half = kCellSize << level >> 1;
@@ -33,8 +33,8 @@ struct Walk {
       const auto lo = [&](int axis) { return (child >> axis & 1) != 0 ? middle[axis] : box.lo[axis]; };
       boxes[child] = cube({lo(0), lo(1), lo(2)}, half);
     }
-    const Projector::Rects rects = frame.projector->bounds(boxes);
-    for (const std::uint8_t child : frame.projector->order().children(middle)) {
+    const Projector::Rects rects = context.projector->bounds(boxes);
+    for (const std::uint8_t child : context.projector->order().children(middle)) {
       if (level > 0)
         node(level - 1, boxes[child], rects[child]);
       else
@@ -56,24 +56,24 @@ struct Walk {
 
   void subCell(const VoxelBox& box, const PixelRect& rect) noexcept {
     if (box.empty() || skipped(box, rect, -1)) return;
-    if (taken || takePixels()) splatCell(frame, block, box, planes, counts);
+    if (taken || takePixels()) splatCell(context, block, box, target, planes, counts);
   }
 
   // Copies all pixels of the tile that the brick's footprints can touch into the planes. Returns false if there are
   // none: the bounding spheres of a node can reach farther than the footprints.
   bool takePixels() noexcept {
-    const PixelRect touched = intersection(brick_rect, tile.rect);
+    const PixelRect touched = intersection(brick_rect, target.pixels.rect);
     if (touched.empty()) return false;
-    planes.take(tile.of(touched));
+    planes.take(target.pixels.of(touched));
     return taken = true;
   }
 
   // Returns true if no voxel of `box`, whose projection lies in `bounds`, can be visible in this tile.
   bool skipped(const VoxelBox& box, const PixelRect& bounds, int level) noexcept {
-    if (frame.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
-    const PixelRect rect = intersection(bounds, tile.rect);
+    if (context.clip->classify(box) == ClipRegion::Overlap::kOutside) return true;
+    const PixelRect rect = intersection(bounds, target.pixels.rect);
     if (rect.empty()) return true;
-    const bool hidden = frame.visibility->hidden(rect);
+    const bool hidden = target.visibility.hidden(rect);
     ++counts.nodes_tested;
     counts.nodes_hidden += hidden ? 1 : 0;
     if (log != nullptr) log->add(box, level, hidden);
@@ -87,9 +87,9 @@ struct Walk {
 
 }  // namespace
 
-void walkTile(const SplatContext& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+void walkTile(const SplatContext& context, const BrickBlock& block, const TileTarget& target, TilePlanes& planes,
               DrawCounts& counts, NodeLog* log) noexcept {
-  Walk walk{frame, block, tile, planes, counts, log};
+  Walk walk{context, block, target, planes, counts, log};
   walk.node(block.octree.depth() - 1, block.core, walk.brick_rect);
   if (walk.taken) planes.putBack();
 }

@@ -9,12 +9,12 @@
 
 namespace kiln {
 
-/// Splats the brick `block` into `tile`; overwrites `planes`, which serve as scratch memory. `log` may be null;
+/// Splats the brick `block` into a tile; overwrites `planes`, which serve as scratch memory. `log` may be null;
 /// otherwise every tested node is added to it.
 /// requires: `planes` has room for the tile.
 /// thread: tiles of one brick may run in parallel, each with its own pixels and planes; with a log only one tile runs
 /// at a time.
-void walkTile(const SplatContext& frame, const BrickBlock& block, const TilePixels& tile, TilePlanes& planes,
+void walkTile(const SplatContext& context, const BrickBlock& block, const TileTarget& target, TilePlanes& planes,
               DrawCounts& counts, NodeLog* log) noexcept;
 
 }  // namespace kiln

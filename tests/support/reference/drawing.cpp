@@ -29,7 +29,7 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
   BrickCache cache(readers, budget_bytes, ThreadLimit::active() == 1 ? 0 : 2);
   Progress silent;
   FrameStatistics unused;
-  return renderFrame(*readers.front(), cache, request, silent, statistics != nullptr ? *statistics : unused);
+  return renderFrame(cache, request, silent, statistics != nullptr ? *statistics : unused);
 }
 
 bool equalBits(const Image& a, const Image& b) {

@@ -1,28 +1,88 @@
-#include "frame/multi_volume.h"
+#include "engine/pixel/multi_volume.h"
 
 #include <algorithm>
 #include <set>
 
-#include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "engine/pixel/cast_cells.h"
 #include "engine/pixel/composite_slabs.h"
+#include "engine/pixel/pixel_engine.h"
 #include "traverse/depth_zones.h"
 
 namespace kiln {
-namespace {
 
-double unitOf(const MixedVolume& volume) {
-  return volume.transfer_function.unitIn(volume.store->manifest().geometry().meanSpacing());
-}
+// The bricks of all volumes in one zone. In each square, sums are added volume by volume, so that no bit of them depends
+// on the order of bricks.
+class MultiVolume::ZoneEngine final : public Engine {
+ public:
+  ZoneEngine(const Zone& zone, MemoryPool<SlabSums>& sums) : zone_(zone), sums_(sums) {
+    for (const SlabZone& slabs : zone.slabs) slabs_ = std::max(slabs_, slabs.slabs);
+  }
 
-}  // namespace
+  std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const override {
+    const ProfileScope span(Activity::kCells);
+    const auto volume = static_cast<std::size_t>(brick.brick.store);
+    return std::make_unique<Prepared>(brick, visibleCells(*zone_.frames[volume], *brick.block));
+  }
+
+  void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override {
+    sums_.lend([&](SlabSums& sums) {
+      for (const TilePixels& square : squaresOf(target.pixels)) {
+        if (target.visibility.hidden(square.rect)) continue;
+        sums.reset(square.rect, slabs_, square.aovs.normal[0] != nullptr);
+        for (std::size_t volume = 0; volume < zone_.frames.size(); ++volume)
+          addVolume(volume, bricks, square, target, sums);
+        compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold,
+                       target.visibility);
+      }
+    });
+  }
+
+  std::uint64_t scratchBytes() const override { return sums_.bytes(); }
+
+ private:
+  struct Prepared final : PreparedBrick {
+    Prepared(BrickToDraw the_due, std::vector<SlabCell> the_cells)
+        : due(std::move(the_due)), cells(std::move(the_cells)) {}
+    const BrickToDraw due;
+    const std::vector<SlabCell> cells;
+  };
+
+  void addVolume(std::size_t volume, std::span<const PreparedBrick* const> bricks, const TilePixels& square,
+                 const TileTarget& target, SlabSums& sums) const {
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      const auto& brick = static_cast<const Prepared&>(*bricks[i]);
+      if (static_cast<std::size_t>(brick.due.brick.store) != volume) continue;
+      if (intersection(brick.due.rect, square.rect).empty()) continue;
+      sumCells(zone_.rays[volume], *zone_.frames[volume], *brick.due.block, brick.cells, square, target.visibility, sums,
+               target.counts[i]);
+    }
+  }
+
+  const Zone& zone_;
+  MemoryPool<SlabSums>& sums_;
+  int slabs_ = 0;  // the most of a volume
+};
 
 MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
     : mixed(std::move(the_mixed)),
-      unit(unitOf(mixed)),
+      appearance(mixed.store->manifest(), mixed.transfer_function, mixed.shading, view.view,
+                 view.sampling.interpolation),
       levels(mixed.store->manifest(), view.sampling.level, view.view, view.area, mixed.clipping),
-      table(mixed.transfer_function, unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
+      table(mixed.transfer_function, appearance.unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
+
+MultiVolume::~MultiVolume() = default;
+
+EngineMemory MultiVolume::memory(std::int64_t brick_size, bool normals) {
+  // A brick is in the lists of two or three zones, and in two sets of drawn bricks.
+  constexpr std::uint64_t kStoredBytes = 4 * sizeof(Brick) + 2 * 64;
+  EngineMemory out = PixelEngine::memory(brick_size);
+  out.stored_brick = kStoredBytes;
+  out.thread += SlabSums::bytesFor(normals);
+  return out;
+}
+
+Engine& MultiVolume::engine(std::size_t zone) { return *zones_[zone].engine; }
 
 MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) : view_(view) {
   std::vector<ZonedVolume> zoned;
@@ -32,23 +92,19 @@ MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) 
     zoned.push_back(zonedVolume(volume.mixed.store->manifest(), volume.levels, view_.sampling));
   }
   for (std::vector<SlabZone>& slabs : sharedZones(zoned, view_.view, view_.sampling.level))
-    zones_.push_back({std::move(slabs), {}, {}, {}});
+    zones_.push_back({std::move(slabs), {}, {}, {}, nullptr});
   for (Zone& zone : zones_) {
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
-      const VolumeAppearance look{volume.mixed.transfer_function,
-                                  volume.mixed.shading,
-                                  view_.view,
-                                  volume.unit,
-                                  gradientNoiseOf(volume.mixed.store->manifest(), volume.mixed.transfer_function),
-                                  view_.sampling.interpolation};
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, look) : nullptr);
+      zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, volume.appearance)
+                                    : nullptr);
     }
   }
   for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);
   const PixelRect picture{0, 0, view_.view.size.width, view_.view.size.height};
   for (std::size_t v = 0; v < volumes_.size(); ++v) addBricks(v, picture);
+  for (Zone& zone : zones_) zone.engine = std::make_unique<ZoneEngine>(zone, sums_);
 }
 
 void MultiVolume::addRays(std::size_t volume) {
@@ -142,54 +198,6 @@ std::uint64_t MultiVolume::mostBytes(std::span<const PixelRect> tiles) const {
     }
   }
   return most;
-}
-
-std::vector<DrawCounts> MultiVolume::draw(std::size_t zone, std::span<const Brick* const> bricks, const Blocks& blocks,
-                                          const std::vector<TilePixels>& tiles, Visibility& visibility, float opaque_at,
-                                          const std::function<void(std::size_t)>& tile_drawn) {
-  const Zone& of = zones_[zone];
-  Cells cells(bricks.size());
-  parallelFor(bricks.size(), [&](std::size_t i) {
-    const ProfileScope span(Activity::kCells);
-    if (blocks[i]) cells[i] = visibleCells(*of.frames[static_cast<std::size_t>(bricks[i]->brick.store)], *blocks[i]);
-  });
-  const ZoneBricks drawn{of, bricks, blocks, cells};
-  std::vector<std::vector<DrawCounts>> counts(tiles.size(), std::vector<DrawCounts>(volumes_.size()));
-  parallelFor(tiles.size(), [&](std::size_t t) {
-    const ProfileScope span(Activity::kTile);
-    drawTile(drawn, tiles[t], visibility, opaque_at, counts[t]);
-    tile_drawn(t);
-  });
-  std::vector<DrawCounts> total(volumes_.size());
-  for (const std::vector<DrawCounts>& tile : counts) {
-    for (std::size_t v = 0; v < total.size(); ++v) total[v].add(tile[v]);
-  }
-  return total;
-}
-
-// Sums are added volume by volume, so that no bit of them depends on the order of bricks.
-void MultiVolume::drawTile(const ZoneBricks& drawn, const TilePixels& tile, Visibility& visibility, float opaque_at,
-                           std::span<DrawCounts> counts) {
-  const Zone& zone = drawn.zone;
-  const int slabs = std::max_element(zone.slabs.begin(), zone.slabs.end(), [](const SlabZone& a, const SlabZone& b) {
-                      return a.slabs < b.slabs;
-                    })->slabs;
-  sums_.lend([&](SlabSums& sums) {
-    for (const TilePixels& square : squaresOf(tile)) {
-      if (visibility.hidden(square.rect)) continue;
-      sums.reset(square.rect, slabs, square.aovs.normal[0] != nullptr);
-      for (std::size_t v = 0; v < volumes_.size(); ++v) {
-        for (std::size_t i = 0; i < drawn.bricks.size(); ++i) {
-          const Brick& brick = *drawn.bricks[i];
-          if (static_cast<std::size_t>(brick.brick.store) != v || !drawn.blocks[i]) continue;
-          if (intersection(brick.rect, square.rect).empty()) continue;
-          sumCells(zone.rays[v], *zone.frames[v], *drawn.blocks[i], drawn.cells[i], square, visibility, sums,
-                   counts[v]);
-        }
-      }
-      compositeSlabs(sums, zone.slabs.front(), zone.rays.front(), square, opaque_at, visibility);
-    }
-  });
 }
 
 }  // namespace kiln

@@ -1,4 +1,4 @@
-#include "frame/frame_progress.h"
+#include "frame/pass/frame_progress.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,33 @@
+// Colours, light and scales of a volume as a frame shows it.
+#pragma once
+
+#include "engine/shared/shade.h"
+#include "scene/camera/camera.h"
+#include "scene/interpolation.h"
+#include "scene/shading.h"
+#include "scene/transfer/transfer_function.h"
+#include "store/manifest/manifest.h"
+
+namespace kiln {
+
+/// requires: the references outlive the engines made of this.
+struct VolumeAppearance {
+  const TransferFunction& transfer_function;
+  const Shading& shading;
+  const View& view;
+  double unit = 1;           // length that opacities refer to. unit: world
+  float gradient_noise = 0;  // shorter gradients are noise. unit: value per voxel
+  Interpolation interpolation = Interpolation::kLinear;
+
+  /// requires: as above; not the manifest.
+  VolumeAppearance(const Manifest& volume, const TransferFunction& function, const Shading& light, const View& from,
+                   Interpolation between = Interpolation::kLinear)
+      : transfer_function(function),
+        shading(light),
+        view(from),
+        unit(function.unitIn(volume.geometry().meanSpacing())),
+        gradient_noise(gradientNoiseOf(volume, function)),
+        interpolation(between) {}
+};
+
+}  // namespace kiln

@@ -1,0 +1,191 @@
+#include "frame/pass/brick_pass.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <utility>
+
+#include "base/thread/parallel.h"
+#include "base/thread/profile_scope.h"
+#include "frame/pass/frame_progress.h"
+#include "traverse/prefetcher.h"
+
+namespace kiln {
+namespace {
+
+// Bricks announced to the cache at a time: enough to keep every reader busy while one brick is drawn.
+constexpr std::size_t kAnnounced = 8;
+
+// Returns how many bricks are drawn at a time. One thread gains nothing by several bricks, and its statistics repeat. A
+// frame of one tile is tested in the order of a sequential walk. Answers of the quadtree depend on the time of the test.
+std::size_t drawnTogether(const FrameRequest& request) {
+  const bool in_turn =
+      ThreadLimit::active() == 1 || request.tile_px == 0 || request.visibility.method == VisibilityMethod::kQuadtree;
+  return in_turn ? 1 : static_cast<std::size_t>(request.bricks_together);
+}
+
+}  // namespace
+
+// One piece of the picture. A brick is due when its turn has come and it is not drawn yet.
+class BrickPass::Drawing {
+ public:
+  Drawing(const FrameRequest& request, const WalkedVolume<VolumeEngine>& volume, const PassTarget& target,
+          PassContext& context)
+      : request_(request),
+        volume_(volume),
+        target_(target),
+        context_(context),
+        drawn_together_(drawnTogether(request)),
+        in_view_(bricksInView(target.pixels.rect)),
+        part_(context.progress, "bricks", in_view_.size()),
+        prefetcher_(std::move(in_view_), [&](const BrickInView& brick, std::span<const PixelRect> before) {
+          return volume_.walk().hidden(brick, target_.visibility, before);
+        }) {}
+
+  PixelRect run() {
+    // The first bricks, too, are read by all threads.
+    announceNext();
+    const auto draw = [&](const BrickKey& key, const PixelRect& rect) { takeTurn({key, rect}); };
+    volume_.walk().run(target_.pixels.rect, target_.visibility, draw, context_.costs.walked, request_.node_log);
+    drawDue();
+    part_.finish();
+    return shown_;
+  }
+
+ private:
+  struct DueBrick {
+    BrickToDraw brick;
+    std::unique_ptr<const PreparedBrick> prepared;
+    DrawCounts counts;
+    const BrickKey& key() const { return brick.brick.key; }
+  };
+  // A tile and, front to back, the places of its bricks among the due bricks.
+  struct DueTile {
+    PixelRect rect;
+    std::vector<std::size_t> bricks;
+    std::vector<DrawCounts> counts;
+    std::uint64_t pixels;  // that its bricks may touch, summed over bricks: an estimate of the time
+  };
+
+  std::vector<BrickInView> bricksInView(const PixelRect& pixels) const {
+    BrickWalkCounts ignored;
+    return volume_.walk().inView(pixels, ignored);
+  }
+
+  void announceNext() {
+    if (context_.cache.readsAhead()) context_.cache.announce(prefetcher_.next(kAnnounced));
+  }
+
+  void takeTurn(const BrickInView& brick) {
+    context_.progress.throwIfCancelled("rendering");
+    std::shared_ptr<const BrickBlock> block = blockOf(brick);
+    const std::size_t passed = prefetcher_.turnOf(brick.key);
+    announceNext();
+    if (block)
+      due_.push_back({{{brick.key}, brick.rect, std::move(block)}, nullptr, {}});
+    else
+      prefetcher_.drew(brick.key, false);
+    // All bricks before are drawn or hidden, but for the due bricks.
+    part_.reached(passed - due_.size());
+    if (due_.size() == drawn_together_) drawDue();
+  }
+
+  // Returns the brick from memory if it may be drawn with the due bricks. Otherwise draws these, and reads the brick if
+  // it is still visible.
+  std::shared_ptr<const BrickBlock> blockOf(const BrickInView& brick) {
+    if (!due_.empty()) {
+      std::shared_ptr<const BrickBlock> block = mayHide(brick) ? nullptr : context_.cache.find(brick.key);
+      if (block) return block;
+      // The due bricks are drawn while the brick is read; they may hide it.
+      drawDue();
+      if (volume_.walk().hidden(brick, target_.visibility)) {
+        ++context_.costs.walked.hidden;
+        return nullptr;
+      }
+    }
+    std::shared_ptr<const BrickBlock> block = context_.cache.get(brick.key);
+    if (!block) context_.costs.statistics.damaged.insert({brick.key});
+    return block;
+  }
+
+  // Whether the due bricks would hide the brick if they were opaque, and are enough to keep threads busy.
+  bool mayHide(const BrickInView& brick) const {
+    if (due_.size() < kEnoughBricksTogether) return false;
+    std::vector<PixelRect> covered;
+    for (const DueBrick& due : due_) covered.push_back(due.brick.rect);
+    return volume_.walk().hidden(brick, target_.visibility, covered);
+  }
+
+  // Draws the due bricks, tiles in parallel.
+  void drawDue() {
+    if (due_.empty()) return;
+    ProfileScope span(Activity::kBrick);
+    if (span.traced()) span.note("bricks", due_.size());
+    parallelFor(due_.size(), [&](std::size_t i) { due_[i].prepared = volume_.engine().prepare(due_[i].brick); });
+    std::vector<DueTile> tiles = dueTiles();
+    std::atomic<std::size_t> drawn = 0;
+    parallelForInOrder(tiles.size(), [&](std::size_t i) {
+      context_.progress.throwIfCancelled("rendering");
+      drawTile(tiles[i]);
+      part_.within(due_.size(), ++drawn, tiles.size());
+    });
+    for (const DueTile& tile : tiles) {
+      for (std::size_t k = 0; k < tile.bricks.size(); ++k) {
+        due_[tile.bricks[k]].counts.add(tile.counts[k]);
+        if (tile.counts[k].changed) shown_ = aroundBoth(shown_, tile.rect);
+      }
+    }
+    for (const DueBrick& due : due_) {
+      volume_.addCosts(due.key(), due.counts, context_.costs);
+      prefetcher_.drew(due.key(), due.counts.changed);
+    }
+    due_.clear();
+  }
+
+  void drawTile(DueTile& tile) {
+    std::vector<const PreparedBrick*> bricks;
+    bricks.reserve(tile.bricks.size());
+    for (const std::size_t brick : tile.bricks) bricks.push_back(due_[brick].prepared.get());
+    volume_.engine().draw(bricks, {target_.pixels.of(tile.rect), target_.visibility, target_.opacity_threshold,
+                                   tile.counts});
+  }
+
+  // Tiles that are likely to take longest come first.
+  std::vector<DueTile> dueTiles() const {
+    std::map<std::pair<int, int>, std::size_t> places;
+    std::vector<DueTile> out;
+    for (std::size_t i = 0; i < due_.size(); ++i) {
+      const PixelRect& rect = due_[i].brick.rect;
+      for (const PixelRect& tile : tilesOf(request_.tile_px, target_.pixels.rect, rect)) {
+        const auto [place, is_new] = places.try_emplace({tile.x0, tile.y0}, out.size());
+        if (is_new) out.push_back({tile, {}, {}, 0});
+        out[place->second].bricks.push_back(i);
+        out[place->second].pixels += intersection(rect, tile).count();
+      }
+    }
+    for (DueTile& tile : out) tile.counts.resize(tile.bricks.size());
+    std::stable_sort(out.begin(), out.end(), [](const DueTile& a, const DueTile& b) { return a.pixels > b.pixels; });
+    return out;
+  }
+
+  const FrameRequest& request_;
+  const WalkedVolume<VolumeEngine>& volume_;
+  const PassTarget& target_;
+  PassContext& context_;
+  const std::size_t drawn_together_;
+  std::vector<BrickInView> in_view_;  // until the prefetcher has them
+  PartProgress part_;
+  Prefetcher prefetcher_;
+  std::vector<DueBrick> due_;
+  PixelRect shown_;
+};
+
+BrickPass::BrickPass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
+                     std::unique_ptr<VolumeEngine> engine)
+    : request_(request), volume_(store, std::move(levels), std::move(engine)) {}
+
+PixelRect BrickPass::draw(const PassTarget& target, PassContext& context) {
+  return Drawing(request_, volume_, target, context).run();
+}
+
+}  // namespace kiln

@@ -1,0 +1,62 @@
+// The request of one frame: every choice about the picture made, and the number of bricks, rows and pixels at a time.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/capabilities.h"
+#include "image/deep_samples.h"
+#include "image/pixel_rect.h"
+#include "scene/camera/camera.h"
+#include "scene/clip_region.h"
+#include "scene/render_options.h"
+#include "scene/sampling.h"
+#include "scene/shading.h"
+#include "scene/transfer/transfer_function.h"
+#include "traverse/node_log.h"
+
+namespace kiln {
+
+/// How a frame shows one of several volumes.
+struct VolumeRequest {
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;
+};
+
+/// With so many bricks at a time a thread that has no tile of one has another's: after each set threads wait for the
+/// last tile of it, and of four bricks that is up to a tenth of the time.
+inline constexpr int kMostBricksTogether = 32;
+/// And so many are worth more than room for other things, or than knowing what they hide of the next one.
+inline constexpr int kEnoughBricksTogether = 4;
+
+/// What a frame needs beside the volume, every choice made.
+struct FrameRequest {
+  View view;
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;
+  Background background;
+  double opacity_threshold = 0.998;
+  Mode mode = Mode::kComposite;
+  Lattice lattice = Lattice::kPixel;
+  Interpolation interpolation = Interpolation::kLinear;
+  double sample_distance = kSampleDistance;  // Sampling's
+  std::optional<PixelRect> crop;             // these pixels of the whole picture are drawn; else all
+  int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
+  bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
+  Aovs aovs;                      // what the image has planes of
+  std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
+  std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
+  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
+  VisibilityOptions visibility;
+  int tile_px = 64;                           // as SpeedOptions has it
+  int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
+  int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
+  NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
+  EngineChoice engine() const { return {mode, lattice, !volumes.empty()}; }
+  /// Of several volumes in one picture, each; transfer function, shading and clipping above say nothing then.
+  std::vector<VolumeRequest> volumes;
+};
+
+}  // namespace kiln

@@ -1,0 +1,91 @@
+#include "frame/pass/make_pass.h"
+
+#include <utility>
+
+#include "engine/pixel/multi_volume.h"
+#include "engine/pixel/pixel_engine.h"
+#include "engine/projection/value_projection.h"
+#include "engine/voxel/voxel_engine.h"
+#include "frame/pass/brick_pass.h"
+#include "frame/pass/value_pass.h"
+#include "frame/pass/zone_pass.h"
+
+namespace kiln {
+namespace {
+
+// The octree above bricks takes some 12 bytes a brick and a seventh; a list of bricks in view comes on top. unit: bytes.
+constexpr std::uint64_t kWalkBytes = 16 + sizeof(BrickInView);
+
+// The quadtree draws what its own answers leave.
+bool testsSamples(const VisibilityOptions& options) {
+  return options.test_samples && options.method != VisibilityMethod::kNone &&
+         options.method != VisibilityMethod::kQuadtree;
+}
+
+std::unique_ptr<FramePass> makeZonePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  std::vector<MixedVolume> volumes;
+  for (std::size_t i = 0; i < request.volumes.size(); ++i) {
+    const VolumeRequest& volume = request.volumes[i];
+    volumes.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping});
+  }
+  return std::make_unique<ZonePass>(std::move(volumes),
+                                    MixView{request.view, request.visibility.area, request.sampling()},
+                                    request.tile_px);
+}
+
+PixelValue projectedBy(Mode mode) {
+  return mode == Mode::kAverage ? PixelValue::kMean : mode == Mode::kMinip ? PixelValue::kLeast : PixelValue::kGreatest;
+}
+
+}  // namespace
+
+bool closesPixels(const EngineChoice& engine) { return engine.kind() != EngineKind::kProjection; }
+
+EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSize& tile, std::int64_t brick_size) {
+  EngineMemory out;
+  switch (engine.kind()) {
+    case EngineKind::kPixel:
+      out = PixelEngine::memory(brick_size);
+      out.stored_brick = kWalkBytes;
+      break;
+    case EngineKind::kVoxel:
+      out = VoxelEngine::memory(tile);
+      out.stored_brick = kWalkBytes;
+      break;
+    case EngineKind::kProjection:
+      out = ValueProjection::memory(projectedBy(engine.mode));
+      out.stored_brick = kWalkBytes + sizeof(BrickInView);  // a second list, in the order of values
+      break;
+    case EngineKind::kMultiVolume:
+      out = MultiVolume::memory(brick_size, normals);
+      break;
+  }
+  return out;
+}
+
+std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+  const EngineKind kind = request.engine().kind();
+  if (kind == EngineKind::kMultiVolume) return makeZonePass(stores, request);
+  const StoreReader& store = *stores.front();
+  const Manifest& volume = store.manifest();
+  auto levels = std::make_unique<const FrameLevels>(volume, request.level, request.view, request.visibility.area,
+                                                    request.clipping);
+  if (kind == EngineKind::kProjection) {
+    auto projection = std::make_unique<ValueProjection>(
+        store, *levels, request.view,
+        ProjectionOptions{projectedBy(request.mode), request.level,
+                          request.visibility.method != VisibilityMethod::kNone});
+    return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
+  }
+  const VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,
+                                    request.interpolation);
+  std::unique_ptr<VolumeEngine> engine;
+  if (kind == EngineKind::kVoxel)
+    engine = std::make_unique<VoxelEngine>(volume, *levels, appearance,
+                                           VoxelTests{testsSamples(request.visibility), request.node_log});
+  else
+    engine = std::make_unique<PixelEngine>(volume, *levels, request.sampling(), appearance);
+  return std::make_unique<BrickPass>(store, request, std::move(levels), std::move(engine));
+}
+
+}  // namespace kiln
