@@ -22,8 +22,7 @@ using ChooseLevel = std::function<BrickUse(int level, const VoxelBox& box)>;
 using RectTest = std::function<bool(const PixelRect&)>;
 /// Returns whether any part of a brick with the voxels of `core` is interesting and its pixels pass the test. The test
 /// receives all pixels that the part can touch, and perhaps more.
-using VisiblePart =
-    std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test)>;
+using VisiblePart = std::function<bool(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test)>;
 
 struct BrickSelection {
   ChooseLevel choose_level;

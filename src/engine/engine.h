@@ -32,8 +32,8 @@ class PreparedBrick {
 /// A tile, and the state of its pixels. One thread has it while an engine draws.
 struct TileTarget {
   TilePixels pixels;
-  Visibility& visibility;       // closed pixels; null methods close nothing
-  float opacity_threshold = 1;  // alpha at which a pixel is closed, above 0
+  Visibility& visibility;        // closed pixels; null methods close nothing
+  float opacity_threshold = 1;   // alpha at which a pixel is closed, above 0
   std::span<DrawCounts> counts;  // shape: one for each brick
 };
 

@@ -23,9 +23,7 @@
 namespace kiln {
 namespace {
 
-EngineChoice engineOf(const RenderJob& job) {
-  return {job.picture.mode, job.picture.lattice, !job.volumes.empty()};
-}
+EngineChoice engineOf(const RenderJob& job) { return {job.picture.mode, job.picture.lattice, !job.volumes.empty()}; }
 
 // `tile`: the size of the largest tile.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
@@ -249,7 +247,7 @@ class FrameAccount {
   const std::uint64_t pixels_;
   const bool panorama_, banded_;
   const PixelRect written_;
-  ImageSize tested_;  // what visibility is known of
+  ImageSize tested_;             // what visibility is known of
   std::int64_t brick_size_ = 0;  // the largest of the stores
   FrameMemory out_;
 };

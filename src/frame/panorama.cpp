@@ -287,8 +287,7 @@ std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const Pix
   return out;
 }
 
-Image renderPanorama(BrickCache& cache, const FrameRequest& request, Progress& progress,
-                     FrameStatistics& statistics) {
+Image renderPanorama(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   Panorama panorama(request.view, pixels, request.aovs);
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);

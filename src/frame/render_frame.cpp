@@ -244,8 +244,7 @@ FrameStatistics FramePainter::finish() {
   return out;
 }
 
-Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress,
-                  FrameStatistics& statistics) {
+Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics) {
   if (request.view.projection == Projection::kEquirectangular) {
     const auto begin = std::chrono::steady_clock::now();
     const BusyTimes before = BusyTimes::now();

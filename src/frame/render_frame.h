@@ -69,7 +69,6 @@ class FramePainter {
 /// `progress` hears how far each part is, one after the other (frame/pass/frame_progress.h).
 /// throws: what BrickCache::get throws, Error kCancelled, kUsage (lattice, level, crop, samples, interpolation,
 /// distance of samples), kBudget where the cache has no room for the bricks of several volumes that meet in a tile.
-Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress,
-                  FrameStatistics& statistics);
+Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics);
 
 }  // namespace kiln

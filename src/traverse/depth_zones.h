@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "engine/shared/slab_grid.h"
 #include "engine/brick_selection.h"
+#include "engine/shared/slab_grid.h"
 #include "traverse/frame_levels.h"
 
 namespace kiln {

@@ -69,9 +69,7 @@ class LevelChoice : public ::testing::TestWithParam<int> {
   void check(const View& view, std::uint64_t seed) {
     const FrameLevels levels(store_->manifest(), std::nullopt, view, ProjectedArea::kBox);
     const PixelRect anywhere{-1'000'000'000, -1'000'000'000, 1'000'000'000, 1'000'000'000};
-    const auto always = [&](int, const VoxelBox&, const BrickEntry&, const RectTest& test) {
-      return test(anywhere);
-    };
+    const auto always = [&](int, const VoxelBox&, const BrickEntry&, const RectTest& test) { return test(anywhere); };
     const BrickWalk walk(*store_, levels, {voxelLevelChoice(levels), always});
     BrickWalkCounts counts;
     const std::vector<BrickInView> bricks = walk.inView(anywhere, counts);

@@ -30,9 +30,8 @@ TEST(Paging, AFrameReadsWhatItDraws) {
     std::vector<FrameStatistics> frames(2);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       job.picture.camera.azimuth_deg = 20 + static_cast<double>(i);
-      renderFrame(cache,
-                  frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)), progress,
-                  frames[i]);
+      renderFrame(cache, frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)),
+                  progress, frames[i]);
     }
     EXPECT_GT(frames[0].bricks_contributing, 20u);
     EXPECT_GT(frames[0].bricks_hidden, 2u);

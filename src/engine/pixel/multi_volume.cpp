@@ -11,8 +11,8 @@
 
 namespace kiln {
 
-// The bricks of all volumes in one zone. In each square, sums are added volume by volume, so that no bit of them depends
-// on the order of bricks.
+// The bricks of all volumes in one zone. In each square, sums are added volume by volume, so that no bit of them
+// depends on the order of bricks.
 class MultiVolume::ZoneEngine final : public Engine {
  public:
   ZoneEngine(const Zone& zone, MemoryPool<SlabSums>& sums) : zone_(zone), sums_(sums) {
@@ -54,8 +54,8 @@ class MultiVolume::ZoneEngine final : public Engine {
       const auto& brick = static_cast<const Prepared&>(*bricks[i]);
       if (static_cast<std::size_t>(brick.due.brick.store) != volume) continue;
       if (intersection(brick.due.rect, square.rect).empty()) continue;
-      sumCells(zone_.rays[volume], *zone_.frames[volume], *brick.due.block, brick.cells, square, target.visibility, sums,
-               target.counts[i]);
+      sumCells(zone_.rays[volume], *zone_.frames[volume], *brick.due.block, brick.cells, square, target.visibility,
+               sums, target.counts[i]);
     }
   }
 

@@ -1,6 +1,6 @@
 // `--lattice pixel`: one sample where the ray of a pixel meets the middle of a slab.
-// Method. Depth decides level and thickness of slabs, in zones (engine/shared/slab_grid.h). A brick is cut into cells; in
-// each zone that it reaches, the kernel (engine/pixel/cast_cell.h) takes the samples of a cell.
+// Method. Depth decides level and thickness of slabs, in zones (engine/shared/slab_grid.h). A brick is cut into cells;
+// in each zone that it reaches, the kernel (engine/pixel/cast_cell.h) takes the samples of a cell.
 #pragma once
 
 #include <memory>

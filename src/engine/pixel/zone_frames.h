@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "engine/pixel/slab_frame.h"
 #include "engine/brick_selection.h"
+#include "engine/pixel/slab_frame.h"
 #include "engine/shared/tile_pixels.h"
 #include "engine/shared/volume_appearance.h"
 #include "scene/sampling.h"

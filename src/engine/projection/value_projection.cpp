@@ -47,8 +47,7 @@ ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& le
       levels_(levels),
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
-      zones_(levels,
-             rayZones(store.manifest(), view, options.level, levels.projector(levels.finest()).nearDepth())) {
+      zones_(levels, rayZones(store.manifest(), view, options.level, levels.projector(levels.finest()).nearDepth())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
     RayFrame frame{{}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
     std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),

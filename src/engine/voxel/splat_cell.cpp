@@ -55,7 +55,8 @@ class CellSplatter {
     ShadedVoxels shaded;
     takeVoxels(*context_.classifier, block_, found_, first, drawn, context_.view.light.phong || more_, shaded);
     if (more_) forEach(drawn, [&](std::size_t n) { takeMore(codes[n], n, shaded); });
-    rasterizeFootprints(context_.view, projected, shaded, drawn, planes_, target_.opacity_threshold, target_.visibility);
+    rasterizeFootprints(context_.view, projected, shaded, drawn, planes_, target_.opacity_threshold,
+                        target_.visibility);
   }
 
   // Returns a mask of the voxels of `asked` that have an open pixel. Footprints of a batch have nearly equal sizes; for

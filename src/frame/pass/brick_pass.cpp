@@ -17,7 +17,8 @@ namespace {
 constexpr std::size_t kAnnounced = 8;
 
 // Returns how many bricks are drawn at a time. One thread gains nothing by several bricks, and its statistics repeat. A
-// frame of one tile is tested in the order of a sequential walk. Answers of the quadtree depend on the time of the test.
+// frame of one tile is tested in the order of a sequential walk. Answers of the quadtree depend on the time of the
+// test.
 std::size_t drawnTogether(const FrameRequest& request) {
   const bool in_turn =
       ThreadLimit::active() == 1 || request.tile_px == 0 || request.visibility.method == VisibilityMethod::kQuadtree;
@@ -146,8 +147,8 @@ class BrickPass::Drawing {
     std::vector<const PreparedBrick*> bricks;
     bricks.reserve(tile.bricks.size());
     for (const std::size_t brick : tile.bricks) bricks.push_back(due_[brick].prepared.get());
-    volume_.engine().draw(bricks, {target_.pixels.of(tile.rect), target_.visibility, target_.opacity_threshold,
-                                   tile.counts});
+    volume_.engine().draw(bricks,
+                          {target_.pixels.of(tile.rect), target_.visibility, target_.opacity_threshold, tile.counts});
   }
 
   // Tiles that are likely to take longest come first.

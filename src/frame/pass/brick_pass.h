@@ -1,6 +1,6 @@
 // One volume, brick after brick from front to back.
-// Method. Bricks that are in memory are drawn together: tiles in parallel, in each tile its bricks front to back. A brick
-// that is not in memory is read while the bricks before it are drawn, unless they would hide it.
+// Method. Bricks that are in memory are drawn together: tiles in parallel, in each tile its bricks front to back. A
+// brick that is not in memory is read while the bricks before it are drawn, unless they would hide it.
 #pragma once
 
 #include <memory>

@@ -13,7 +13,8 @@
 namespace kiln {
 namespace {
 
-// The octree above bricks takes some 12 bytes a brick and a seventh; a list of bricks in view comes on top. unit: bytes.
+// The octree above bricks takes some 12 bytes a brick and a seventh; a list of bricks in view comes on top. unit:
+// bytes.
 constexpr std::uint64_t kWalkBytes = 16 + sizeof(BrickInView);
 
 // The quadtree draws what its own answers leave.
@@ -28,9 +29,8 @@ std::unique_ptr<FramePass> makeZonePass(const std::vector<const StoreReader*>& s
     const VolumeRequest& volume = request.volumes[i];
     volumes.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping});
   }
-  return std::make_unique<ZonePass>(std::move(volumes),
-                                    MixView{request.view, request.visibility.area, request.sampling()},
-                                    request.tile_px);
+  return std::make_unique<ZonePass>(
+      std::move(volumes), MixView{request.view, request.visibility.area, request.sampling()}, request.tile_px);
 }
 
 PixelValue projectedBy(Mode mode) {
@@ -71,10 +71,10 @@ std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& store
   auto levels = std::make_unique<const FrameLevels>(volume, request.level, request.view, request.visibility.area,
                                                     request.clipping);
   if (kind == EngineKind::kProjection) {
-    auto projection = std::make_unique<ValueProjection>(
-        store, *levels, request.view,
-        ProjectionOptions{projectedBy(request.mode), request.level,
-                          request.visibility.method != VisibilityMethod::kNone});
+    auto projection =
+        std::make_unique<ValueProjection>(store, *levels, request.view,
+                                          ProjectionOptions{projectedBy(request.mode), request.level,
+                                                            request.visibility.method != VisibilityMethod::kNone});
     return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
   }
   const VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,

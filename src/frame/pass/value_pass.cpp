@@ -74,8 +74,8 @@ DrawCounts ValuePass::drawBrick(const BrickToDraw& brick, const PassTarget& targ
   const std::vector<PixelRect> tiles = tilesOf(request_.tile_px, target.pixels.rect, brick.rect);
   std::vector<DrawCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) {
-    volume_.engine().draw(bricks, {target.pixels.of(tiles[i]), target.visibility, target.opacity_threshold,
-                                   std::span(&counts[i], 1)});
+    volume_.engine().draw(
+        bricks, {target.pixels.of(tiles[i]), target.visibility, target.opacity_threshold, std::span(&counts[i], 1)});
   });
   DrawCounts total;
   for (const DrawCounts& tile : counts) total.add(tile);

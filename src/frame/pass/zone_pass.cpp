@@ -71,10 +71,11 @@ class ZonePass::Drawing {
       return;
     }
     if (needed > room)
-      throw Error(ErrorCode::kBudget, context_.cache.stores().front()->path(), "--memory",
-                  fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
-                              "{} at once; give {} more",
-                              formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
+      throw Error(
+          ErrorCode::kBudget, context_.cache.stores().front()->path(), "--memory",
+          fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
+                      "{} at once; give {} more",
+                      formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
     announce(bricks);
     const std::vector<BrickToDraw> read = readBricks(bricks);
     // The next zone is read while this zone is drawn.
