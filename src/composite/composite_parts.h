@@ -18,7 +18,7 @@ std::string partOriginText(const Manifest& volume);
 
 struct CompositedParts {
   Image image;
-  ImageMetadata metadata;   // of the whole picture
+  ImageMetadata metadata;   // metadata of the whole picture
   double volume_share = 0;  // share of the volume that the parts hold, from 0 to 1
 };
 

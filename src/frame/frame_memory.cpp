@@ -93,7 +93,8 @@ std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {
   return static_cast<std::uint64_t>(band.width) * static_cast<std::uint64_t>(band.height) * pixelBytes(job);
 }
 
-// What visibility is known of, at the most, where a crop is drawn: it begins where a tile does. unit: sub-pixels.
+// Returns the largest rectangle of the occlusion structure for a crop, which starts at a tile's border. unit:
+// sub-pixels.
 ImageSize testedSize(const RenderJob& job, const PixelRect& drawn, const PixelFilter& filter) {
   const int edge = filter.edge(), beside = 2 * filter.reach() + std::max(job.speed.tile_px, kVisibilityTile);
   const ImageSize& size = job.picture.size;
@@ -101,7 +102,7 @@ ImageSize testedSize(const RenderJob& job, const PixelRect& drawn, const PixelFi
           std::min(edge * size.height, edge * drawn.height() + beside)};
 }
 
-// What may go to something that is better the larger it is, where so much is taken: no more than bricks get.
+// Returns the memory that an optional buffer may take beside `taken`: at most as much as bricks get.
 std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
   return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
 }
@@ -231,7 +232,7 @@ class FrameAccount {
     charge(out_.band_px);
   }
 
-  // Those that are drawn stay in memory; half of it is for what is read meanwhile.
+  // Drawn bricks stay in memory; half of the memory is for bricks read meanwhile.
   void chooseBricksTogether() {
     const std::uint64_t rest = job_.speed.memory_bytes - std::min(job_.speed.memory_bytes, out_.besideBricks());
     const std::uint64_t held = std::clamp<std::uint64_t>(rest / 2 / std::max<std::uint64_t>(out_.brick, 1),
@@ -247,7 +248,7 @@ class FrameAccount {
   const std::uint64_t pixels_;
   const bool panorama_, banded_;
   const PixelRect written_;
-  ImageSize tested_;             // what visibility is known of
+  ImageSize tested_;             // rectangle of the occlusion structure
   std::int64_t brick_size_ = 0;  // the largest of the stores
   FrameMemory out_;
 };
@@ -264,7 +265,7 @@ FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const Ren
 }
 
 std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job) {
-  // What these hold beside their pictures is large.
+  // These kinds of pictures hold much memory beside their pixels.
   if (drawsDeep(job) || drawsPart(job.picture)) return 0;
   const std::uint64_t pixels = drawnPixels(job.picture.size, job.picture.crop).count();
   const std::uint64_t bytes = 2 * pixels * pixelBytes(job) * picturesHeld(job);

@@ -16,25 +16,26 @@ namespace kiln {
 /// unit: bytes.
 struct FrameMemory {
   std::uint64_t image = 0;       // RGBA in floats and what goes with it, of the pixels that are drawn
-  std::uint64_t band = 0;        // of samples: as many rows as are drawn at a time; 0 where a pixel is its sample
-  std::uint64_t face = 0;        // of a panorama: one of the faces that it is made of
+  std::uint64_t band = 0;        // a band of samples: the rows drawn at a time; 0 where a pixel is one sample
+  std::uint64_t face = 0;        // one face of a panorama
   std::uint64_t deep = 0;        // samples of a deep image, as many a pixel as the user bounds them by
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
-  std::uint64_t slabs = 0;       // what each thread draws with: cells, sums of several volumes; a tile of voxels
+  std::uint64_t slabs = 0;       // scratch of each thread: cells, sums of several volumes; a tile of voxels
   std::uint64_t files = 0;       // compressing the picture's files, with as many threads as a share of the rest allows
   std::uint64_t threads = 0;     // their stacks and what the libraries keep for each
   std::uint64_t trace = 0;       // the trace, where one is kept
-  std::uint64_t behind = 0;      // of a sequence, the frame before, of which files are written; of what the rest leaves
-  std::uint64_t shared = 0;      // brick files that ranks send one another; of what the rest leaves
-  std::uint64_t brick = 0;       // reading one, the largest of the store; of several volumes, all that meet in a tile
+  std::uint64_t behind =
+      0;  // the previous frame of a sequence, whose files are being written, out of the remaining memory
+  std::uint64_t shared = 0;  // brick files that ranks send one another; of what the rest leaves
+  std::uint64_t brick = 0;   // reading one, the largest of the store; of several volumes, all that meet in a tile
 
   bool several = false;  // volumes
 
   std::uint64_t least_slabs = 0;              // with one brick at a time
   std::uint64_t least_band = 0;               // with the lowest band
   std::uint64_t least_files = 0;              // with one thread
-  int bricks_together = kMostBricksTogether;  // that are drawn at a time, as many as leave room for the rest
+  int bricks_together = kMostBricksTogether;  // bricks drawn at a time, as many as the remaining memory allows
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const {
@@ -42,7 +43,7 @@ struct FrameMemory {
   }
   /// All that grows with the pixels that are drawn.
   std::uint64_t framebuffer() const { return image + face + band + deep + behind; }
-  /// What `brick` is for, in a sentence that begins with its bytes.
+  /// Describes `brick`, in a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
@@ -50,7 +51,7 @@ struct FrameMemory {
   }
 };
 
-/// What is in memory beside the drawing of a picture.
+/// Memory in use beside the drawing of a picture.
 struct MemoryBeside {
   MemoryBeside(std::uint64_t b = 0) : bytes(b) {}
   std::uint64_t bytes = 0;  // charged with the image
@@ -61,14 +62,15 @@ struct MemoryBeside {
 /// `brick_bytes` is the least that bricks need, `written` the pixels of the files where these are more than are drawn.
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
                         const std::optional<PixelRect>& written = {});
-/// Of one volume.
+/// For one volume.
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 
-/// What a frame takes whose files are written while the next one is drawn: its pictures and their files, where that is
-/// a quarter at most of what `memory` leaves for bricks; else 0. unit: bytes.
+/// Returns the memory of a frame whose files are written while the next frame is drawn: its pictures and files, if
+/// they take at most a quarter of what `memory` leaves for bricks; else 0. unit: bytes.
 std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job);
 
-/// What `budget_bytes` leaves for bricks. throws: Error kBudget naming the smallest budget that works, and its parts.
+/// Returns the part of `budget_bytes` that is left for bricks. throws: Error kBudget naming the smallest budget that
+/// works, and its parts.
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);
 
 /// The share of `budget_bytes` for pages of evicted bricks that wait for the next brick (base/memory/large_pages.h);

@@ -29,7 +29,7 @@ constexpr int kBeside = 2;
 
 // A direction in a face.
 struct FacePlace {
-  double weight = 0;  // of all faces together 1; 0 where the face does not show the direction
+  double weight = 0;  // all faces together have 1; 0 where the face does not show the direction
   glm::dvec2 pixel;
   double secant = 1;   // distance over depth
   bool first = false;  // no other face has a larger weight

@@ -49,7 +49,7 @@ class PixelFilter {
   int taps() const { return edge_ + 2 * reach_; }
   int edge_ = 1, reach_ = 0;
   bool quincunx_ = false;
-  std::array<float, kMostTaps> weights_{};  // of the samples along a line, from the first that contributes
+  std::array<float, kMostTaps> weights_{};  // weights along a line, from the first sample that contributes
 };
 
 /// Returns the filter of a picture. throws: as PixelFilter.

@@ -114,7 +114,7 @@ Image drawInPlace(FrameDrawing& drawing, const PixelRect& pixels, const PixelFil
   return image;
 }
 
-// What is projected onto a plane, in sub-pixels, and what of them is drawn at a time.
+// The sub-pixels projected onto a plane, and the part drawn at a time.
 struct DrawnPlane {
   FrameRequest request;
   PixelRect pixels;
@@ -132,7 +132,7 @@ DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreRea
   return out;
 }
 
-// Of a frame: itself; of a panorama, the faces that it is made of.
+// Returns the views of a frame: its own, or the faces of a panorama.
 std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};

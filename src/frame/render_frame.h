@@ -25,8 +25,8 @@ View drawnView(const View& view, const VolumeGeometry& volume);
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);
 
-/// What drawing the frames of a job's eyes counts as it goes on, where they are drawn in several parts (bands of
-/// sub-pixels, faces, eyes); 0 where there is one part, which counts for itself. cost: of several parts, their plans.
+/// Returns the total of the progress of a frame that is drawn in several parts (bands of sub-pixels, faces, eyes); 0
+/// for a single part, which knows its own total. cost: the plans of the parts.
 std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes);
 
 /// Returns the memory of bricks that must be in the cache at once, beyond the largest brick: the bricks of several
@@ -51,7 +51,7 @@ class FramePainter {
   /// These pixels of the whole picture, and their planes. requires: in the crop, none drawn before. throws: as
   /// renderFrame.
   Image draw(const PixelRect& pixels);
-  /// What all pieces have cost. The cache reads nothing for them any more.
+  /// Returns the statistics of all pieces, and ends reading ahead.
   FrameStatistics finish();
 
  private:

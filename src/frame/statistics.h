@@ -28,7 +28,7 @@ struct RankStatistics {
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
-  /// Where ranks share reads, counts the bricks that this rank read for all ranks instead of those of its frames.
+  /// With shared reads: the bricks that this rank read for all ranks, instead of those of its frames.
   void setReads(const SharedReadCounts& shared);
 };
 

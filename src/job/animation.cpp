@@ -67,7 +67,7 @@ std::vector<ClipPlane> mixed(const std::vector<ClipPlane>& a, const std::vector<
       out[i].offset = std::lerp(a[i].offset, b[i].offset, t);
       continue;
     }
-    // Of planes whose normals have the same length; which, says nothing.
+    // Interpolates planes whose normals have equal length; the length itself has no meaning.
     out[i].normal = mixedDirections(a[i].normal, b[i].normal, t);
     out[i].offset = std::lerp(a[i].offset / glm::length(a[i].normal), b[i].offset / glm::length(b[i].normal), t);
   }

@@ -1,4 +1,4 @@
-// What of a picture changes from frame to frame.
+// The parts of a picture that change from frame to frame.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -13,8 +13,8 @@
 
 namespace kiln {
 
-/// Where a list of keys is empty, the still picture's value holds. Keys of a list have as many lights, of the same
-/// kinds in the same order, or as many planes; eyes in all keys or in none a convergence.
+/// An empty list of keys leaves the still picture's value. All keys of a list have equally many lights of the same
+/// kinds in the same order, or equally many planes; a convergence stands in all keys of eyes or in none.
 struct Animation {
   CameraPath camera;
   std::vector<Key<TransferFunctionChoice>> functions;
@@ -34,7 +34,7 @@ std::vector<Light> mixed(const std::vector<Light>& a, const std::vector<Light>& 
 std::vector<ClipPlane> mixed(const std::vector<ClipPlane>& a, const std::vector<ClipPlane>& b, double t);
 Stereo mixed(const Stereo& a, const Stereo& b, double t);
 
-/// Whether something lies between two directions: whether they are not opposite ones.
+/// Returns whether a direction between both exists: opposite directions have none.
 bool mayMix(const glm::dvec3& a, const glm::dvec3& b);
 
 }  // namespace kiln

@@ -8,26 +8,26 @@
 namespace kiln {
 namespace {
 
-// From this edge of a voxel on, one sample is enough (figures: job/decisions/samples-a-pixel.md): 3/4, less what a depth is
-// rounded by, which is not to decide where a scene is laid out for 3/4. unit: pixels.
+// From this edge of a voxel on, one sample is enough (figures: job/decisions/samples-a-pixel.md): 3/4, less what a
+// depth is rounded by, which is not to decide where a scene is laid out for 3/4. unit: pixels.
 constexpr double kLargeEnough = 0.75 - 1e-9;
-// The same where the camera moves: a detail that a ray meets or not flickers. Turned by a tenth of a degree, scanned
-// heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as 16 rays a pixel do, with 4 rays 0.7 to 1.15 times;
-// at 5 pixels a voxel one ray changes as much. unit: pixels.
+// Edge of a voxel from which one sample suffices while the camera moves, because a detail that a ray meets or misses
+// flickers. Turned by 0.1 degree, scanned heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as with 16
+// rays a pixel, with 4 rays 0.7 to 1.15 times; at 5 pixels a voxel one ray changes as much. unit: pixels.
 constexpr double kSteadyEnough = 4 - 1e-9;
-// The same of labels, whose edges are as hard as steps: a ray is of one label or the other. Solid ones at 1, 1.5 and 2
-// pixels a voxel have 34.5, 37.8, 37.7 dB with a ray and 39.8, 38.6, 37.8 dB with four. unit: pixels.
+// Edge of a voxel from which one sample suffices for labels, whose edges are steps. Solid labels at 1, 1.5 and 2
+// pixels a voxel have 34.5, 37.8, 37.7 dB with one ray and 39.8, 38.6, 37.8 dB with four. unit: pixels.
 constexpr double kLabelsLargeEnough = 1.25 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 
-// What is not made of light between voxels, or of a sample a pixel by what it is.
+// Returns whether a picture has one sample a pixel by its kind: voxel lattice, projections, deep images, panoramas.
 bool oneOnly(const RenderJob& job, const Camera& camera) {
   const PictureOptions& picture = job.picture;
   return picture.mode != Mode::kComposite || picture.lattice == Lattice::kVoxel ||
          camera.projection == Projection::kEquirectangular || drawsDeep(job);
 }
 
-// Of a unit of the world at `centre`; none where it is not in front of the eye.
+// Returns the size of a world unit at `centre`; nothing where `centre` is behind the eye. unit: pixels.
 std::optional<double> pixelsPerUnit(const Camera& camera, const ImageSize& size, const glm::dvec3& centre) {
   const View view = resolve(camera, size);
   if (view.projection == Projection::kOrthographic) return view.focal_px;
@@ -39,7 +39,7 @@ const VolumeGeometry& levelOf(const Manifest& volume, int level) {
   return volume.levels[std::min(static_cast<std::size_t>(level), volume.levels.size() - 1)].geometry;
 }
 
-// Whether the path has more than one camera: a path of one draws a still picture.
+// Returns whether the path has more than one camera; a path of one camera is a still picture.
 struct HasSeveralCameras {
   bool operator()(std::monostate) const { return false; }
   bool operator()(const Turntable& turn) const { return turn.frames > 1; }

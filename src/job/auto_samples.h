@@ -1,5 +1,5 @@
-// How many samples a pixel takes where nobody says: more than one where voxels are smaller than pixels, in pictures
-// that stay cheap with them.
+// The default number of samples a pixel: more than one where voxels are smaller than pixels and the picture stays
+// cheap.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ namespace kiln {
 int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
                      const std::vector<const Manifest*>& volumes);
 
-/// Of a picture: 4096².
+/// Limit of a picture's sub-pixels: 4096².
 inline constexpr std::int64_t kMostSubPixels = std::int64_t{1} << 24;
 
 }  // namespace kiln

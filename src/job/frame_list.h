@@ -18,7 +18,7 @@ std::vector<int> parseFrames(std::string_view text, std::string_view option = ""
 /// "1-10,20" again: what `parseFrames` reads as these frames. requires: in the order of `parseFrames`.
 std::string framesText(const std::vector<int>& frames);
 
-/// Whether the path has a place for a frame's number: a run of '#'.
+/// Returns whether the path has a place for a frame's number: a run of '#'.
 bool hasFramePlace(const std::filesystem::path& pattern);
 
 /// The path with the number in each such place, with zeros in front where it is shorter than the run: "a_####.exr" is

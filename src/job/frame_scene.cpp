@@ -94,7 +94,7 @@ int SceneOfJob::mostSamples() const {
     try {
       most = std::max(most, samplesOf(cameraOf(frame)));
     } catch (const Error&) {
-      // Whoever draws the frame says so, with its number.
+      // Drawing the frame reports the error, with the frame's number.
     }
   }
   return most;

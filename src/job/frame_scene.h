@@ -1,4 +1,4 @@
-// What a job shows at a frame, every choice made for a volume.
+// The scene of a job at one frame, with every choice made for its volumes.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ struct VolumeScene {
   Shading shading;
   Clipping clipping;       // with what cuts all of them
   double world_per_own;    // lengths of the picture's world per length of the volume's own, which the function is in
-  Hash128 index_checksum;  // what the volume holds
+  Hash128 index_checksum;  // identifies the content of the volume
 };
 
 struct FrameScene {
@@ -22,7 +22,7 @@ struct FrameScene {
   PictureOptions picture;
   Camera camera;
   TransferFunction transfer_function;
-  std::vector<VolumeScene> volumes;  // where there are several; the first's function is also above
+  std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
 };
 
 /// The function that `choice` is in the picture: as `resolve`, but where the picture projects values, "auto" is their
@@ -35,21 +35,21 @@ class SceneOfJob {
  public:
   /// requires: both outlive this. throws: Error where a transfer function cannot be read or used.
   SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
-  /// Of several volumes, `manifests` are theirs, and a framing is of the box around all. Of a time series
-  /// (RenderJob::series), framing and transfer functions are those of all its frames.
+  /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
+  /// framing and transfer functions are those of all frames.
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
-  /// That a pixel of any frame takes; a frame whose camera cannot be used has none.
+  /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
   int mostSamples() const;
-  /// Of a volume: the still one, or those of its keys.
+  /// Returns a volume's still function, or the functions of its keys.
   const std::vector<TransferFunction>& functionsOf(std::size_t volume) const { return functions_[volume].values; }
 
  private:
-  // Of a volume.
+  // The functions of one volume.
   struct Functions {
     const std::vector<Key<TransferFunctionChoice>>* keys;
-    std::vector<TransferFunction> values;  // of each key, or the still one
+    std::vector<TransferFunction> values;  // one for each key, or the still function
     TransferFunction at(int frame) const;
   };
   const Manifest& manifest() const { return *manifests_.front(); }
@@ -58,9 +58,9 @@ class SceneOfJob {
 
   const RenderJob& job_;
   const std::vector<const Manifest*> manifests_;
-  std::vector<const Manifest*> looks_;  // what each volume is framed and coloured as: itself, or its series
-  const VolumeGeometry geometry_;       // of the box around all of those
-  std::vector<Functions> functions_;    // of each volume
+  std::vector<const Manifest*> looks_;  // the manifests that decide framing and colours: a volume's own, or its series'
+  const VolumeGeometry geometry_;       // geometry of the box around all of them
+  std::vector<Functions> functions_;    // one for each volume
 };
 
 }  // namespace kiln

@@ -35,7 +35,7 @@ std::vector<Key<T>> keysFrom(const JobObject& owner, Ease ease, const ValueOf& v
   return out;
 }
 
-// Of an object that has nothing else.
+// Reads the keyframes of an object without other keys.
 template <class T, class ValueOf>
 std::vector<Key<T>> onlyKeysFrom(const JobObject& owner, JobKeys owner_keys, JobKeys key_keys,
                                  const ValueOf& value_of) {
@@ -105,7 +105,7 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
   }
 }
 
-// How far the eyes are apart, and where both see the same.
+// Reads the distance of the eyes and their convergence.
 Stereo eyesFrom(const JobObject& object) {
   constexpr std::string_view kExpected = "a number of world units above 0";
   Stereo out;

@@ -59,7 +59,7 @@ class Checker : public nlohmann::json_sax<json> {
     keys_.pop_back();
     return true;
   }
-  std::vector<std::set<std::string>> keys_;  // of each list and object that is open
+  std::vector<std::set<std::string>> keys_;  // one for each open list and object
 };
 
 std::string lineAndColumn(std::string_view text, std::size_t bytes_read) {

@@ -34,10 +34,10 @@ class JobObject {
   /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
   /// or an object has a key twice; kUsage where the root is not an object.
   static JobObject parse(const std::string& text, const std::filesystem::path& path);
-  /// The same for a document that is one object or a list of objects.
+  /// Reads a document that is one object or a list of objects, as above.
   static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
-  /// throws: where a key is none of `known` and `more`, naming the nearest.
+  /// throws: Error kUsage for a key that is in neither `known` nor `more`, naming the nearest key.
   void requireKnown(JobKeys known, JobKeys more = {}) const;
   void requireKnown(std::initializer_list<std::string_view> known) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
@@ -90,9 +90,9 @@ class JobObject {
   JobObject inside(const nlohmann::json& value, std::string place) const;
 
   Json value_;
-  Text text_;  // of the document
+  Text text_;  // the whole document
   std::filesystem::path path_;
-  std::string place_;  // of this object; empty for the root
+  std::string place_;  // path of this object; empty for the root
 };
 
 /// The ranges that keys have.

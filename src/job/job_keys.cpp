@@ -126,7 +126,7 @@ constexpr JobKey kTurntableKeys[] = {
     {"axis", R"({"$ref": "vector", "description": "through the target; the camera's up where it is not given"})"},
 };
 
-// What each key of a sequence has beside its value.
+// Keys that every keyframe has beside its value.
 constexpr JobKey kFrameKey = {"frame", R"({"type": "number", "minimum": 0, "maximum": 9999999})"};
 constexpr JobKey kEaseKey = {"ease", R"({"enum": "ease", "description": "how the key is passed"})"};
 
@@ -190,7 +190,7 @@ constexpr JobKey kShadingKeys[] = {
     {"power", R"({"type": "number", "minimum": 0, "maximum": 10000})"},
 };
 
-// What every light has comes last, so that the kinds are ends and a beginning of one table.
+// Keys of every light come last, so that each kind of light is a range of one table.
 constexpr std::array<JobKey, 5> kLightKeys = {{
     {"direction", R"({"$ref": "vector", "description": "towards the light, directional"})"},
     {"type", R"({"enum": "light"})"},

@@ -13,8 +13,8 @@ CameraSpec cameraFrom(const JobObject& object, JobKeys more = {});
 /// The `shading` of a job. throws: as above.
 Shading shadingFrom(const JobObject& object);
 
-/// What the key of `owner` says: a preset, a file beside the document, or the function itself; empty where the key is
-/// not there. throws: Error kUsage where it is none of them.
+/// Reads a transfer function from a key of `owner`: a preset, a file beside the document, or the function itself;
+/// nothing where the key is absent. throws: Error kUsage for other values.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner,
                                                                  std::string_view key = "transferFunction");
 
@@ -25,7 +25,7 @@ std::vector<Light> lightsFrom(const JobObject& owner);
 std::vector<ClipPlane> planesFrom(const JobObject& owner, std::string_view key);
 /// `region` and `worldRegion`, which is six planes. throws: as above.
 Clipping regionsFrom(const JobObject& owner);
-/// Those, and the planes of "clip", which stand still. throws: as above.
+/// Reads the region and the still planes of "clip". throws: as above.
 Clipping clippingFrom(const JobObject& owner);
 /// A half-open box of voxels.
 std::optional<VoxelBox> voxelBoxFrom(const JobObject& owner, std::string_view key);

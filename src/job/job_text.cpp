@@ -93,7 +93,7 @@ ordered_json jsonOf(const VolumeOptions& volume) {
   return out;
 }
 
-// What differs between two values at the same place of two jobs.
+// Collects the differences between two values at the same place of two jobs.
 void addDifferences(const ordered_json& there, const ordered_json& here, const std::string& place,
                     std::vector<std::string>& out) {
   if (there == here || there.is_discarded() || here.is_discarded()) return;

@@ -64,7 +64,7 @@ class Walk {
     } while (depth > 0 && at_ < text_.size());
   }
 
-  // Whether `place` is the target or holds it.
+  // Returns whether `place` is the target or contains it.
   bool leads(const std::string& place) const {
     if (!target_.starts_with(place)) return false;
     return place.size() == target_.size() || target_[place.size()] == '.' || target_[place.size()] == '[';

@@ -1,4 +1,4 @@
-// Where a value stands in a JSON text, for errors that people can go to.
+// Finds the line of a value in a JSON text, for errors.
 #pragma once
 
 #include <cstddef>

@@ -14,12 +14,12 @@ namespace kiln {
 struct ParaViewMap {
   ColorMap colors;
   std::optional<OpacityCurve> opacity;
-  /// Whether the colours run from 0 to 1, the mark of a map that is made for any data: it is stretched over the data's
-  /// range, opacity with it.
+  /// Whether the colours run from 0 to 1: such a map is made for any data and is stretched over the data's range, with
+  /// its opacity.
   bool normalised() const;
 };
 
-/// Whether the object is one of ParaView's colour maps, by its keys.
+/// Returns whether the object has the keys of a ParaView colour map.
 bool isParaViewMap(const JobObject& object);
 
 /// Keys that say nothing about colour or opacity are passed over, NanColor too, for NaN is transparent here. throws:

@@ -89,7 +89,7 @@ void readVisibility(const JobObject& object, RenderJob& job) {
                                       .value_or(job.picture.opacity_threshold);
 }
 
-// Of what else is a number.
+// Reads the options that are plain numbers.
 constexpr std::array<std::string_view, 1> kAuto = {"auto"};
 
 bool legalSampleDistance(double voxels) { return voxels >= kLeastSampleDistance && voxels <= kMostSampleDistance; }

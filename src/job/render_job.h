@@ -27,10 +27,10 @@
 
 namespace kiln {
 
-/// What the picture is.
+/// The picture's content: everything that changes its pixels.
 struct PictureOptions {
   ImageSize size;
-  std::optional<PixelRect> crop;  // of the whole picture's pixels, those that are drawn; else all
+  std::optional<PixelRect> crop;  // the pixels of the whole picture that are drawn; else all
   std::optional<int> samples;  // sub-pixels that a pixel is made of: 1, 2, 4 or 16; else as job/auto_samples.h has it
   Background background;
   Mode mode = Mode::kComposite;
@@ -42,18 +42,19 @@ struct PictureOptions {
   std::optional<Window> window;  // the transfer function's first and last points lie at its ends
   Shading shading;
   Clipping clipping;
-  std::optional<PartNumber> part;  // of the volume, instead of clipping.part
+  std::optional<PartNumber> part;  // a part of the volume by number, instead of clipping.part
   double opacity_threshold = 0.998;
   Lattice lattice = Lattice::kPixel;
-  Interpolation interpolation = Interpolation::kLinear;  // of the pixel lattice
-  double sample_distance = kSampleDistance;              // of all but the voxel lattice, Sampling's. unit: voxels
-  std::optional<int> level;   // of the whole picture; else "auto": for each region the one whose voxels are pixel-sized
+  Interpolation interpolation = Interpolation::kLinear;  // pixel lattice only
+  double sample_distance = kSampleDistance;              // all but the voxel lattice (Sampling). unit: voxels
+  std::optional<int>
+      level;  // one level for the whole picture; else "auto": for each region the level with voxels of a pixel
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
-/// Whether somebody says that a pixel is more than one sample.
+/// Returns whether the job sets more than one sample a pixel.
 bool oversamples(const PictureOptions& picture);
-/// Whether it is 1, 2, 4 or 16.
+/// Returns whether the number is 1, 2, 4 or 16.
 bool samplesKnown(int samples);
 /// Sub-pixels along a pixel's edge; of two samples a pixel, half of them are left out. throws: Error kUsage where
 /// `samples` is none of these.
@@ -70,10 +71,10 @@ void requireSampleDistance(Lattice lattice, Mode mode, double voxels);
 /// throws: Error kUsage where the mode has no use for one of them.
 void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
 
-/// Whether the job draws a partial image, of a part of the volume and without background.
+/// Returns whether the job draws a partial image: a part of the volume without background.
 bool drawsPart(const PictureOptions& picture);
 
-/// How fast it appears.
+/// Options of speed and memory, which change no pixel.
 struct SpeedOptions {
   VisibilityOptions visibility;
   std::uint64_t memory_bytes = 2ull << 30;
@@ -81,15 +82,14 @@ struct SpeedOptions {
   int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile, drawn by one thread
 };
 
-/// What of a picture a file holds: colours, with the planes that are asked for where it is an EXR; colours alone; or
-/// the planes of depth, normals or values alone, of an EXR; or what lies in each pixel slab by slab, in a deep EXR,
-/// which has no background.
+/// The content of a file: colours, in an EXR with the requested planes; colours alone; the planes of depth, normals or
+/// values alone, in an EXR; or the slabs of each pixel in a deep EXR, without background.
 enum class Content { kPicture, kColor, kDepth, kNormal, kValue, kDeep };
 
 struct OutputFile {
   std::filesystem::path path;
   Content content = Content::kPicture;
-  std::optional<StereoEye> eye;  // of a pair that is drawn: the one that it holds; else both
+  std::optional<StereoEye> eye;  // the eye of a stereo pair that the file holds; else both
 };
 
 /// Frames one after the other in a file that another program makes, which must be there.
@@ -99,7 +99,7 @@ struct VideoOptions {
   std::filesystem::path encoder;  // the program: ffmpeg, or what takes its arguments
 };
 
-/// How the picture is written. Each kind of file is written the same way, whichever it is.
+/// Options of the files. All files of one kind are written with the same options.
 struct OutputOptions {
   std::filesystem::path path;
   bool exr_float = false;               // else half; a partial image is always float
@@ -107,7 +107,7 @@ struct OutputOptions {
   std::string owner, comments;          // in a file's header, if not empty
   bool statistics_in_header = false;    // which then is another each time
   bool deep = false;                    // the picture at `path` is Content::kDeep
-  DeepBound deep_bound;                 // of all that are
+  DeepBound deep_bound;                 // bound of every deep file
   int png_bits = 8;                     // 8 or 16
   std::vector<OutputFile> files;        // more of the same frame
   VideoOptions video;
@@ -115,7 +115,7 @@ struct OutputOptions {
 
 /// The names of a job's pictures, the rest of its files and its video, those that there are.
 std::vector<std::filesystem::path> namesOf(const OutputOptions& output);
-/// Whether the name ends as a video's does.
+/// Returns whether the name has a video's ending.
 bool isVideo(const std::filesystem::path& path);
 /// Makes the path the video or the picture, whichever its name ends as.
 void putOutput(const std::filesystem::path& path, OutputOptions& output);
@@ -129,13 +129,13 @@ struct VolumeOptions {
   std::vector<Key<TransferFunctionChoice>> functions;  // if there are any, instead
   std::optional<Window> window;
   std::optional<Shading> shading;  // else the picture's; its lights say nothing
-  Clipping clipping;               // of this one alone
+  Clipping clipping;               // of this volume alone
 };
 
 struct SeriesLook;
 
-/// How ranks share a job: frames one by one, or tiles of frames, as it reads fewer bytes (kAuto); tiles or frames
-/// always; or bricks, of which each rank draws its own of every frame.
+/// Distribution of a job over ranks: whole frames or tiles of frames, whichever reads fewer bytes (kAuto); always
+/// tiles; always frames; or bricks, of which each rank draws its own in every frame.
 enum class Distribution { kAuto, kTiles, kFrames, kBricks };
 
 /// `volume` and `output.path` may have a place for the frame's number (job/frame_list.h).
@@ -149,15 +149,15 @@ struct RenderJob {
   std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
   SpeedOptions speed;
   Distribution distribution = Distribution::kAuto;
-  bool share_reads = true;  // of ranks that share tiles or frames: each brick file is read by one of them for all
+  bool share_reads = true;  // each brick file is read by one rank for all ranks that share tiles or frames
   OutputOptions output;
-  std::filesystem::path trace;  // where it is written what each thread did when; empty for nowhere
-  /// Of a time series, what all its frames are framed and coloured as; else each frame is by its own volumes. Not part
+  std::filesystem::path trace;  // file of the trace of all threads; empty for none
+  /// Decides camera and colours of all frames of a time series; null where each frame uses its own volumes. Not part
   /// of a job's text.
   std::shared_ptr<const SeriesLook> series;
 };
 
-/// Whether anything changes from frame to frame.
+/// Returns whether anything changes from frame to frame.
 bool moves(const RenderJob& job);
 /// The frames that the job draws: those it names, else the animation's.
 std::vector<int> framesOf(const RenderJob& job);
@@ -168,9 +168,9 @@ void requireVolumes(const RenderJob& job);
 /// Makes the job's one volume the first of several. requires: there are no others yet.
 void makeFirstOfSeveral(RenderJob& job);
 
-/// Whether any of the job's files is deep.
+/// Returns whether a file of the job is deep.
 bool drawsDeep(const RenderJob& job);
-/// What the job's frames are if they are not one image whose pixels can be drawn tile by tile, in words; else null.
+/// Names the kind of frame that cannot be drawn tile by tile, in words; null where tiles are possible.
 const char* viewWithoutTiles(const RenderJob& job);
 /// throws: Error kUsage where the job draws a deep image or a stereo pair that its scene has not, or that could not be
 /// written.

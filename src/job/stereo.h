@@ -26,7 +26,7 @@ inline bool drawsBothEyes(const std::optional<Stereo>& stereo) { return stereo &
 /// shifts nothing.
 View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const ImageSize& size);
 
-/// Whether the path has a place for the name of an eye: "%V", or "%v" for its first letter.
+/// Returns whether the path has a place for the name of an eye: "%V", or "%v" for its first letter.
 bool hasEyePlace(const std::filesystem::path& pattern);
 /// The path with "left" or "right" (or "l", "r") in each such place. requires: one eye.
 std::filesystem::path pathOfEye(const std::filesystem::path& pattern, StereoEye eye);

@@ -1,4 +1,4 @@
-// What a user may name as a transfer function, and what that is for a volume.
+// The transfer functions that a user may name, and their values for a volume.
 #pragma once
 
 #include <filesystem>

@@ -38,7 +38,7 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
 struct FrameTiles {
   struct Record {
     PixelRect at;
-    std::uint64_t offset = 0, bytes = 0;  // of the payload in the file
+    std::uint64_t offset = 0, bytes = 0;  // position of the payload in the file
     Hash128 hash;
   };
   std::filesystem::path path;

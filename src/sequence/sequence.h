@@ -39,7 +39,7 @@ struct SequenceOptions {
 };
 
 struct SequenceResult {
-  RenderStatistics statistics;  // of frames that were drawn, kept and failed
+  RenderStatistics statistics;  // covers frames that were drawn, kept and failed
   std::string first_failure;    // the first error of a frame; else empty
 };
 

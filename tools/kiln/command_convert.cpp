@@ -86,7 +86,7 @@ void printRanks(const ConvertReport& report) {
 
 void printReport(const ConvertArguments& a, const SourceInfo& info, const ConvertReport& report) {
   say("{}: {}\n", a.output, firstLine(info));
-  // Of a resumed conversion, what this run did.
+  // Reports the bricks that this run of a resumed conversion made.
   const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
   const std::string work = report.voxels > 0 ? fmt::format("{:.1f} s, {:.1f} million voxels/s, buffers up to {}",
                                                            report.seconds, rate, formatBytes(report.buffer_bytes))

@@ -58,10 +58,10 @@ const char* frameName(PatientFrame frame) {
   return "unknown";
 }
 
-// What the store's files take, and which bricks need none.
+// Sizes of the store's files, and numbers of bricks without a file.
 struct Storage {
-  std::uint64_t raw_bytes = 0;                 // of level 0 in memory
-  std::uint64_t disk_bytes = 0;                // of all files
+  std::uint64_t raw_bytes = 0;                 // size of level 0 in memory
+  std::uint64_t disk_bytes = 0;                // size of all files
   std::vector<std::uint64_t> constant_bricks;  // a level each
 
   double ratio() const { return static_cast<double>(disk_bytes) / static_cast<double>(raw_bytes); }
@@ -142,7 +142,7 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
 }
 
-// How the colours are stored; of what is beside them, the first channel.
+// Prints how the colours are stored, or the first other channel of a file without colours.
 std::string exrTypeOf(const PixelLayout& layout) {
   for (const auto& [name, type] : layout.channels) {
     if (name == "R") return type;
@@ -161,7 +161,7 @@ void printLayout(const PixelLayout& layout) {
   say("channels     {}\n", channels);
 }
 
-// What Kiln writes into its pictures, the job last: it is long.
+// Prints the texts of a picture's header, the job last because of its length.
 void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
   const PixelLayout layout = readPixelLayout(path);
@@ -177,7 +177,7 @@ void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   if (!job.empty()) sayLines(fmt::format("{:<12}\n{}\n", ImageMetadata::kJob, job));
 }
 
-// What a file says of its own pixels, in a job's words, so that a picture is drawn again with the same type.
+// Adds the file's own pixel type and compression to the job, so that the picture is drawn again with the same type.
 void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
   if (layout.png_bits > 0) {
     if (layout.png_bits == 16) job["png"] = {{"bits", 16}};

@@ -180,7 +180,7 @@ void requireStillCamera(const RenderArguments& a, const RenderJob& job) {
   }
 }
 
-// What the options name stands still, whatever the job has keyframes of.
+// Values of options replace the job's keyframes.
 void applyFrames(const RenderArguments& a, RenderJob& job) {
   requireStillCamera(a, job);
   if (a.frames) job.frames = parseFrames(*a.frames, "--frames");
@@ -308,8 +308,8 @@ void requireNone(const OutputFiles& outputs, const TransferFunctionChoice& read)
   if (const auto* const file = std::get_if<fs::path>(&read)) outputs.requireNone(fileOf(*file));
 }
 
-// That no file is written that the job, or what it names, is read from; files of a foreign volume are known once it is
-// opened (SequenceOptions::store_for).
+// Tests that no output is a file that the command reads. The files of a foreign volume are known once it is opened
+// (SequenceOptions::store_for).
 void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
   const OutputFiles outputs = outputsOf(a, job);
   const auto requireApart = [&](const TransferFunctionChoice& still,
@@ -343,7 +343,7 @@ bool isIn(const fs::path& path, const fs::path& folder) {
   return isWithin(whole_name(behindLinks(path)), whole_name(folder));
 }
 
-// That nothing is put into the folder of a video's frames, which is removed with all that is in it.
+// Tests that no output lies in the folder of a video's frames, which is removed with its content.
 void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const char* option) {
   if (!keepsFramesForVideo(job) || path.empty() || !isIn(path, keptFramesOf(job.output.video))) return;
   throw Error(ErrorCode::kUsage,
@@ -351,7 +351,7 @@ void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const 
                           option, path.string(), keptFramesOf(job.output.video).string()));
 }
 
-// That what is written beside the pictures is written over nothing else that the command writes.
+// Tests that statistics and trace do not overwrite another output of the command.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   requireInputsApart(a, job);
   for (const fs::path& path : namesOf(job.output)) requireOutsideKeptFrames(job, path, "-o");

@@ -19,8 +19,8 @@ struct TfArguments {
   std::string input, tf, window, output;
 };
 
-// What a function is shown for: a store's volume, or, where none is named, values that people know: Hounsfield units
-// from air to dense bone for CT, else 0 to 1, voxels of 1.
+// The volume for which a function is shown: a store's, or without a store typical values: Hounsfield units from air to
+// dense bone for CT, else 0 to 1, with voxels of 1.
 struct Subject {
   Manifest manifest;
   TransferFunctionChoice choice;

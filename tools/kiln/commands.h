@@ -13,7 +13,7 @@ namespace kiln::tool {
 struct Context {
   TerminalProgress progress;
   std::string command_line;      // for the manifest
-  std::function<void()> action;  // what the chosen command does
+  std::function<void()> action;  // runs the chosen command
   Ranks* ranks = nullptr;        // under mpirun several; else one
   bool by_all_ranks = false;     // the action is for every rank; else for the first, while the others wait
   double rank_timeout_s = 300;   // a rank that does nothing for so long ends the run; 0: never

@@ -39,7 +39,7 @@ bool startedAsRank() {
   return false;
 }
 
-// What all ranks are told by their command line, one says.
+// Every rank gets the same command line; only rank 0 reports errors in it.
 int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const kiln::Ranks& ranks) {
   if (!ranks.first()) return 2;
   if (app.get_subcommands().empty() && !app.remaining().empty()) {
@@ -109,7 +109,7 @@ int fail(kiln::tool::Context& context, const std::string& sentence, int exit_cod
   return exit_code;
 }
 
-// What is printed is an answer, too: a script that reads half of it must know.
+// Output on a closed or full standard output is an error, because a script may have read half of it.
 constexpr const char* kUnsaid = "standard output: could not be written to its end; is the disk full?";
 bool saidAll() { return std::fflush(stdout) == 0 && std::ferror(stdout) == 0; }
 
@@ -207,11 +207,11 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   }
 }
 
-// Who starts it with these closed must not get their words into the next file that is opened, which has their number.
+// Opens closed standard streams on /dev/null, so that the next opened file does not get their numbers and their text.
 void occupyStandardFiles() {
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(file, F_GETFD) >= 0) continue;
-    // What is printed still cannot be, and that is told of.
+    // Printing to such a stream still fails and is reported.
     const int opened = ::open("/dev/null", file == STDERR_FILENO ? O_WRONLY : O_RDONLY);
     if (opened >= 0 && opened != file) ::close(opened);
   }

@@ -10,7 +10,7 @@
 namespace kiln::tool {
 namespace {
 
-// What troff would take for its own.
+// Escapes characters that troff interprets.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {

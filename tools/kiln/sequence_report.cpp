@@ -64,7 +64,7 @@ SequenceReport::~SequenceReport() {
   progress_.tellWarnings({});
 }
 
-// What goes on beside frames has no event.
+// Progress beside frames has no event.
 void SequenceReport::drawingGoesOn(const TerminalProgress::Numbers& numbers) const {
   if (!drawing_) return;
   Json more = {{"frame", *drawing_}, {"done", numbers.done}, {"total", numbers.total}, {"unit", numbers.unit}};
@@ -124,7 +124,7 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
       frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
   progress_.clear();
   if (frames_ == 1)
-    only_line_ = line;  // where all went well in the end
+    only_line_ = line;  // printed if all frames succeed
   else
     say("{}\n", line);
   flush();

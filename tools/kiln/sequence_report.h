@@ -1,4 +1,4 @@
-// How the frames of a job go: a line each for people, with what is left, or an event each for machines.
+// Reports the frames of a job: a line with the remaining time for people, or an event for programs.
 #pragma once
 
 #include <chrono>
@@ -35,7 +35,7 @@ class SequenceReport : public SequenceListener {
  private:
   using Clock = std::chrono::steady_clock;
   double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
-  /// Of what is still to be drawn, by the frames drawn so far; 0 before the first.
+  /// Estimates the time for the remaining frames from the frames drawn so far; 0 before the first. unit: seconds.
   double secondsLeft(std::size_t done) const;
   void showOverall(std::size_t done);
   void drawingGoesOn(const TerminalProgress::Numbers& numbers) const;

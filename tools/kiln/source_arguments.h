@@ -18,13 +18,13 @@
 
 namespace kiln::tool {
 
-/// Of an option or a number of it: a whole number from `least` on.
+/// Validates a whole number from `least` to `most`.
 CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 
-/// Of an option: a finite number from `least` to `most`.
+/// Validates a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
 
-/// Whether the text is a whole number in decimal digits. A leading 0 is refused: CLI11 reads 010 as octal 8.
+/// Returns whether the text is a whole number in decimal digits. A leading 0 is refused: CLI11 reads 010 as octal 8.
 template <class T>
 bool isDecimalWhole(std::string_view text, T& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -59,7 +59,7 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
     begin_ = Clock::now();
     done_before_ = done;
     told_ = false;
-    if (listener_) last_ = begin_;  // what is done sooner needs no telling
+    if (listener_) last_ = begin_;  // work that ends sooner shows no progress
     return;
   }
   if (!due(done == total)) return;

@@ -48,7 +48,7 @@ class TerminalProgress : public Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Whether it is time to say something again; then it is said now.
+  /// Returns whether it is time for another line, and then counts the line as printed now.
   bool due(bool at_end);
   void print(const std::string& line);
 
@@ -62,7 +62,7 @@ class TerminalProgress : public Progress {
   std::string step_;
   Clock::time_point begin_, last_ = Clock::now();
   std::uint64_t done_before_ = 0;
-  bool told_ = false;  // of the step
+  bool told_ = false;  // whether the step was reported
   bool drawn_ = false;
 };
 

@@ -58,7 +58,7 @@ ValueRange valuesOf(std::uint32_t upper, std::uint32_t bin, unsigned fine_bits) 
   return {std::isnan(lo) ? hi : lo, std::isnan(hi) ? lo : hi};
 }
 
-// Counted keys in ascending order: values and voxels of each key.
+// Keys in ascending order, with the values and voxels of each key.
 struct CountedKeys {
   std::vector<ValueRange> values;
   std::vector<std::uint64_t> counts;

@@ -28,7 +28,7 @@ struct MixedVolume {
 struct MixView {
   View view;
   ProjectedArea area = ProjectedArea::kBox;
-  Sampling sampling;  // of all volumes
+  Sampling sampling;  // for all volumes
 };
 
 class MultiVolume {
@@ -80,9 +80,9 @@ class MultiVolume {
     SampleTable table;
   };
   struct Zone {
-    std::vector<SlabZone> slabs;                     // of each volume
+    std::vector<SlabZone> slabs;                     // one for each volume
     std::vector<std::unique_ptr<SlabFrame>> frames;  // of each volume; null outside the zone
-    std::vector<RaySlabs> rays;                      // of each volume
+    std::vector<RaySlabs> rays;                      // one for each volume
     std::vector<Brick> bricks;
     std::unique_ptr<ZoneEngine> engine;
   };

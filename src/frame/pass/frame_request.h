@@ -17,7 +17,7 @@
 
 namespace kiln {
 
-/// How a frame shows one of several volumes.
+/// The appearance of one of several volumes in a frame.
 struct VolumeRequest {
   TransferFunction transfer_function;
   Shading shading;
@@ -30,7 +30,7 @@ inline constexpr int kMostBricksTogether = 32;
 /// And so many are worth more than room for other things, or than knowing what they hide of the next one.
 inline constexpr int kEnoughBricksTogether = 4;
 
-/// What a frame needs beside the volume, every choice made.
+/// The request of a frame: everything but the volume, with every choice made.
 struct FrameRequest {
   View view;
   TransferFunction transfer_function;
@@ -45,17 +45,17 @@ struct FrameRequest {
   std::optional<PixelRect> crop;             // these pixels of the whole picture are drawn; else all
   int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
   bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
-  Aovs aovs;                      // what the image has planes of
+  Aovs aovs;                      // planes of the image
   std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
-  std::optional<int> level;       // of the whole frame; else, for each region, the one whose voxels are pixel-sized
+  std::optional<int> level;  // one level for the whole frame; else for each region the level with voxels of a pixel
   Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
   VisibilityOptions visibility;
   int tile_px = 64;                           // as SpeedOptions has it
   int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
-  int band_px = 1024;  // of sub-pixels: rows drawn at a time, in steps of kVisibilityTile; no bit depends on it
+  int band_px = 1024;           // rows of sub-pixels drawn at a time, in steps of kVisibilityTile; no bit depends on it
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
   EngineChoice engine() const { return {mode, lattice, !volumes.empty()}; }
-  /// Of several volumes in one picture, each; transfer function, shading and clipping above say nothing then.
+  /// All of several volumes; transfer function, shading and clipping above are then ignored.
   std::vector<VolumeRequest> volumes;
 };
 

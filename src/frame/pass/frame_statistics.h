@@ -64,7 +64,7 @@ struct FrameStatistics {
   /// Bricks that change a pixel, and the size of their files: the least that a frame has to read.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
   std::uint64_t slab_bytes = 0;                            // peak of the memory that threads draw with
-  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // of this frame and earlier frames
+  std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // including earlier frames
   std::vector<LevelStatistics> levels;                     // by level of the store, 0 first
   unsigned threads = 1;                                    // threads that draw; with several, as many more read
   BusyTimes busy;                                          // processor times within wall_s
