@@ -1,4 +1,4 @@
-// One frame as a list of steps (DESIGN §3): classify, walk the bricks front to back, draw each in parallel tiles, lay
+// One frame as a list of steps: classify, walk the bricks front to back, draw each in parallel tiles, lay
 // the result over the background.
 #pragma once
 

@@ -1,0 +1,28 @@
+# The public interface: what a program needs to convert, open, render, composite and read statistics. Headers that these
+# include are installed with them; all others are the library's own.
+set(kiln_public_headers
+  base/memory/memory.h base/module.h
+  ingest/open_source.h convert/convert.h convert/export_vdb.h store/store_reader.h store/verify.h
+  scene/camera/framing.h scene/transfer/presets.h job/render_job.h
+  frame/render_frame.h sequence/render_job_run.h composite/composite_parts.h
+  image/file/image_file.h image/compare.h)
+
+# Sets `out` to the headers and all headers of src/ that they include, as absolute paths.
+function(kiln_with_included out)
+  set(waiting ${ARGN})
+  set(found)
+  while(waiting)
+    list(POP_FRONT waiting header)
+    if(header IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found ${header})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/src/${header} lines REGEX "^#include \"")
+    foreach(line ${lines})
+      string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
+      list(APPEND waiting ${included})
+    endforeach()
+  endwhile()
+  list(TRANSFORM found PREPEND ${PROJECT_SOURCE_DIR}/src/)
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
