@@ -20,7 +20,7 @@ Error refusedFrames(std::string_view text, std::string_view option) {
 }
 
 // Reads a number off the front.
-std::optional<int> takeNumber(std::string_view& text) {
+std::optional<int> takeFrameNumber(std::string_view& text) {
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || number < 0 || number > kLastFrame || text.front() == '-') return std::nullopt;
@@ -43,9 +43,9 @@ std::vector<int> parseFrames(std::string_view text, std::string_view option) {
   do {
     while (take(rest, ' ')) {
     }
-    const std::optional<int> first = takeNumber(rest);
-    const std::optional<int> last = first && take(rest, '-') ? takeNumber(rest) : first;
-    const std::optional<int> step = last && take(rest, 'x') ? takeNumber(rest) : 1;
+    const std::optional<int> first = takeFrameNumber(rest);
+    const std::optional<int> last = first && take(rest, '-') ? takeFrameNumber(rest) : first;
+    const std::optional<int> step = last && take(rest, 'x') ? takeFrameNumber(rest) : 1;
     if (!first || !last || !step || *step < 1 || *last < *first) throw refusedFrames(text, option);
     for (int frame = *first; frame <= *last; frame += *step) {
       if (seen.insert(frame).second) out.push_back(frame);

@@ -19,7 +19,7 @@ constexpr std::uint32_t kMagic = 0x01312f76;
 constexpr std::uint32_t kTiled = 0x200, kSeveralParts = 0x1000;
 
 // Size of a value of a fixed-size type. OpenEXR reads this many bytes, whatever length the file claims.
-std::uint32_t bytesOfType(const std::string& type) {
+std::uint32_t bytesOfPixelType(const std::string& type) {
   static const std::map<std::string, std::uint32_t> kBytes = {{"box2i", 16},
                                                               {"box2f", 16},
                                                               {"chromaticities", 32},
@@ -125,7 +125,7 @@ class HeadWalk {
     const auto length = static_cast<std::uint64_t>(claimed_length);
     if (claimed_length < 0 || length > bytes_.size - at_)
       fail(length_at, fmt::format("{}: a length of {} is more than the file holds", name, claimed_length));
-    if (const std::uint32_t bytes = bytesOfType(type); bytes != 0 && bytes != length)
+    if (const std::uint32_t bytes = bytesOfPixelType(type); bytes != 0 && bytes != length)
       fail(length_at,
            fmt::format("{}: a value of type {} has a length of {}; {} is legal", name, type, claimed_length, bytes));
     const std::uint64_t begin = at_, end = at_ + length;
