@@ -171,7 +171,7 @@ TEST(LabelStyles, FitLabelVolumesOnly) {
   EXPECT_NE(said(of_labels, labels, Window{1, 2}).find("window"), std::string::npos);
   Manifest large = labels;
   large.range.hi = 1e9;
-  EXPECT_NE(said(of_labels, large).find("number them anew"), std::string::npos);
+  EXPECT_NE(said(of_labels, large).find("number the labels anew"), std::string::npos);
 }
 
 TEST(LabelStyles, AJobSaysThem) {
