@@ -53,7 +53,7 @@ import json, jsonschema, re, sys
 schema = json.load(open(sys.argv[1]))
 jsonschema.Draft202012Validator.check_schema(schema)
 check = jsonschema.Draft202012Validator(schema)
-jobs = re.findall(r'```json\n(\{ "kiln": 1.*?)```', open(sys.argv[2]).read(), re.S)
+jobs = re.findall(r'```json[^\n]*\n(\{ "kiln": 1.*?)```', open(sys.argv[2]).read(), re.S)
 for job in jobs: check.validate(json.loads(re.sub(r'//.*', '', job)))
 wrong = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
          {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"}]
