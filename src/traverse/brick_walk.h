@@ -35,9 +35,9 @@ struct BrickInView {
 
 class BrickWalk {
  public:
-  /// Only bricks that touch the part of the volume that is drawn (`Clipping::part`) are selected. requires: `store` and
-  /// `levels`, which are of this store, outlive this; no brick of the finest level has finer bricks. cost: memory of 12
-  /// bytes a brick and a seventh.
+  /// Plans the nodes of a frame. Only bricks that touch the drawn part of the volume (`Clipping::part`) are selected.
+  /// requires: `store` and `levels` belong together and outlive the walk; no brick of the finest level has finer
+  /// bricks. cost: 12 bytes per brick, plus a seventh.
   BrickWalk(const StoreReader& store, const FrameLevels& levels, BrickSelection selection);
 
   /// Calls draw(key, rect) for each brick to be drawn, front to back; `rect` contains the pixels of the brick. A node's
@@ -81,13 +81,13 @@ class BrickWalk {
   const FrameLevels& levels_;
   const BrickSelection selection_;
   const std::int64_t brick_size_;
-  std::vector<Layer> layers_;  // 0: the bricks of the finest level; the last has one node
+  std::vector<Layer> layers_;  // layer 0: bricks of the finest level; the last layer has a single node
 };
 
-/// The levels of the voxel lattice: the coarsest brick whose voxels are small enough where it is nearest. requires:
+/// Levels of the voxel engine: the coarsest brick whose voxels are small enough at its nearest point. requires:
 /// `levels` outlives the result.
 ChooseLevel voxelLevelChoice(const FrameLevels& levels);
-/// The brick as one part: whether its own voxels show anything. requires: `classifier` outlives the result.
+/// Tests a brick as a single part: visible if its own voxels are. requires: `classifier` outlives the result.
 VisiblePart wholeBrick(const Classifier& classifier);
 
 }  // namespace kiln

@@ -29,7 +29,7 @@ class DepthZones {
   static Depths depthsOf(const Projector& projector, const VoxelBox& box);
   /// Returns true if slabs of the zone may have samples at these depths, or a brick there may own samples of the zone.
   static bool reaches(const Depths& depths, const SlabZone& zone);
-  /// A brick is drawn where it reaches into a zone of its level. requires: this outlives the result.
+  /// Draws bricks that reach into a zone of their level. requires: the object outlives the result.
   ChooseLevel levelChoice() const;
 
  private:

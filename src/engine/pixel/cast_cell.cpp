@@ -232,7 +232,7 @@ class CellCaster {
     keepSeen();
   }
 
-  // Leaves samples that are multiplied by something.
+  // Keeps the samples with a weight above zero.
   HWY_INLINE void keepSeen() {
     const D d;
     const DI di;
@@ -329,6 +329,7 @@ class CellCaster {
     }
   }
 
+  // Looks up the colours of a batch of samples.
   HWY_INLINE void lookUpColors(std::size_t n, std::size_t count) {
     const D4 d;
     for (std::size_t i = 0; i < count; ++i) {
@@ -343,7 +344,8 @@ class CellCaster {
     }
   }
 
-  // Adds light as `light` does, and each sample as a layer; the one that closes a pixel also has what that adds.
+  // Adds light as `light` does, and stores each sample as a deep sample. A sample that closes its pixel includes the
+  // effect of the division by alpha.
   HWY_NOINLINE void addDeep(std::size_t n, std::size_t count) {
     const SlabZone& zone = frame_.zone();
     const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };

@@ -28,18 +28,18 @@ namespace kiln {
 struct CellInput {
   /// Edge of the voxels read for a cell (with margin); distance of the planes of voxels. unit: voxels.
   static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
-  const float* values = nullptr;           // loadUnit's; of labels their opacities
-  const std::int32_t* labels = nullptr;    // of a label volume: LabelVoxels::ranks
-  glm::vec3 lo;                            // the voxel before its first. unit: voxels from the anchor
-  glm::dvec3 corner, end;                  // where it begins and ends, in index space
-  PixelRect rect;                          // what of the tile it may be seen in
-  bool at_end = false;                     // of the volume
-  bool in_pairs = false;                   // whether two samples may be one, twice as long
-  bool gaps = false;                       // whether there may be NaN among its voxels
-  const float* color = nullptr;            // the r, g, b of all its samples, where they are the same
-  const ClipRegion::Part* part = nullptr;  // of the volume: only samples in it are drawn; null where all are
-  bool one_label = false;                  // whether all of them are of one label: then `values` is not read
-  SlabSums* sums = nullptr;                // of several volumes: samples are added to the sums, not to the tile
+  const float* values = nullptr;           // from loadUnit; opacities for labels
+  const std::int32_t* labels = nullptr;    // label volume: LabelVoxels::ranks
+  glm::vec3 lo;                            // voxel before the cell's first voxel. unit: voxels from the anchor
+  glm::dvec3 corner, end;                  // begin and end of the cell in index space
+  PixelRect rect;                          // pixels of the tile that the cell may touch
+  bool at_end = false;                     // the cell is at an end of the volume
+  bool in_pairs = false;                   // one sample may cover two slabs
+  bool gaps = false;                       // the cell's voxels may be NaN
+  const float* color = nullptr;            // r, g, b of all samples if equal; otherwise null
+  const ClipRegion::Part* part = nullptr;  // only samples in this part of the volume are drawn; null: all
+  bool one_label = false;                  // all voxels have one label; `values` is not read
+  SlabSums* sums = nullptr;                // several volumes: samples are added to the sums, not to the tile
 };
 
 /// Scratch memory for the rays and samples of a cell. Vectors may read undefined values beyond the last ray or sample;

@@ -48,7 +48,7 @@ class LinearCellField {
     return shownSpaces(l_, in_.values);
   }
 
-  // Stores the values before and after each sample along x: of two samples at a time where a vector holds both.
+  // Stores the values before and after each sample along x, for two samples at a time if a vector holds both.
   void interpolate(std::size_t count) {
     const D4 d;
     for (std::size_t n = 0; n < count; n += kInterpolated) {

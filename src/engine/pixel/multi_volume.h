@@ -37,7 +37,7 @@ class MultiVolume {
   struct Brick {
     StoredBrick brick;
     PixelRect rect;
-    std::uint64_t bytes = 0;  // of the decoded brick and a list of its cells
+    std::uint64_t bytes = 0;  // memory of the decoded brick and a list of its cells
   };
 
   /// requires: the stores outlive this; kMostVolumes of them at most. throws: as FrameLevels. cost: a look at every
@@ -81,7 +81,7 @@ class MultiVolume {
   };
   struct Zone {
     std::vector<SlabZone> slabs;                     // one for each volume
-    std::vector<std::unique_ptr<SlabFrame>> frames;  // of each volume; null outside the zone
+    std::vector<std::unique_ptr<SlabFrame>> frames;  // one per volume; null outside the zone
     std::vector<RaySlabs> rays;                      // one for each volume
     std::vector<Brick> bricks;
     std::unique_ptr<ZoneEngine> engine;

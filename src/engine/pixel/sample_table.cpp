@@ -116,7 +116,7 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
   return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
 }
 
-// Interpolation may round a value beyond the range.
+// Includes an entry below the range: interpolation may round a value to just outside the range.
 const float* SampleTable::oneColor(const ValueRange& range) const {
   const std::size_t below = entryBelow(range.lo), from = below - (below > 0 ? 1 : 0);
   return same_until_[from] > entryAbove(range.hi) ? &entries_[from].r : nullptr;

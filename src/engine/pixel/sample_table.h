@@ -60,7 +60,7 @@ class SampleTable {
   /// Returns true if voxels of edge `length` with values in `range` are soft, nearly uniform, so that fewer samples
   /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
-  /// The r, g, b that all values of the range have; null where they differ. requires: not labels. cost: O(1).
+  /// Colour (r, g, b) of the values of `range` if all are equal; otherwise null. requires: not labels. cost: O(1).
   const float* oneColor(const ValueRange& range) const;
 
  private:
@@ -75,9 +75,9 @@ class SampleTable {
   float visible_after_ = 0, visible_before_ = 0;
   std::vector<Material> entries_;
   std::vector<float> extinctions_, integral_;
-  std::vector<std::uint32_t> before_;  // entries with extinction, before the i-th
-  std::vector<std::uint32_t> same_until_;  // the last entry that has the i-th's colour, as all between them
-  std::vector<double> changes_;  // of extinction and of light, from the first entry up to each: sums of the larger
+  std::vector<std::uint32_t> before_;      // prefix sums: entries with extinction before the i-th
+  std::vector<std::uint32_t> same_until_;  // last entry up to which all entries have the i-th's colour
+  std::vector<double> changes_;            // prefix sums: the larger of the changes of extinction and of light
   bool of_labels_ = false;
   std::vector<float> labels_, label_opacities_;  // visible labels in ascending order, less the offset
 };

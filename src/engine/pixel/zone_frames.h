@@ -13,14 +13,14 @@
 
 namespace kiln {
 
-/// The volume as its slabs are decided. requires: the manifest outlives the result.
+/// Parameters of a volume's slabs. requires: the manifest outlives the result.
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
 
 /// requires: all outlive the result.
 std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
                                      const VolumeAppearance& look);
 
-/// As VisiblePart, of a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// Implements VisiblePart for a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
 /// (store/ranges/sub_bricks.h).
 bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const RectTest& test);
