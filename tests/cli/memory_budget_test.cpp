@@ -375,7 +375,7 @@ TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
     EXPECT_LE(static_cast<double>(result.peak_resident_bytes) / (1 << 20), 64 + kOwnMib);
     ASSERT_EQ(result.errorLines().size(), 1u) << result.err;
     for (const char* const text :
-         {"16777215 bricks take 1537 MiB", "(allowed: 64 MiB)", "give --memory 15", "--brick-size larger than 128"})
+         {"16777215 bricks take 1.50 GiB", "(allowed: 64.0 MiB)", "give --memory 15", "--brick-size larger than 128"})
       EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
   }
   EXPECT_FALSE(fs::exists(in("c.kiln")));

@@ -217,7 +217,7 @@ TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
   const ToolResult refused = runTool({"render", store_, "-o", in("r.png"), "--aov", "depth"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.errorLines().size(), 1u) << refused.err;
-  EXPECT_NE(refused.err.find("needs a name in .exr"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("need a name ending in .exr"), std::string::npos) << refused.err;
 }
 
 TEST_F(SceneCli, ValuesAreProjected) {
