@@ -40,6 +40,12 @@ std::vector<NextBrick> Prefetcher::next(std::size_t count) {
   return out;
 }
 
+void Prefetcher::announce(BrickCache& cache) {
+  // Bricks read ahead at a time: enough to keep every reader busy while one brick is drawn.
+  constexpr std::size_t kAnnounced = 8;
+  if (cache.readsAhead()) cache.announce(next(kAnnounced));
+}
+
 void Prefetcher::drew(const BrickKey& key, bool changed) {
   std::erase_if(undrawn_, [&](const BrickInView& brick) { return brick.key == key; });
   const bool guessed = guessed_.erase(key) > 0;

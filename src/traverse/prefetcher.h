@@ -28,6 +28,8 @@ class Prefetcher {
   /// Returns the bricks after the current one, or the first bricks, of which up to `count` are to be read ahead.
   /// thread: not while tiles are drawn. cost: up to two tests per examined brick, and a bounded number of bricks.
   std::vector<NextBrick> next(std::size_t count);
+  /// Announces the next bricks to a cache that reads ahead. thread: as `next`.
+  void announce(BrickCache& cache);
   /// Records a drawn brick and whether a pixel changed.
   void drew(const BrickKey& key, bool changed);
 

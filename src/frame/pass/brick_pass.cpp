@@ -13,9 +13,6 @@
 namespace kiln {
 namespace {
 
-// Bricks announced to the cache at a time: enough to keep every reader busy while one brick is drawn.
-constexpr std::size_t kAnnounced = 8;
-
 // Returns how many bricks are drawn at a time. One thread gains nothing by several bricks, and its statistics repeat. A
 // frame of one tile is tested in the order of a sequential walk. Answers of the quadtree depend on the time of the
 // test.
@@ -30,24 +27,22 @@ std::size_t drawnTogether(const FrameRequest& request) {
 // One piece of the picture. A brick is due when its turn has come and it is not drawn yet.
 class BrickPass::Drawing {
  public:
-  Drawing(const FrameRequest& request, const WalkedVolume<VolumeEngine>& volume, const PassTarget& target,
-          PassContext& context)
-      : request_(request),
-        volume_(volume),
+  Drawing(const BrickPass& pass, const PassTarget& target, PassContext& context)
+      : pass_(pass),
         target_(target),
         context_(context),
-        drawn_together_(drawnTogether(request)),
+        drawn_together_(drawnTogether(pass.request())),
         in_view_(bricksInView(target.pixels.rect)),
         part_(context.progress, "bricks", in_view_.size()),
         prefetcher_(std::move(in_view_), [&](const BrickInView& brick, std::span<const PixelRect> before) {
-          return volume_.walk().hidden(brick, target_.visibility, before);
+          return pass_.walk().hidden(brick, target_.visibility, before);
         }) {}
 
   PixelRect run() {
     // The first bricks, too, are read by all threads.
-    announceNext();
+    prefetcher_.announce(context_.cache);
     const auto draw = [&](const BrickKey& key, const PixelRect& rect) { takeTurn({key, rect}); };
-    volume_.walk().run(target_.pixels.rect, target_.visibility, draw, context_.costs.walked, request_.node_log);
+    pass_.walk().run(target_.pixels.rect, target_.visibility, draw, context_.costs.walked, pass_.request().node_log);
     drawDue();
     part_.finish();
     return shown_;
@@ -70,18 +65,14 @@ class BrickPass::Drawing {
 
   std::vector<BrickInView> bricksInView(const PixelRect& pixels) const {
     BrickWalkCounts ignored;
-    return volume_.walk().inView(pixels, ignored);
-  }
-
-  void announceNext() {
-    if (context_.cache.readsAhead()) context_.cache.announce(prefetcher_.next(kAnnounced));
+    return pass_.walk().inView(pixels, ignored);
   }
 
   void takeTurn(const BrickInView& brick) {
     context_.progress.throwIfCancelled("rendering");
     std::shared_ptr<const BrickBlock> block = blockOf(brick);
     const std::size_t passed = prefetcher_.turnOf(brick.key);
-    announceNext();
+    prefetcher_.announce(context_.cache);
     if (block)
       due_.push_back({{{brick.key}, brick.rect, std::move(block)}, nullptr, {}});
     else
@@ -99,7 +90,7 @@ class BrickPass::Drawing {
       if (block) return block;
       // The due bricks are drawn while the brick is read; they may hide it.
       drawDue();
-      if (volume_.walk().hidden(brick, target_.visibility)) {
+      if (pass_.walk().hidden(brick, target_.visibility)) {
         ++context_.costs.walked.hidden;
         return nullptr;
       }
@@ -114,7 +105,7 @@ class BrickPass::Drawing {
     if (due_.size() < kEnoughBricksTogether) return false;
     std::vector<PixelRect> covered;
     for (const DueBrick& due : due_) covered.push_back(due.brick.rect);
-    return volume_.walk().hidden(brick, target_.visibility, covered);
+    return pass_.walk().hidden(brick, target_.visibility, covered);
   }
 
   // Draws the due bricks, tiles in parallel.
@@ -122,7 +113,7 @@ class BrickPass::Drawing {
     if (due_.empty()) return;
     ProfileScope span(Activity::kBrick);
     if (span.traced()) span.note("bricks", due_.size());
-    parallelFor(due_.size(), [&](std::size_t i) { due_[i].prepared = volume_.engine().prepare(due_[i].brick); });
+    parallelFor(due_.size(), [&](std::size_t i) { due_[i].prepared = pass_.engine().prepare(due_[i].brick); });
     std::vector<DueTile> tiles = dueTiles();
     std::atomic<std::size_t> drawn = 0;
     parallelForInOrder(tiles.size(), [&](std::size_t i) {
@@ -137,7 +128,7 @@ class BrickPass::Drawing {
       }
     }
     for (const DueBrick& due : due_) {
-      volume_.addCosts(due.key(), due.counts, context_.costs);
+      pass_.addCosts(due.key(), due.counts, context_.costs);
       prefetcher_.drew(due.key(), due.counts.changed);
     }
     due_.clear();
@@ -147,8 +138,8 @@ class BrickPass::Drawing {
     std::vector<const PreparedBrick*> bricks;
     bricks.reserve(tile.bricks.size());
     for (const std::size_t brick : tile.bricks) bricks.push_back(due_[brick].prepared.get());
-    volume_.engine().draw(bricks,
-                          {target_.pixels.of(tile.rect), target_.visibility, target_.opacity_threshold, tile.counts});
+    pass_.engine().draw(bricks,
+                        {target_.pixels.of(tile.rect), target_.visibility, target_.opacity_threshold, tile.counts});
   }
 
   // Tiles that are likely to take longest come first.
@@ -157,7 +148,7 @@ class BrickPass::Drawing {
     std::vector<DueTile> out;
     for (std::size_t i = 0; i < due_.size(); ++i) {
       const PixelRect& rect = due_[i].brick.rect;
-      for (const PixelRect& tile : tilesOf(request_.tile_px, target_.pixels.rect, rect)) {
+      for (const PixelRect& tile : tilesOf(pass_.request().tile_px, target_.pixels.rect, rect)) {
         const auto [place, is_new] = places.try_emplace({tile.x0, tile.y0}, out.size());
         if (is_new) out.push_back({tile, {}, {}, 0});
         out[place->second].bricks.push_back(i);
@@ -169,8 +160,7 @@ class BrickPass::Drawing {
     return out;
   }
 
-  const FrameRequest& request_;
-  const WalkedVolume<VolumeEngine>& volume_;
+  const BrickPass& pass_;
   const PassTarget& target_;
   PassContext& context_;
   const std::size_t drawn_together_;
@@ -181,12 +171,8 @@ class BrickPass::Drawing {
   PixelRect shown_;
 };
 
-BrickPass::BrickPass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
-                     std::unique_ptr<VolumeEngine> engine)
-    : request_(request), volume_(store, std::move(levels), std::move(engine)) {}
-
 PixelRect BrickPass::draw(const PassTarget& target, PassContext& context) {
-  return Drawing(request_, volume_, target, context).run();
+  return Drawing(*this, target, context).run();
 }
 
 }  // namespace kiln

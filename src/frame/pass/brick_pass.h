@@ -3,31 +3,17 @@
 // brick that is not in memory is read while the bricks before it are drawn, unless they would hide it.
 #pragma once
 
-#include <memory>
-
-#include "frame/pass/frame_request.h"
-#include "frame/pass/walked_volume.h"
+#include "frame/pass/volume_pass.h"
 
 namespace kiln {
 
-class BrickPass final : public FramePass {
+class BrickPass final : public VolumePass<VolumeEngine> {
  public:
-  /// requires: `store` and `request` outlive this; `engine` refers to `levels`.
-  BrickPass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
-            std::unique_ptr<VolumeEngine> engine);
-
-  std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const override {
-    return volume_.inView(pixels, counts);
-  }
-  std::uint64_t steps(const PixelRect& pixels) const override { return volume_.bricksIn(pixels); }
+  using VolumePass::VolumePass;
   PixelRect draw(const PassTarget& target, PassContext& context) override;
-  std::uint64_t scratchBytes() const override { return volume_.engine().scratchBytes(); }
 
  private:
   class Drawing;
-
-  const FrameRequest& request_;
-  const WalkedVolume<VolumeEngine> volume_;
 };
 
 }  // namespace kiln

@@ -8,25 +8,15 @@
 #include "traverse/prefetcher.h"
 
 namespace kiln {
-namespace {
-
-// Bricks announced to the cache at a time.
-constexpr std::size_t kValuesAnnounced = 8;
-
-}  // namespace
-
-ValuePass::ValuePass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
-                     std::unique_ptr<ValueProjection> projection)
-    : request_(request), volume_(store, std::move(levels), std::move(projection)) {}
 
 PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
-  ValueProjection& projection = volume_.engine();
-  const BrickIndex& index = volume_.store().index();
+  ValueProjection& projection = engine();
+  const BrickIndex& index = store().index();
   const PixelRect& pixels = target.pixels.rect;
   BrickCache& cache = context.cache;
   BrickWalkCounts& walked = context.costs.walked;
   projection.begin(pixels);
-  const std::vector<BrickInView> bricks = projection.ordered(volume_.walk().inView(pixels, walked));
+  const std::vector<BrickInView> bricks = projection.ordered(walk().inView(pixels, walked));
   std::vector<BrickInView> with_file;
   for (const BrickInView& brick : bricks) {
     if (!index.at(brick.key).constant) with_file.push_back(brick);
@@ -34,10 +24,7 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
   // Nothing is opaque: a brick behind another is no guess.
   Prefetcher prefetcher(std::move(with_file),
                         [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick); });
-  const auto announceNext = [&] {
-    if (cache.readsAhead()) cache.announce(prefetcher.next(kValuesAnnounced));
-  };
-  announceNext();
+  prefetcher.announce(cache);
   PartProgress part(context.progress, "bricks", bricks.size());
   std::uint64_t passed = 0;
   for (const BrickInView& brick : bricks) {
@@ -52,7 +39,7 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
     if (!index.at(brick.key).constant) {
       block = cache.get(brick.key);
       prefetcher.turnOf(brick.key);
-      announceNext();
+      prefetcher.announce(cache);
       if (!block) {
         context.costs.statistics.damaged.insert({brick.key});
         continue;
@@ -60,22 +47,22 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
     }
     const ProfileScope drawing(Activity::kBrick);
     const DrawCounts drawn = drawBrick({{brick.key}, brick.rect, std::move(block)}, target);
-    volume_.addCosts(brick.key, drawn, context.costs);
+    addCosts(brick.key, drawn, context.costs);
     prefetcher.drew(brick.key, drawn.changed);
   }
-  projection.finish(request_.transfer_function, target.pixels);
+  projection.finish(request().transfer_function, target.pixels);
   part.finish();
   return pixels;
 }
 
 DrawCounts ValuePass::drawBrick(const BrickToDraw& brick, const PassTarget& target) {
-  const std::unique_ptr<const PreparedBrick> prepared = volume_.engine().prepare(brick);
+  const std::unique_ptr<const PreparedBrick> prepared = engine().prepare(brick);
   const PreparedBrick* const bricks[] = {prepared.get()};
-  const std::vector<PixelRect> tiles = tilesOf(request_.tile_px, target.pixels.rect, brick.rect);
+  const std::vector<PixelRect> tiles = tilesOf(request().tile_px, target.pixels.rect, brick.rect);
   std::vector<DrawCounts> counts(tiles.size());
   parallelFor(tiles.size(), [&](std::size_t i) {
-    volume_.engine().draw(
-        bricks, {target.pixels.of(tiles[i]), target.visibility, target.opacity_threshold, std::span(&counts[i], 1)});
+    engine().draw(bricks,
+                  {target.pixels.of(tiles[i]), target.visibility, target.opacity_threshold, std::span(&counts[i], 1)});
   });
   DrawCounts total;
   for (const DrawCounts& tile : counts) total.add(tile);

@@ -1,32 +1,18 @@
 // One volume whose values are projected, in an order of values.
 #pragma once
 
-#include <memory>
-
 #include "engine/projection/value_projection.h"
-#include "frame/pass/frame_request.h"
-#include "frame/pass/walked_volume.h"
+#include "frame/pass/volume_pass.h"
 
 namespace kiln {
 
-class ValuePass final : public FramePass {
+class ValuePass final : public VolumePass<ValueProjection> {
  public:
-  /// requires: `store` and `request` outlive this; `projection` refers to `levels`.
-  ValuePass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
-            std::unique_ptr<ValueProjection> projection);
-
-  std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const override {
-    return volume_.inView(pixels, counts);
-  }
-  std::uint64_t steps(const PixelRect& pixels) const override { return volume_.bricksIn(pixels); }
+  using VolumePass::VolumePass;
   PixelRect draw(const PassTarget& target, PassContext& context) override;
-  std::uint64_t scratchBytes() const override { return volume_.engine().scratchBytes(); }
 
  private:
   DrawCounts drawBrick(const BrickToDraw& brick, const PassTarget& target);
-
-  const FrameRequest& request_;
-  const WalkedVolume<ValueProjection> volume_;
 };
 
 }  // namespace kiln

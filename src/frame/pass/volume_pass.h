@@ -1,4 +1,4 @@
-// One volume, its engine, and the walk over the bricks that the engine selects.
+// The base class of passes over one volume, with the walk over the bricks that the volume's engine selects.
 #pragma once
 
 #include <memory>
@@ -7,35 +7,42 @@
 
 #include "engine/engine.h"
 #include "frame/pass/frame_pass.h"
+#include "frame/pass/frame_request.h"
 #include "traverse/brick_walk.h"
 
 namespace kiln {
 
 /// EngineOfVolume is VolumeEngine, or a class derived from it.
 template <class EngineOfVolume>
-class WalkedVolume {
+class VolumePass : public FramePass {
  public:
-  /// requires: `store` outlives this; `engine` refers to no other levels.
-  WalkedVolume(const StoreReader& store, std::unique_ptr<const FrameLevels> levels,
-               std::unique_ptr<EngineOfVolume> engine)
-      : store_(store),
+  /// requires: `store` and `request` outlive this; `engine` refers to no other levels.
+  VolumePass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
+             std::unique_ptr<EngineOfVolume> engine)
+      : request_(request),
+        store_(store),
         levels_(std::move(levels)),
         engine_(std::move(engine)),
         walk_(store, *levels_, engine_->selection()) {}
 
-  const StoreReader& store() const { return store_; }
-  EngineOfVolume& engine() const { return *engine_; }
-  const BrickWalk& walk() const { return walk_; }
-
-  std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const {
+  std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const final {
     std::vector<BrickOfFrame> out;
     for (const BrickInView& brick : walk_.inView(pixels, counts)) out.push_back({{brick.key}, brick.rect});
     return out;
   }
-  std::uint64_t bricksIn(const PixelRect& pixels) const {
+  /// A step is a brick.
+  std::uint64_t steps(const PixelRect& pixels) const final {
     BrickWalkCounts ignored;
     return walk_.inView(pixels, ignored).size();
   }
+  std::uint64_t scratchBytes() const final { return engine_->scratchBytes(); }
+
+ protected:
+  const FrameRequest& request() const { return request_; }
+  const StoreReader& store() const { return store_; }
+  EngineOfVolume& engine() const { return *engine_; }
+  const BrickWalk& walk() const { return walk_; }
+
   /// Adds the cost of a drawn brick.
   void addCosts(const BrickKey& key, const DrawCounts& drawn, PassCosts& costs) const {
     costs.drawn.add(drawn);
@@ -44,6 +51,7 @@ class WalkedVolume {
   }
 
  private:
+  const FrameRequest& request_;
   const StoreReader& store_;
   const std::unique_ptr<const FrameLevels> levels_;
   const std::unique_ptr<EngineOfVolume> engine_;
