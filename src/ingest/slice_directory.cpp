@@ -138,18 +138,34 @@ std::vector<fs::path> foldersBelow(const fs::path& directory) {
   return out;
 }
 
-// Notes DICOM files in folders below a folder that has slices of its own, because these files may belong to the volume.
-void noteSlicesBelow(const fs::path& directory, std::vector<std::string>& notes) {
-  std::vector<fs::path> below;
-  for (const fs::path& folder : foldersBelow(directory)) {
-    for (const fs::path& path : entriesOf(folder).files) {
+// Entries of folders, by kind.
+struct SortedEntries {
+  std::vector<fs::path> tiff, dicom, other, no_files;
+  std::vector<Unread> unread;
+
+  void add(const fs::path& folder) {
+    const Entries entries = entriesOf(folder);
+    no_files.insert(no_files.end(), entries.others.begin(), entries.others.end());
+    for (const fs::path& path : entries.files) {
       try {
-        if (formatOf(path) == SliceFormat::kDicom) below.push_back(path);
-      } catch (const Error&) {
-        // An unreadable file here is no part of the volume.
+        const SliceFormat format = formatOf(path);
+        (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+      } catch (const Error& error) {
+        unread.push_back(unreadBy(error, path));
       }
     }
   }
+  void addBelow(const fs::path& directory) {
+    for (const fs::path& folder : foldersBelow(directory)) add(folder);
+  }
+};
+
+// Notes DICOM files in folders below a folder that has slices of its own, because these files may belong to the volume.
+// Unreadable files there are no part of the volume.
+void noteSlicesBelow(const fs::path& directory, std::vector<std::string>& notes) {
+  SortedEntries entries;
+  entries.addBelow(directory);
+  const std::vector<fs::path>& below = entries.dicom;
   if (below.empty()) return;
   notes.push_back(fmt::format(
       "passed over {} DICOM file{} in folders below, as {}: the folder has slices of its own; to read them, name their "
@@ -184,21 +200,9 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 }
 
 SliceFiles slicesIn(const fs::path& directory) {
-  std::vector<fs::path> tiff, dicom, other, no_files;
-  std::vector<Unread> unread;
-  const auto add = [&](const fs::path& folder) {
-    const Entries entries = entriesOf(folder);
-    no_files.insert(no_files.end(), entries.others.begin(), entries.others.end());
-    for (const fs::path& path : entries.files) {
-      try {
-        const SliceFormat format = formatOf(path);
-        (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
-      } catch (const Error& error) {
-        unread.push_back(unreadBy(error, path));
-      }
-    }
-  };
-  add(directory);
+  SortedEntries entries;
+  auto& [tiff, dicom, other, no_files, unread] = entries;
+  entries.add(directory);
   std::string missing;
   const auto list = std::find_if(dicom.begin(), dicom.end(), isDicomDirectory);
   const bool listed = list != dicom.end();
@@ -208,7 +212,7 @@ SliceFiles slicesIn(const fs::path& directory) {
   }
   const bool searched = listed || (tiff.empty() && dicom.empty());
   if (searched) {
-    for (const fs::path& folder : foldersBelow(directory)) add(folder);
+    entries.addBelow(directory);
     if (!tiff.empty() && dicom.empty())
       throw Error(ErrorCode::kUnsupported, directory, "",
                   "a directory without slices, but there are TIFF files in " + tiff.front().parent_path().string() +
