@@ -55,7 +55,7 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
 CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
   const auto refused = [least, most](std::string& text) {
     std::int64_t value = 0;
-    if (isDecimalWhole(text, value) && value >= least && value <= most) return std::string();
+    if (isDecimal(text, value) && value >= least && value <= most) return std::string();
     if (most < INT64_MAX) return fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
     return fmt::format("expected a whole number from {} on, found '{}'", least, text);
   };
@@ -65,10 +65,7 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
 CLI::Validator numberFrom(double least, double most) {
   const auto refused = [least, most](std::string& text) {
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    // NaN is in no range.
-    if (whole && value >= least && value <= most) return std::string();
+    if (isDecimal(text, value) && value >= least && value <= most) return std::string();
     return fmt::format("expected a number from {} to {}, found '{}'", least, most, text);
   };
   return {refused, ""};

@@ -24,12 +24,18 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 /// Validates a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
 
-/// Returns whether the text is a whole number in decimal digits. A leading 0 is refused: CLI11 reads 010 as octal 8.
+/// Returns whether the whole text is a finite number in decimal digits that T can hold. A leading 0 of a whole number
+/// is refused: CLI11 reads 010 as octal 8.
 template <class T>
-bool isDecimalWhole(std::string_view text, T& value) {
+bool isDecimal(std::string_view text, T& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
-  return error == std::errc() && end == text.data() + text.size() && (digits.size() == 1 || !digits.starts_with('0'));
+  if (error != std::errc() || end != text.data() + text.size()) return false;
+  if constexpr (std::is_integral_v<T>) {
+    const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
+    return digits.size() == 1 || !digits.starts_with('0');
+  } else {
+    return std::isfinite(value);
+  }
 }
 
 /// Validates a number in decimal digits that T can hold. CLI11 itself also takes nan, infinities, blanks, hexadecimal
@@ -38,12 +44,7 @@ template <class T>
 CLI::Validator decimalNumber() {
   const auto refused = [](std::string& text) {
     T value{};
-    if constexpr (std::is_integral_v<T>) {
-      if (isDecimalWhole(text, value)) return std::string();
-    } else {
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value)) return std::string();
-    }
+    if (isDecimal(text, value)) return std::string();
     return fmt::format("expected a {}number, found '{}'", std::is_integral_v<T> ? "whole " : "", text);
   };
   return {refused, ""};
