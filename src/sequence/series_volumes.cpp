@@ -86,19 +86,31 @@ std::vector<int> framesOfAll(const std::vector<fs::path>& patterns) {
   return out.value_or(std::vector<int>());
 }
 
-// Returns whether a path is a store with a readable manifest. Every other store fails as its own frame.
-bool hasManifest(const fs::path& store) {
-  if (!isStore(store)) return false;
-  try {
-    readManifest(store);
-    return true;
-  } catch (const Error&) {
-    return false;
+// Manifests of stores, each read once.
+class Manifests {
+ public:
+  /// throws: as readManifest.
+  const Manifest& of(const fs::path& store) {
+    const auto found = read_.find(store);
+    return found != read_.end() ? found->second : read_.emplace(store, readManifest(store)).first->second;
   }
-}
+  /// Returns whether a path is a store with a readable manifest. Every other store fails as its own frame.
+  bool has(const fs::path& store) {
+    if (!isStore(store)) return false;
+    try {
+      of(store);
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+ private:
+  std::map<fs::path, Manifest> read_;
+};
 
 // All frames with readable stores, because manifests hold boxes and values; the first frame of foreign files.
-std::vector<int> decidingFrames(const RenderJob& job, bool resume) {
+std::vector<int> decidingFrames(const RenderJob& job, bool resume, Manifests& manifests) {
   const std::vector<fs::path> patterns = volumesOf(job);
   std::vector<int> there = framesOfAll(patterns);
   if (const std::vector<int> earlier = resume ? framesOfEarlierRun(job) : std::vector<int>();
@@ -107,7 +119,7 @@ std::vector<int> decidingFrames(const RenderJob& job, bool resume) {
   std::vector<int> readable;
   std::copy_if(there.begin(), there.end(), std::back_inserter(readable), [&](int frame) {
     return std::all_of(patterns.begin(), patterns.end(), [&](const fs::path& pattern) {
-      return !hasFramePlace(pattern) || hasManifest(pathOfFrame(pattern, frame));
+      return !hasFramePlace(pattern) || manifests.has(pathOfFrame(pattern, frame));
     });
   });
   if (!readable.empty()) return readable;
@@ -174,10 +186,11 @@ std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFo
                                              Ranks* ranks) {
   if (!isSeries(job)) return nullptr;
   const bool shared = ranks != nullptr && !ranks->alone();
+  Manifests manifests;
   std::vector<int> frames;
   std::vector<std::vector<std::string>> stores;
   if (!shared || ranks->first()) {
-    frames = decidingFrames(job, resume);
+    frames = decidingFrames(job, resume, manifests);
     stores = decidingStores(job, frames, store_for);
   }
   if (shared) {
@@ -187,15 +200,15 @@ std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFo
   std::vector<std::vector<Manifest>> volumes;
   std::vector<VolumeGeometry> first;
   for (const std::vector<std::string>& of_volume : stores) {
-    std::vector<Manifest>& manifests = volumes.emplace_back();
-    for (const std::string& store : of_volume) manifests.push_back(readManifest(store));
-    first.push_back(manifests.front().geometry());
+    std::vector<Manifest>& of_frames = volumes.emplace_back();
+    for (const std::string& store : of_volume) of_frames.push_back(manifests.of(store));
+    first.push_back(of_frames.front().geometry());
   }
   auto out = std::make_shared<SeriesLook>();
   const VolumeGeometry world = sharedWorld(first);
-  for (std::vector<Manifest>& manifests : volumes) {
-    for (Manifest& manifest : manifests) manifest.placeIn(world);
-    out->volumes.push_back(unionOf(manifests));
+  for (std::vector<Manifest>& of_frames : volumes) {
+    for (Manifest& manifest : of_frames) manifest.placeIn(world);
+    out->volumes.push_back(unionOf(of_frames));
   }
   out->frames = framesText(frames);
   out->choice =
