@@ -133,7 +133,8 @@ TEST(FileLock, ThatIsHeld_IsRefusedOrWaitedFor) {
 TEST(FileLock, AFileOfThatNameThatIsNoLock_IsLeft) {
   const fs::path path = freshDirectory("no_lock") / "v.lock";
   writeText(path, "somebody's notes");
-  EXPECT_NE(refusal([&] { FileLock(path, [] {}); }).find("has the name of a lock file, but is none; move it"), std::string::npos);
+  EXPECT_NE(refusal([&] { FileLock(path, [] {}); }).find("has the name of a lock file, but is none; move it"),
+            std::string::npos);
   EXPECT_EQ(readTextFile(path), "somebody's notes");
 }
 

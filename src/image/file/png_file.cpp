@@ -105,8 +105,8 @@ void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
 }
 
 // Filter and deflate strategy: three times as fast as the libraries' defaults, with files equally large within some per
-// cent (figures: image/file/decisions/compression.md). The lower byte of 16-bit samples is close to noise, in which only
-// runs are worth a search.
+// cent (figures: image/file/decisions/compression.md). The lower byte of 16-bit samples is close to noise, in which
+// only runs are worth a search.
 void setCompression(png_structp png, int bits) noexcept {
   png_set_filter(png, PNG_FILTER_TYPE_BASE, bits == 16 ? PNG_FILTER_PAETH : PNG_FILTER_UP);
   png_set_compression_strategy(png, bits == 16 ? Z_RLE : Z_FILTERED);

@@ -218,8 +218,8 @@ class Arrangement {
     notes_.push_back(what + "; took " + taken);
   }
 
-  // The reason why a file of the series is no slice, since that file may be the missing slice; empty without such a
-  // file.
+  // Returns the first note that names a passed-over file, because that file may be the missing slice; empty without
+  // such a note.
   std::string passedOver() const {
     const auto note = std::find_if(notes_.begin(), notes_.end(),
                                    [](const std::string& text) { return text.starts_with("passed over '"); });
