@@ -1,5 +1,5 @@
-// Every key of a job, once: the parser knows the keys of each object from these tables, and the published schema is
-// made of them, so that neither has a key that the other has not.
+// The table of all keys of a job. The parser takes the keys of each object from the table, and the published schema is
+// made of the table, so that parser and schema have the same keys.
 #pragma once
 
 #include <span>
@@ -22,7 +22,7 @@ extern const JobKeys kRoot, kImage, kCamera, kTransferFunction, kPoint, kGradien
     kDirectionalLight, kPointLight, kClipPlane, kGradient, kVisibility, kExr, kPng, kOutput, kVideo, kStereo;
 }  // namespace job_keys
 
-/// JSON Schema (draft 2020-12) of a job. Comments, which a job may have, are no matter of a schema.
+/// JSON Schema (draft 2020-12) of a job. A job may also have comments, which a schema cannot describe.
 std::string jobSchemaText();
 
 }  // namespace kiln

@@ -43,7 +43,8 @@ struct CellInput {
 };
 
 /// Scratch memory for the rays and samples of a cell. Vectors may read undefined values beyond the last ray or sample;
-/// these are never used.
+/// results of these values are never used. Offsets are clamped into the cell up to the end of the last vector, so that
+/// voxels may be read at the offset behind the last sample.
 struct CellSamples {
   /// Most samples and rays that pass through a cell's steps together, and array sizes with room for whole vectors.
   static constexpr std::size_t kLanes = 16, kMost = 512, kRoom = kMost + 2 * kLanes;
