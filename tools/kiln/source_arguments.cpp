@@ -45,7 +45,7 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
       std::abs(values[0]) > 1e6 || std::abs(values[1]) > 1e6) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: expected WIDTHxHEIGHT, found '{}'", option, text));
   }
-  // Known before memory is planned for it.
+  // Tested here, before the memory of the picture is planned.
   if (std::min(values[0], values[1]) < 1 || std::max(values[0], values[1]) > kLargestSide_px)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: each side must be from 1 to {} pixels, found '{}'", option, kLargestSide_px, text));

@@ -1,4 +1,4 @@
-// Options that say what a foreign file does not: shared by the commands that read one.
+// Options for properties that a foreign file lacks, such as the dimensions of raw data; and validators of numbers.
 #pragma once
 
 #include <fmt/format.h>
@@ -50,7 +50,7 @@ CLI::Validator decimalNumber() {
   return {refused, ""};
 }
 
-/// An option that takes such a number; `value` is a number or a std::optional of one.
+/// Adds an option with a decimal number. `value` is a number or a std::optional of a number.
 template <class T>
 CLI::Option* addNumber(CLI::App& command, const std::string& name, T& value, const std::string& help) {
   return command.add_option(name, value, help)->check(decimalNumber<T>());
@@ -73,24 +73,24 @@ struct SourceArguments {
 
 void addSourceArguments(CLI::App& command, SourceArguments& arguments);
 
-/// The option --memory. `text` is a std::string, whose value is the default, or a std::optional where a job has one.
-/// `holds` ends the sentence "the most memory, for …".
+/// Adds the option --memory. `text` is a std::string with the default, or a std::optional if a job may set the memory.
+/// `holds` ends the help text "the most memory, for …".
 template <class Text>
 CLI::Option* addMemory(CLI::App& command, Text& text, const std::string& holds) {
   return command.add_option("--memory", text, "the most memory, for " + holds)->type_name("BYTES");
 }
 inline constexpr const char* kDefaultMemory = "2G";
 
-/// The finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".
+/// Returns the finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".
 std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected);
-/// Three numbers "a,b,c". throws: Error kUsage naming `option`.
+/// Returns the three numbers of "a,b,c". throws: Error kUsage naming `option`.
 glm::dvec3 parseTriple(const std::string& text, const char* option);
-/// Two integers "AxB" or "A,B". throws: Error kUsage naming `option`.
+/// Returns the two integers of "AxB" or "A,B". unit: pixels. throws: Error kUsage naming `option`.
 std::pair<int, int> parseSize(const std::string& text, const char* option);
-/// throws: Error kUsage where the file is a volume of another format than a store, and `wanted` ("a picture") was to be
-/// named: with the commands that convert and draw it.
+/// throws: Error kUsage if the file is a volume and no store. The message names the expected kind of file (`wanted`,
+/// such as "a picture") and the commands that convert and draw the volume.
 void refuseVolumeFile(const std::filesystem::path& path, const char* wanted);
-/// Now, as ISO 8601 in UTC.
+/// Returns the present time in UTC. unit: ISO 8601.
 std::string timeNow();
 
 }  // namespace kiln::tool
