@@ -24,7 +24,7 @@ struct Animation {
   bool any() const {
     return camera.index() != 0 || !functions.empty() || !lights.empty() || !clip.empty() || !stereo.empty();
   }
-  /// From the first frame that something is said of to the last; 1 where there is none.
+  /// Returns the frames from the first key to the last; frame 1 without keys.
   std::vector<int> frames() const;
 };
 

@@ -8,8 +8,8 @@
 namespace kiln {
 namespace {
 
-// From this edge of a voxel on, one sample is enough (figures: job/decisions/samples-a-pixel.md): 3/4, less what a
-// depth is rounded by, which is not to decide where a scene is laid out for 3/4. unit: pixels.
+// Least edge of a voxel for which one sample is enough (experiment: job/decisions/samples-a-pixel.md). The edge is 3/4
+// minus the rounding error of a depth, so that rounding does not decide for scenes of exactly 3/4. unit: pixels.
 constexpr double kLargeEnough = 0.75 - 1e-9;
 // Edge of a voxel from which one sample suffices while the camera moves, because a detail that a ray meets or misses
 // flickers. Turned by 0.1 degree, scanned heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as with 16

@@ -38,7 +38,7 @@ class Walk {
     }
   }
 
-  // From the quote on; what it says without the escapes resolved, which no key of ours needs.
+  // Reads a string from its opening quote on. Escapes stay unresolved, because no key of a job has escapes.
   std::string_view string() {
     const std::size_t begin = ++at_;
     while (at_ < text_.size() && text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;

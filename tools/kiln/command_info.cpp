@@ -191,7 +191,7 @@ void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
     exr["compression"] = layout.compression;
 }
 
-// As `kiln render` takes it, once it is in a file.
+// Returns the job of a picture as JSON, which `kiln render` reads from a file.
 std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
   const std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
   const auto job = texts.find(ImageMetadata::kJob);

@@ -40,7 +40,7 @@ class TerminalProgress : public Progress {
   void tell(std::function<void(const Numbers&)> listener) { listener_ = std::move(listener); }
   /// Shows no progress from here on, or plain lines also on a terminal.
   void silence() { silent_ = true; }
-  /// As `silence`, and notes say whose they are.
+  /// As `silence`; notes begin with the number of the rank.
   void speakAsRank(int rank);
   void plain() { terminal_ = false; }
   /// Ends a line that is being drawn over.

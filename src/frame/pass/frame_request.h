@@ -24,10 +24,11 @@ struct VolumeRequest {
   Clipping clipping;
 };
 
-/// With so many bricks at a time a thread that has no tile of one has another's: after each set threads wait for the
-/// last tile of it, and of four bricks that is up to a tenth of the time.
+/// Most bricks drawn together. After each set, threads wait for the last tile of the set: with four bricks for up to a
+/// tenth of the time.
 inline constexpr int kMostBricksTogether = 32;
-/// And so many are worth more than room for other things, or than knowing what they hide of the next one.
+/// Bricks that keep the threads busy. Fewer bricks wait for more, even if memory is short or the waiting bricks may
+/// hide the next brick.
 inline constexpr int kEnoughBricksTogether = 4;
 
 /// The request of a frame: everything but the volume, with every choice made.
