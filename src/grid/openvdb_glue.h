@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <new>
 #include <type_traits>
 
 #include "grid/coords.h"
@@ -27,6 +28,15 @@ inline void initializeOpenVdb() {
   }();
   (void)done;
 }
+
+/// Checks that the system gives `bytes`, before a library allocates them without a check. Untouched pages cost nothing.
+/// throws: std::bad_alloc.
+inline void requireMemory(std::size_t bytes) { ::operator delete(::operator new(bytes)); }
+
+/// Checks that Blosc can allocate its working memory for a block of `bytes`: Blosc does not check, and its failed
+/// allocation would end the process. The allocator gives the freed memory to the next call of this thread. throws:
+/// std::bad_alloc.
+inline void requireBloscMemory(std::size_t bytes) { requireMemory(3 * bytes + 4096); }
 
 template <class T>
 struct GridTypeFor {

@@ -1,6 +1,7 @@
 // The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
 // 0 done, 1 data or I/O, 2 what was asked. Started by mpirun it is one of several ranks: one of them speaks, and one
 // that fails ends all.
+#include <execinfo.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -13,15 +14,14 @@
 #include <future>
 #include <iterator>
 #include <memory>
-#include <new>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
 #include "base/error.h"
 #include "base/process.h"
+#include "base/refusal.h"
 #include "cluster/agreement.h"
 #include "commands.h"
 #include "say.h"
@@ -67,16 +67,26 @@ constexpr const char* kNoMemory = "the machine has no more memory to give; lower
 constexpr const char* kNoThread =
     "the system gives this process no more threads or memory (ulimit -u, -v); lower --threads, or raise the limit";
 
+// The sentence of a refusal; null for kNone.
+const char* sentenceOf(kiln::Refusal refusal) {
+  switch (refusal) {
+    case kiln::Refusal::kMemory:
+      return kNoMemory;
+    case kiln::Refusal::kThreads:
+      return kNoThread;
+    case kiln::Refusal::kNone:
+      break;
+  }
+  return nullptr;
+}
+
 // Ends the process in one line if a thread, or a library before `main`, is refused memory or a thread.
 [[noreturn]] void endUnhandled() {
   try {
     if (const std::exception_ptr unhandled = std::current_exception()) std::rethrow_exception(unhandled);
-  } catch (const std::bad_alloc&) {
-    kiln::tool::complainPlainly(kNoMemory);
-    std::_Exit(1);
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::resource_unavailable_try_again) {
-      kiln::tool::complainPlainly(kNoThread);
+  } catch (const std::exception& error) {
+    if (const char* const sentence = sentenceOf(kiln::refusalOf(error))) {
+      kiln::tool::complainPlainly(sentence);
       std::_Exit(1);
     }
   } catch (...) {
@@ -197,14 +207,17 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
     return 0;
   } catch (const kiln::Error& error) {
     return fail(context, error.what(), error.exitCode());
-  } catch (const std::bad_alloc&) {
-    return fail(context, kNoMemory, 1);
-  } catch (const std::system_error& error) {
-    const bool no_thread = error.code() == std::errc::resource_unavailable_try_again;
-    return fail(context, no_thread ? kNoThread : unexpected(error), 1);
   } catch (const std::exception& error) {
+    if (const char* const sentence = sentenceOf(kiln::refusalOf(error))) return fail(context, sentence, 1);
     return fail(context, saidAll() ? unexpected(error) : kUnsaid, 1);
   }
+}
+
+// Unwinding through a function of the C library loads libgcc, which the library cannot do without memory, and then
+// ends the process. The first call loads it.
+void loadUnwinder() {
+  void* frame = nullptr;
+  ::backtrace(&frame, 1);
 }
 
 // Opens closed standard streams on /dev/null, so that the next opened file does not get their numbers and their text.
@@ -240,6 +253,7 @@ void kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
 }
 
 int main(int argc, char** argv) {
+  loadUnwinder();
   occupyStandardFiles();
   // Beyond a limit of file sizes a write fails, and is told of, as on a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
@@ -253,10 +267,11 @@ int main(int argc, char** argv) {
   } catch (const kiln::Error& error) {
     complain("kiln: {}\n", error.what());
     return error.exitCode();
-  } catch (const std::bad_alloc&) {
-    kiln::tool::complainPlainly(kNoMemory);
-    return 1;
   } catch (const std::exception& error) {
+    if (const char* const sentence = sentenceOf(kiln::refusalOf(error))) {
+      kiln::tool::complainPlainly(sentence);
+      return 1;
+    }
     complain("kiln: {}\n", unexpected(error));
     return 1;
   }

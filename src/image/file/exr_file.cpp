@@ -21,6 +21,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/thread/parallel.h"
 #include "image/file/exr_cost.h"
 #include "image/file/exr_deep_check.h"
@@ -146,6 +147,7 @@ auto reading(const std::filesystem::path& path, Read read) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
+    rethrowRefusal();
     throw Error(ErrorCode::kFormat, path, "", std::string("cannot be read as OpenEXR: ") + error.what());
   }
 }
@@ -269,6 +271,7 @@ std::vector<std::byte> encodeExr(const Image& image, const ImageMetadata& metada
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
+    rethrowRefusal();
     throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
   }
   return stream.take();

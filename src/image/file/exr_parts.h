@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "image/file/image_file.h"
 #include "image/file/scratch_output.h"
 
@@ -65,6 +66,7 @@ void writeExr(ScratchOutput& out, const std::filesystem::path& path, Write write
     throw;
   } catch (const std::exception& error) {
     stream.finish();
+    rethrowRefusal();
     throw Error(ErrorCode::kIo, path, "", std::string("OpenEXR cannot write this picture: ") + error.what());
   }
   stream.finish();

@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory/memory.h"
+#include "base/refusal.h"
 #include "grid/openvdb_glue.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/source/formats.h"
@@ -104,7 +105,7 @@ class GridFile : public openvdb::io::Archive {
 
   void charge(const GridEntry& entry, std::uint64_t bytes) {
     held_bytes_ += bytes;
-    if (held_bytes_ <= memory_bytes_) return;
+    if (held_bytes_ <= memory_bytes_) return requireMemory(bytes);
     throw Error(
         ErrorCode::kBudget, file_.path(), "--memory",
         fmt::format("{} is too little: grid '{}' is read whole, which takes {}, and the buffers of a conversion "
@@ -296,10 +297,8 @@ std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions
     return openChecked(input, options);
   } catch (const Error&) {
     throw;
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kFormat, input, "OpenVDB",
-                "needs more memory than is available: the file is damaged, or the grid is too large");
   } catch (const std::exception& error) {
+    rethrowRefusal();
     throw Error(ErrorCode::kFormat, input, "OpenVDB",
                 std::string(error.what()) + "; the file is damaged, or newer than this OpenVDB reads");
   }

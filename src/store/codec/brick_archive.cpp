@@ -222,6 +222,7 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
   // As openvdb::io::bloscToStream, without its buffer per leaf. The length is negative for uncompressed values.
   const std::size_t bytes = stored_bytes * count, before = size_;
+  requireBloscMemory(bytes);
   const int packed = blosc_compress_ctx(kBloscLevel, BLOSC_SHUFFLE, kBloscTypeBytes, bytes, values,
                                         data_.get() + size_ + sizeof(std::int64_t), bytes + BLOSC_MAX_OVERHEAD,
                                         BLOSC_LZ4_COMPNAME, /*blocksize=*/bytes, /*threads=*/1);

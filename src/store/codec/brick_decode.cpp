@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "grid/vdb_lengths.h"
 #include "store/codec/brick_archive.h"
 #include "store/codec/brick_file.h"
@@ -135,6 +136,7 @@ class LeafReader {
   template <class F>
   void read(Leaf& leaf, F&& f) {
     leaf.swap(spare_);
+    requireBloscMemory(Leaf::SIZE * sizeof(Value));
     leaf.readBuffers(in_, half_);
     f(std::as_const(leaf));
     leaf.swap(spare_);
@@ -445,6 +447,7 @@ BrickBlock decodeBrick(const BrickDesc& frame, std::span<const std::byte> file, 
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
+    rethrowRefusal();
     throw Error(ErrorCode::kDamaged, path, "OpenVDB", error.what());
   }
 }
