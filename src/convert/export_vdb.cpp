@@ -7,6 +7,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/tools/Prune.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -16,6 +17,7 @@
 
 #include "base/memory/memory.h"
 #include "base/path_status.h"
+#include "base/refusal.h"
 #include "grid/openvdb_glue.h"
 
 namespace kiln {
@@ -109,18 +111,20 @@ class GridFiller {
     }
   }
 
-  // Charges the memory of a brick; called before each non-constant brick. The tree is measured only if its upper
-  // bound, all voxels of all bricks, exceeds the memory.
-  void charge(const VoxelBox& brick, const fs::path& out) {
-    held_bytes_ += static_cast<std::uint64_t>(brick.count()) * (sizeof(Value) + 1);
-    if (held_bytes_ <= memory_bytes_) return;
-    held_bytes_ = grid_->memUsage();
-    if (held_bytes_ <= memory_bytes_) return;
-    throw Error(
-        ErrorCode::kBudget, out, "",
-        fmt::format(
-            "the grid takes more than the {} of --memory beside the index; give more, or export a coarser level",
-            formatBytes(memory_bytes_)));
+  // Charges a brick of which all voxels enter the tree. Called before the brick is read: the tree before, its growth
+  // and the reading of the brick must fit. The tree is measured only if its upper bound is too large. Returns false if
+  // the brick does not fit.
+  bool charge(const VoxelBox& brick, std::uint64_t read_bytes) {
+    const std::uint64_t needed = growthBytes(brick) + read_bytes;
+    if (held_bytes_ + needed > memory_bytes_) held_bytes_ = grid_->memUsage();
+    if (held_bytes_ + needed > memory_bytes_) return false;
+    held_bytes_ += growthBytes(brick);
+    return true;
+  }
+
+  /// Upper bound of the leaves of a brick. unit: bytes.
+  static std::uint64_t growthBytes(const VoxelBox& brick) {
+    return static_cast<std::uint64_t>(brick.count()) * (sizeof(Value) + 1);
   }
 
   typename Grid::Ptr finish() {
@@ -153,11 +157,32 @@ class GridFiller {
   bool half_ = true, signed_zero_ = false;
 };
 
+// Memory for any content of the level: all voxels of all stored bricks in the tree, one brick being read, the index.
+template <class Filler>
+std::uint64_t sufficientBytes(const StoreReader& store, int level) {
+  const Extent3 lattice = store.level(level).bricks;
+  std::uint64_t grid = 0, read = 0;
+  for (std::int64_t i = 0; i < lattice.count(); ++i) {
+    const BrickKey key{level, brickAt(lattice, i)};
+    if (store.index().at(key).constant) continue;
+    grid += Filler::growthBytes(store.frame(key).core());
+    read = std::max<std::uint64_t>(read, store.readBytes(key));
+  }
+  return grid + read + store.index().bytes();
+}
+
 template <class T, class Grid>
 openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, const fs::path& out,
                               std::uint64_t memory_bytes, Progress& progress) {
   GridFiller<T, Grid> filler(store.manifest(), place, memory_bytes);
   const Extent3 lattice = store.level(level).bricks;
+  const auto refuse = [&](const BrickKey& key) {
+    throw Error(ErrorCode::kBudget, out, "--memory",
+                fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
+                            "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
+                            formatBytes(memory_bytes), formatBytes(store.readBytes(key)),
+                            roundedUpBytes(sufficientBytes<GridFiller<T, Grid>>(store, level))));
+  };
   const auto bricks = static_cast<std::uint64_t>(lattice.count());
   for (std::uint64_t i = 0; i < bricks; ++i) {
     progress.throwIfCancelled("exporting");
@@ -166,7 +191,7 @@ openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placeme
     if (entry.constant) {
       filler.fill(store.frame(key).core(), entry.core.lo);
     } else {
-      filler.charge(store.frame(key).core(), out);
+      if (!filler.charge(store.frame(key).core(), store.readBytes(key))) refuse(key);
       filler.take(store.read(key));
     }
     progress.advance("exporting", "bricks", i + 1, bricks);
@@ -190,11 +215,15 @@ class CheckedArchive : public openvdb::io::Archive {
 void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem& disk) {
   disk.replace(out, [&](const fs::path& temporary) {
     try {
+      constexpr std::size_t kLargestLeaf = 512 * sizeof(double);
+      requireBloscMemory(kLargestLeaf);
       errno = 0;
       CheckedArchive().write(grid, temporary);
     } catch (const std::exception& error) {
+      const int error_number = errno;
+      rethrowRefusal();
       // OpenVDB reports only that writing failed; errno has the cause.
-      if (const int error_number = errno; error_number != 0) throw systemError(error_number, out, "writing the grid");
+      if (error_number != 0) throw systemError(error_number, out, "writing the grid");
       throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
     }
     disk.syncFile(temporary);

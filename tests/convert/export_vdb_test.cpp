@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/memory/memory.h"
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/store_writer.h"
@@ -266,6 +267,30 @@ TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
   }
   EXPECT_EQ(fs::file_size(out()), 3u);
   EXPECT_GT(exported(/*overwrite=*/true).voxels, 0u);
+}
+
+// Known because one brick of 16 x 16 x 16 bytes with its apron takes more than 4 KiB: no brick may be read first. The
+// named amount must suffice, and the volume is noise, of which the grid holds every voxel.
+TEST_F(ExportVdb, NamesTheMemoryThatSuffices) {
+  makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {40, 33, 20}), denseValue<std::uint8_t>);
+  const StoreReader store(directory_ / "s.kiln");
+  const auto exportWithin = [&](std::uint64_t bytes) {
+    exportVdb(store, 0, out(), silent_, FileSystem::real(), /*overwrite=*/true, bytes);
+  };
+  std::string named;
+  for (const std::uint64_t bytes : {std::uint64_t{0}, store.index().bytes() + 4096}) {
+    try {
+      exportWithin(bytes);
+      FAIL() << "exported within " << bytes;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kBudget);
+      const std::string said = error.what();
+      const std::size_t at = said.find("give --memory ") + 14;
+      named = said.substr(at, said.find(',', at) - at);
+    }
+    EXPECT_FALSE(fs::exists(out()));
+  }
+  EXPECT_NO_THROW(exportWithin(parseBytes(named, "--memory"))) << named;
 }
 
 // A disk without sync or rename, a missing directory, a user who stops: no new file remains, and no old file is lost.
