@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/io_count.h"
+#include "base/renamed_error.h"
 #include "base/same_file.h"
 #include "base/temporary_file.h"
 #include "base/text.h"
@@ -79,7 +80,14 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
   return done;
 }
 
+// System calls read a name up to its first NUL and would reach another file.
+void requireWholeName(const fs::path& path) {
+  if (path.native().find('\0') != std::string::npos)
+    throw Error(ErrorCode::kUsage, path, "", "a file name has no NUL character; remove it from the name");
+}
+
 int openUninterrupted(const fs::path& path, int flags, mode_t mode = 0) {
+  requireWholeName(path);
   return uninterrupted([&] { return ::open(path.c_str(), flags, mode); });
 }
 
@@ -214,13 +222,14 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
 std::string extensionOf(const fs::path& path) { return lowered(path.extension().string()); }
 
 fs::path behindLinks(const fs::path& path) {
+  requireWholeName(path);
   fs::path out = path;
   for (int i = 0; i < kMostLinks; ++i) {
     std::optional<fs::path> next = behindLink(out);
-    if (!next) break;
+    if (!next) return out;
     out = std::move(*next);
   }
-  return out;
+  throw systemError(ELOOP, path, "following its links");
 }
 
 bool FileNames::add(const fs::path& path) {
@@ -260,6 +269,7 @@ void FileSystem::writeOwn(const fs::path& path, std::span<const std::byte> data,
 void FileSystem::writeOwn(const fs::path& path, std::string_view text) { writeOwn(path, bytesOf(text)); }
 
 void FileSystem::writeOwn(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  requireWholeName(path);
   const fs::path temporary = path.string() + ".tmp";
   try {
     write(temporary);
@@ -300,7 +310,11 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
   const fs::path directory = place.has_parent_path() ? place.parent_path() : ".";
   if (!fs::is_directory(directory, unknown))
     throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
-  makeScratch(directory);
+  try {
+    makeScratch(directory);
+  } catch (const Error& error) {
+    throw renamed(error, directory, path);
+  }
   const long most = ::pathconf(directory.c_str(), _PC_NAME_MAX);
   const auto bytes = static_cast<long>(place.filename().native().size()) + TemporaryFile::kLongerBytes;
   if (most > 0 && bytes > most) {
@@ -346,6 +360,7 @@ void FileSystem::appendFile(const fs::path& path, std::span<const std::byte> dat
 }
 
 void FileSystem::rename(const fs::path& from, const fs::path& to) {
+  requireWholeName(to);
   if (::rename(from.c_str(), to.c_str()) != 0) throw systemError(errno, to, "renaming into place");
 }
 
@@ -369,6 +384,7 @@ void FileSystem::syncAll(const fs::path& path) {
 }
 
 void FileSystem::removeAll(const fs::path& path) {
+  requireWholeName(path);
   std::error_code error;
   // A second walk removes entries that a failing call left behind.
   for (int walks = 0; walks == 0 || (error && walks < 2); ++walks) {

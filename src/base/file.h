@@ -55,7 +55,8 @@ inline std::span<const std::byte> bytesOf(std::string_view text) {
 std::string extensionOf(const std::filesystem::path& path);
 
 /// Follows a link, and a link to a link, to the last target, existing or not. Any path without a link is returned
-/// unchanged. Writing to the target keeps the link. throws: Error kIo if another user made a link.
+/// unchanged. Writing to the target keeps the link. throws: Error kIo if another user made a link or links lead to one
+/// another; kUsage if the name has a NUL character.
 std::filesystem::path behindLinks(const std::filesystem::path& path);
 /// True if writing to `path` must not replace the file: a device such as /dev/null, or an open file of this process,
 /// such as /dev/stdout.

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/renamed_error.h"
 #include "base/same_file.h"
 
 namespace kiln {
@@ -48,11 +49,7 @@ bool TemporaryFile::claim() {
   return false;
 }
 
-Error TemporaryFile::named(const Error& error) const {
-  const std::string text = error.what(), prefix = path_.string() + ": ";
-  if (!text.starts_with(prefix)) return error;
-  return Error(error.code(), destination_, "", text.substr(prefix.size()));
-}
+Error TemporaryFile::named(const Error& error) const { return renamed(error, path_, destination_); }
 
 TemporaryFile::~TemporaryFile() {
   removeIfStill(path_, file_);

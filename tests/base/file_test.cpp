@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/renamed_error.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -92,6 +93,44 @@ TEST(FileSystem, KnowsWhereNothingCanBeMade) {
   EXPECT_EQ(codeFor(directory / "there.png" / "a.png"), ErrorCode::kNotFound);
   EXPECT_EQ(codeFor(directory), ErrorCode::kIo);
   EXPECT_NE(codeFor("/proc/a.png"), std::nullopt);  // fails also for users with all permissions
+}
+
+// Known because the system would end the name at the NUL, where there is a file of the user's.
+TEST(FileSystem, ANameWithANulReachesNoFile) {
+  const fs::path directory = freshDirectory("nul"), thesis = directory / "thesis.tex";
+  writeText(thesis, "mine");
+  const fs::path cut(thesis.string() + std::string("\0.png", 5));
+  FileSystem& disk = FileSystem::real();
+  EXPECT_THROW(disk.writeAtomic(cut, std::string("text")), Error);
+  EXPECT_THROW(disk.writeOwn(cut, std::string("text")), Error);
+  EXPECT_THROW(disk.appendFile(cut, bytesOf("text")), Error);
+  EXPECT_THROW(disk.removeAll(cut), Error);
+  EXPECT_THROW(disk.requirePlaceFor(cut), Error);
+  EXPECT_THROW(disk.rename(thesis, cut), Error);
+  EXPECT_THROW(readFile(cut), Error);
+  EXPECT_EQ(readTextFile(thesis), "mine");
+}
+
+// Known because neither link leads to a file: there is nothing to replace.
+TEST(FileSystem, ALoopOfLinksStays) {
+  const fs::path directory = freshDirectory("link_loop"), a = directory / "a.png", b = directory / "b.png";
+  fs::create_symlink("b.png", a);
+  fs::create_symlink("a.png", b);
+  FileSystem& disk = FileSystem::real();
+  EXPECT_THROW(disk.requirePlaceFor(a), Error);
+  EXPECT_THROW(disk.writeAtomic(a, std::string("text")), Error);
+  EXPECT_EQ(fs::read_symlink(a), "b.png");
+  EXPECT_EQ(fs::read_symlink(b), "a.png");
+}
+
+// A nameless scratch file fails under its folder's name, which a user did not write.
+TEST(RenamedError, HasTheNameThatTheUserGave) {
+  const Error full(ErrorCode::kNoSpace, ".", "writing at byte 8192", "No space left on device");
+  const Error named = renamed(full, ".", "o.exr");
+  EXPECT_STREQ(named.what(), "o.exr: writing at byte 8192: No space left on device");
+  EXPECT_EQ(named.path(), "o.exr");
+  EXPECT_EQ(named.code(), ErrorCode::kNoSpace);
+  EXPECT_STREQ(renamed(full, "elsewhere", "o.exr").what(), full.what());
 }
 
 // A pipe without a reader blocks its writer forever, and a pipe whose reader exits loses the rest.

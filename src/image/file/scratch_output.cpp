@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/renamed_error.h"
+
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
@@ -15,13 +17,25 @@ fs::path folderOf(const fs::path& path) {
   return isWrittenInPlace(path) ? fs::temp_directory_path() : folder.empty() ? fs::path(".") : folder;
 }
 
+// Calls f(). Errors of the scratch file, which has no name, are errors of the output.
+template <class F>
+auto forOutput(const fs::path& output, F&& f) {
+  try {
+    return f();
+  } catch (const Error& error) {
+    throw renamed(error, folderOf(output), output);
+  }
+}
+
 }  // namespace
 
 ScratchOutput::ScratchOutput(fs::path path, FileSystem& disk)
-    : path_(std::move(path)), disk_(disk), scratch_(disk.makeScratch(folderOf(path_))) {}
+    : path_(std::move(path)),
+      disk_(disk),
+      scratch_(forOutput(path_, [&] { return disk.makeScratch(folderOf(path_)); })) {}
 
 void ScratchOutput::write(std::uint64_t offset, std::span<const std::byte> data) {
-  disk_.writeAt(scratch_, offset, data);
+  forOutput(path_, [&] { disk_.writeAt(scratch_, offset, data); });
   size_ = std::max(size_, offset + data.size());
 }
 
@@ -30,7 +44,7 @@ void ScratchOutput::publish() {
     std::vector<std::byte> piece;
     for (std::uint64_t at = 0; at < size_; at += piece.size()) {
       piece.resize(std::min(kCopiedBytes, size_ - at));
-      scratch_.readAt(at, piece);
+      forOutput(path_, [&] { scratch_.readAt(at, piece); });
       disk_.appendFile(to, piece);
     }
   };
