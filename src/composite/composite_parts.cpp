@@ -12,6 +12,7 @@
 #include "frame/background.h"
 #include "frame/part_image.h"
 #include "image/image_memory.h"
+#include "job/job_json.h"
 #include "job/render_job.h"
 
 namespace kiln {
@@ -51,7 +52,8 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
     out.volume = ordered_json::parse(of("kiln:volume"));
     geometryOf(out.volume);
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::kFormat, path, "kiln:volume", error.what());
+    throw Error(ErrorCode::kFormat, path, ImageMetadata::kJob + std::string(" or kiln:volume"),
+                readableJsonError(error.what()) + "; draw the part again");
   }
   // Without a folder, relative names stay relative.
   out.job = parseJob(of(ImageMetadata::kJob), {});

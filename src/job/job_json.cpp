@@ -37,11 +37,7 @@ class Checker : public nlohmann::json_sax<json> {
   }
   bool parse_error(std::size_t position, const std::string&, const json::exception& error) override {
     bytes_read = position;
-    problem = error.what();
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the last part is for people.
-    const std::size_t column = problem.find(", column ");
-    const std::size_t start = column == std::string::npos ? problem.find("] ") : problem.find(": ", column);
-    if (start != std::string::npos) problem.erase(0, start + 2);
+    problem = readableJsonError(error.what());
     return false;
   }
 
@@ -93,6 +89,9 @@ std::string shownValue(const json& value) {
 }
 
 std::shared_ptr<const json> checkedDocument(const std::string& text, const std::filesystem::path& path) {
+  // The library takes a NUL for the end of the text.
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos)
+    throw Error(ErrorCode::kFormat, path, lineAndColumn(text, nul + 1), "JSON has no NUL byte; remove it");
   Checker checker;
   if (!json::sax_parse(text, &checker, json::input_format_t::json, true, true)) {
     const std::string place = checker.bytes_read > 0 ? lineAndColumn(text, checker.bytes_read) : "";
@@ -109,7 +108,20 @@ std::string listOf(std::span<const std::string_view> names) {
   return out;
 }
 
+// The system reads a name up to its first NUL and would reach another file.
+bool hasNul(const json& text) { return text.get_ref<const std::string&>().find('\0') != std::string::npos; }
+
+constexpr std::string_view kWithoutNul = " without a NUL character";
+
 }  // namespace
+
+std::string readableJsonError(std::string message) {
+  // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the last part is for people.
+  const std::size_t column = message.find(", column ");
+  const std::size_t start = column == std::string::npos ? message.find("] ") : message.find(": ", column);
+  if (start != std::string::npos) message.erase(0, start + 2);
+  return message;
+}
 
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known) {
   return *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
@@ -226,6 +238,7 @@ std::optional<std::string> JobObject::text(std::string_view key, std::string_vie
   const json* value = find(key);
   if (!value) return std::nullopt;
   if (!value->is_string() || value->get_ref<const std::string&>().empty()) refuse(key, expected);
+  if (hasNul(*value)) refuse(key, std::string(expected) + std::string(kWithoutNul));
   return value->get<std::string>();
 }
 
@@ -269,6 +282,7 @@ std::optional<std::vector<std::string>> JobObject::texts(std::string_view key, s
   std::vector<std::string> out;
   for (const json& item : *value) {
     if (!item.is_string()) refuse(key, expected);
+    if (hasNul(item)) refuse(key, std::string(expected) + std::string(kWithoutNul));
     out.push_back(item.get<std::string>());
   }
   return out;

@@ -18,6 +18,9 @@
 
 namespace kiln {
 
+/// The part of a message of the JSON library that is written for people: without its code, line and column.
+std::string readableJsonError(std::string message);
+
 /// The word of `known` with the least edit distance to `word`. requires: known is not empty.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
 

@@ -216,6 +216,12 @@ const WrongJob kWrongJobs[] = {
     {R"("png": {"bits": 12})", ErrorCode::kUsage, "png.bits"},
     {R"("output": 3)", ErrorCode::kUsage, "output"},
     {R"("output": "")", ErrorCode::kUsage, "output"},
+    {R"("output": "thesis.tex\u0000.png")", ErrorCode::kUsage, "line 1, output: expected a file name without a NUL"},
+    {"\n\"trace\": \"t.json\\u0000\"", ErrorCode::kUsage, "line 2, trace: expected a file name without a NUL"},
+    {R"("outputs": [{"path": "a\u0000.png"}])", ErrorCode::kUsage,
+     "outputs[0].path: expected a file name without a NUL"},
+    {R"("exr": {"owner": "\u0000"})", ErrorCode::kUsage, "exr.owner: expected a name without a NUL"},
+    {R"("transferFunction": "f\u0000.json")", ErrorCode::kUsage, "transferFunction: expected a preset"},
     {R"("kiln": 2)", ErrorCode::kUsage, "kiln: expected 1"},
     {R"("threads": 1, "threads": 2)", ErrorCode::kFormat, "'threads' is given twice"},
     {"\"threads\": 1,\n\"level\" 0", ErrorCode::kFormat, "job.json: line 2, column 9"},
@@ -250,6 +256,28 @@ TEST(RenderJob, TruncatedTextIsMalformed) {
   EXPECT_THROW(parseJob("[]", "job.json"), Error);
   EXPECT_THROW(parseJob("{}", "job.json"), Error);
   EXPECT_THROW(parseJob(std::string(100000, '['), "job.json"), Error);
+}
+
+// The JSON library takes a NUL for the end of the text, and would pass over everything behind it.
+TEST(RenderJob, ANulByteAnywhereIsMalformed) {
+  const std::string whole = kExample;
+  for (const std::size_t place : {std::size_t{0}, whole.find("//") + 3, whole.find("head"), whole.size()}) {
+    std::string text = whole;
+    text.insert(place, 1, '\0');
+    try {
+      parseJob(text, "job.json");
+      ADD_FAILURE() << place;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kFormat) << error.what();
+      EXPECT_NE(std::string(error.what()).find("NUL byte"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(RenderJob, ErrorsOfTheJsonLibraryLoseTheirCodes) {
+  EXPECT_EQ(readableJsonError("[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while x"),
+            "syntax error while x");
+  EXPECT_EQ(readableJsonError("[json.exception.out_of_range.403] key 'dims' not found"), "key 'dims' not found");
 }
 
 TEST(RenderJob, NearestWordByEdits) {
