@@ -13,7 +13,9 @@
 #include "convert/stream/half_source.h"
 #include "ingest/open_source.h"
 #include "say.h"
+#include "scene/transfer/label_styles.h"
 #include "source_arguments.h"
+#include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -66,12 +68,11 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
 }
 
 // The largest of a number that each rank has, on the first.
-double largestOf(double value, Ranks& ranks) {
+HalfLoss lossOfAll(HalfLoss loss, Ranks& ranks) {
   std::vector<std::byte> bytes;
-  appendValue(bytes, value);
-  for (const std::vector<std::byte>& of_rank : ranks.gather(bytes))
-    value = std::max(value, ByteTaker{of_rank}.take<double>());
-  return value;
+  appendValue(bytes, loss);
+  for (const std::vector<std::byte>& of_rank : ranks.gather(bytes)) loss.include(ByteTaker{of_rank}.take<HalfLoss>());
+  return loss;
 }
 
 void printRanks(const ConvertReport& report) {
@@ -94,6 +95,16 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
   say("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks, formatBytes(report.stored_bytes),
       work);
   if (report.ranks.size() > 1) printRanks(report);
+}
+
+// Pictures draw labels up to kLargestLabel; a store may hold more, for export and statistics.
+void warnOfLabels(const std::string& store, Context& context) {
+  const ValueRange range = readManifest(store).range;
+  if (!areDistinct(range))
+    context.progress.warn(fmt::format(
+        "{}: labels from {:.0f} to {:.0f} cannot be drawn: pictures distinguish labels up to {:.0f}; number the labels "
+        "anew",
+        store, range.lo, range.hi, kLargestLabel));
 }
 
 void run(const ConvertArguments& a, Context& context) {
@@ -132,13 +143,15 @@ void run(const ConvertArguments& a, Context& context) {
     return;
   }
   const ConvertReport report = convert(*source, a.output, options, context.progress);
-  const double half_error = rounded != nullptr ? largestOf(rounded->largestError(), *context.ranks) : 0;
+  const HalfLoss loss = rounded != nullptr ? lossOfAll(rounded->loss(), *context.ranks) : HalfLoss();
   context.progress.clear();
   if (!speaks) return;
   printReport(a, source->info(), report);
   if (rounded != nullptr)
     say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
-        half_error, report.half_error);
+        loss.largest_error, report.half_error);
+  if (const std::string lost = loss.warning(); !lost.empty()) context.progress.warn(a.output + ": " + lost);
+  if (a.labels) warnOfLabels(a.output, context);
   if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 

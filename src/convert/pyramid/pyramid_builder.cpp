@@ -202,7 +202,7 @@ PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   below.cells.resize(edge * edge * edge);
   forEachBrick(childrenOf(key), [&](const BrickCoord& brick) { gather({key.level - 1, brick}, key, voxels, below); });
   if (half_) {
-    const double error = roundToHalf(frame.type, voxels);
+    const double error = roundToHalf(frame.type, voxels).largest_error;
     const std::scoped_lock lock(mutex_);
     largest_error_ = std::max(largest_error_, error);
   }

@@ -1,5 +1,7 @@
 #include "convert/stream/half_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,23 +14,42 @@ namespace {
 constexpr float kLargestHalf = 65504;
 
 template <class T>
-double roundAll(std::span<T> values) {
-  double largest = 0;
+HalfLoss roundAll(std::span<T> values) {
+  HalfLoss out;
   for (T& value : values) {
     const auto exact = static_cast<float>(value);
     if (!std::isfinite(exact)) continue;
     const auto half = static_cast<float>(openvdb::math::half(std::clamp(exact, -kLargestHalf, kLargestHalf)));
-    largest = std::max(largest, std::abs(static_cast<double>(half) - static_cast<double>(exact)));
+    out.include({std::abs(static_cast<double>(half) - static_cast<double>(exact)), std::abs(exact), std::abs(half)});
     value = static_cast<T>(half);
   }
-  return largest;
+  return out;
 }
 
 }  // namespace
 
-double roundToHalf(VoxelType type, std::span<std::byte> voxels) {
-  return withVoxelType(type, [&]<class T>(std::type_identity<T>) -> double {
-    if constexpr (sizeof(T) == 1) return 0;  // a half holds all 8-bit values
+void HalfLoss::include(const HalfLoss& other) {
+  largest_error = std::max(largest_error, other.largest_error);
+  largest_exact = std::max(largest_exact, other.largest_exact);
+  largest_rounded = std::max(largest_rounded, other.largest_rounded);
+}
+
+std::string HalfLoss::warning() const {
+  // Up to here the nearest half is the largest half.
+  constexpr double kFirstCut = 65520;
+  constexpr const char* kRemedy = "convert without --half, or scale the values first";
+  if (largest_exact >= kFirstCut)
+    return fmt::format("--half: values beyond {} became {} (found magnitudes up to {:g}); {}", kLargestHalf,
+                       kLargestHalf, largest_exact, kRemedy);
+  if (largest_exact > 0 && largest_rounded == 0)
+    return fmt::format("--half: all values became 0 (found magnitudes up to {:g}; a half holds 6e-8 and more); {}",
+                       largest_exact, kRemedy);
+  return {};
+}
+
+HalfLoss roundToHalf(VoxelType type, std::span<std::byte> voxels) {
+  return withVoxelType(type, [&]<class T>(std::type_identity<T>) -> HalfLoss {
+    if constexpr (sizeof(T) == 1) return {};  // a half holds all 8-bit values
     return roundAll(std::span(reinterpret_cast<T*>(voxels.data()), voxels.size() / sizeof(T)));
   });
 }
@@ -43,14 +64,14 @@ HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : exact_(std::move(e
 
 void HalfSource::read(const VoxelBox& box, std::span<std::byte> out) {
   exact_->read(box, out);
-  const double error = roundToHalf(info_.type, out);
+  const HalfLoss loss = roundToHalf(info_.type, out);
   const std::scoped_lock lock(mutex_);
-  largest_error_ = std::max(largest_error_, error);
+  loss_.include(loss);
 }
 
-double HalfSource::largestError() const {
+HalfLoss HalfSource::loss() const {
   const std::scoped_lock lock(mutex_);
-  return largest_error_;
+  return loss_;
 }
 
 }  // namespace kiln

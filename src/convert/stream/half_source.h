@@ -3,13 +3,26 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "ingest/source/volume_source.h"
 
 namespace kiln {
 
-/// Rounds voxels of `type` to the nearest half floats; returns the largest change. Infinities and NaN stay.
-double roundToHalf(VoxelType type, std::span<std::byte> voxels);
+/// The effect of rounding on finite values. unit: the volume's values.
+struct HalfLoss {
+  double largest_error = 0;
+  double largest_exact = 0;    // magnitude before rounding
+  double largest_rounded = 0;  // magnitude after rounding
+
+  void include(const HalfLoss& other);
+  /// A sentence if values were cut at the largest half, or if all values but 0 became 0; else empty.
+  std::string warning() const;
+};
+
+/// Rounds voxels of `type` to the nearest half floats. Values beyond the range of half become its largest value;
+/// infinities and NaN stay.
+HalfLoss roundToHalf(VoxelType type, std::span<std::byte> voxels);
 
 class HalfSource : public VolumeSource {
  public:
@@ -28,14 +41,14 @@ class HalfSource : public VolumeSource {
   std::uint64_t heldBytes() const override { return exact_->heldBytes(); }
   void keepDecoded(std::uint64_t bytes) override { exact_->keepDecoded(bytes); }
 
-  /// The largest change of a value so far. unit: the volume's values. thread: safe.
-  double largestError() const;
+  /// The loss so far. thread: safe.
+  HalfLoss loss() const;
 
  private:
   std::unique_ptr<VolumeSource> exact_;
   SourceInfo info_;
   mutable std::mutex mutex_;
-  double largest_error_ = 0;
+  HalfLoss loss_;
 };
 
 }  // namespace kiln

@@ -102,10 +102,14 @@ void requireFitting(const TransferFunction& function, bool has_window, const Man
         "ITK-SNAP's, a function with \"labels\", or auto");
   if (has_window) refuse("window: labels are names, which no window can stretch; leave it out");
   const ValueRange& range = manifest.range;
-  if (!range.empty() && std::max(-range.lo, range.hi) > kLargestLabel)
+  if (!areDistinct(range))
     refuse(fmt::format(
         "labels from {:.0f} to {:.0f}: labels beyond {:.0f} cannot be distinguished; number the labels anew", range.lo,
         range.hi, kLargestLabel));
+}
+
+bool areDistinct(const ValueRange& labels) {
+  return labels.empty() || std::max(-labels.lo, labels.hi) <= kLargestLabel;
 }
 
 TransferFunction labelPalette(const Manifest& manifest) {

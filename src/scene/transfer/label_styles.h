@@ -14,6 +14,9 @@ namespace kiln {
 /// Largest label: integers up to here are exact when labels are drawn.
 inline constexpr double kLargestLabel = 1 << 23;
 
+/// True if each label of the range is drawn as itself.
+bool areDistinct(const ValueRange& labels);
+
 /// Slope of a label's extinction at its surface, from none to all. unit: per voxel, at a plane face.
 inline constexpr float kLabelRise = 4;
 

@@ -1,0 +1,46 @@
+// Values that a store or its pictures cannot have: the conversion says so. Known because the files are written here.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "support/system/tool_test.h"
+
+namespace kiln::test {
+namespace {
+
+class ValueLoss : public ToolTest {
+ protected:
+  ValueLoss() : ToolTest("value_loss_") {}
+  // Returns standard error of converting a volume of two voxels.
+  template <class T>
+  std::string converted(T first, T second, const std::string& type, const std::string& option) const {
+    const T values[] = {first, second};
+    std::string bytes(sizeof values, '\0');
+    std::memcpy(bytes.data(), values, sizeof values);
+    writeText(in("v.raw"), bytes);
+    return done({"convert", in("v.raw"), in("v.kiln"), "--dims", "2,1,1", "--type", type, option, "--overwrite"}).err;
+  }
+};
+
+TEST_F(ValueLoss, OfHalvesBeyondTheirRange_isWarnedOf) {
+  EXPECT_NE(converted<float>(1, -70000, "f32", "--half")
+                .find("v.kiln: --half: values beyond 65504 became 65504 (found magnitudes up to 70000)"),
+            std::string::npos);
+  EXPECT_NE(converted<float>(0, 1e-9f, "f32", "--half").find("v.kiln: --half: all values became 0"), std::string::npos);
+  EXPECT_NE(converted<std::uint16_t>(1, 65535, "u16", "--half").find("values beyond 65504"), std::string::npos);
+  // The nearest half of 65519 is the largest half; one value of two becomes 0; a volume of zeros loses nothing.
+  EXPECT_EQ(converted<float>(1, 65519, "f32", "--half"), "");
+  EXPECT_EQ(converted<float>(1, 1e-9f, "f32", "--half"), "");
+  EXPECT_EQ(converted<float>(0, 0, "f32", "--half"), "");
+}
+
+TEST_F(ValueLoss, OfLabelsBeyondTheLargestDrawn_isWarnedOf) {
+  EXPECT_NE(converted<std::uint32_t>(1, 4294967295u, "u32", "--labels")
+                .find("v.kiln: labels from 1 to 4294967295 cannot be drawn: pictures distinguish labels up to 8388608"),
+            std::string::npos);
+  EXPECT_NE(converted<std::int32_t>(-8388609, 5, "i32", "--labels").find("cannot be drawn"), std::string::npos);
+  EXPECT_EQ(converted<std::uint32_t>(1, 8388608, "u32", "--labels"), "");
+}
+
+}  // namespace
+}  // namespace kiln::test
