@@ -1,7 +1,13 @@
-// The engines by name, and the choice among them.
+// The engines, the choice among them, and a table of what each engine can do.
+// Every refusal of an option by an engine, and the table of limits of the manual, are made of this table.
 #pragma once
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "scene/render_options.h"
+#include "scene/sampling.h"
 
 namespace kiln {
 
@@ -10,6 +16,26 @@ namespace kiln {
 /// - kMultiVolume: light of several volumes.
 enum class EngineKind { kPixel, kVoxel, kProjection, kMultiVolume };
 
+struct EngineCapabilities {
+  EngineKind kind;
+  std::string_view chosen_by;  // options of the command line
+  bool several_volumes;        // draws several volumes in one picture
+  bool composites;             // draws light that opacity attenuates; opaque pixels hide bricks
+  bool labels;                 // draws volumes of labels
+  bool gradient_opacity;       // opacity can depend on the gradient
+  bool cubic;                  // interpolates by cubics, besides linearly
+  bool sample_distance;        // the distance of samples along a ray can be chosen
+  bool two_samples;            // a pixel can have two samples, on a diagonal
+  bool filters_rays;           // samples of a pixel are rays of light: automatic number, pixel filter
+  bool depth_and_normal;       // has planes of depth and normals
+  bool value;                  // has a plane of values
+  bool deep;                   // draws deep images
+  bool parts;                  // draws partial images, also of ranks that share bricks
+};
+
+/// The table: one row per engine.
+const std::vector<EngineCapabilities>& engineCapabilities();
+
 /// The options that choose an engine.
 struct EngineChoice {
   Mode mode = Mode::kComposite;
@@ -17,6 +43,31 @@ struct EngineChoice {
   bool several_volumes = false;
 
   EngineKind kind() const;
+  const EngineCapabilities& capabilities() const;
+  /// Returns the engine in the words of the command line: "--mode mip".
+  std::string text() const;
 };
+
+/// A column of the table.
+using Capability = bool EngineCapabilities::*;
+
+/// throws: Error kUsage unless the chosen engine has the capability: "SUBJECT ENGINES (found ENGINE); REMEDY".
+/// `subject` ends with a verb: "--part: needs".
+void requireCapability(const EngineChoice& engine, Capability capability, std::string_view subject,
+                       std::string_view remedy);
+
+/// Options of a picture whose support depends on the engine.
+struct EngineOptions {
+  Interpolation interpolation = Interpolation::kLinear;
+  int samples = 1;                           // per pixel
+  double sample_distance = kSampleDistance;  // unit: voxels
+  Aovs aovs;
+};
+/// throws: Error kUsage if the engine lacks an option, if the choice of the engine contradicts itself, or if the
+/// distance of samples is out of range.
+void requireOptions(const EngineChoice& engine, const EngineOptions& options);
+
+/// Returns the table as Markdown: a row per capability, a column per engine.
+std::string capabilityTable();
 
 }  // namespace kiln

@@ -97,11 +97,12 @@ std::vector<DrawnVolume> volumesOf(const FrameScene& scene, const std::vector<co
   return out;
 }
 
-EmptyFrame reasonOf(Mode mode, const DrawnVolume& volume, const FrameRequest& request) {
+EmptyFrame reasonOf(const DrawnVolume& volume, const FrameRequest& request) {
+  const bool composites = request.engine().capabilities().composites;
   const ValueRange& range = volume.manifest.range;
   const VolumeGeometry& geometry = volume.manifest.geometry();
-  if (mode == Mode::kComposite && !showsSomeValue(volume.function)) return EmptyFrame::kOpacity;
-  if (mode == Mode::kComposite ? !showsSomeOf(volume.function, range) : range.empty()) return EmptyFrame::kValues;
+  if (composites && !showsSomeValue(volume.function)) return EmptyFrame::kOpacity;
+  if (composites ? !showsSomeOf(volume.function, range) : range.empty()) return EmptyFrame::kValues;
   if (ClipRegion(volume.clipping, geometry).classify(boxOf(geometry.dims)) == ClipRegion::Overlap::kOutside)
     return EmptyFrame::kClipped;
   if (const auto why = outOfView(geometry, request)) return *why;
@@ -129,7 +130,7 @@ EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request
                             const std::vector<const Manifest*>& manifests) {
   std::optional<EmptyFrame> out;
   for (const DrawnVolume& volume : volumesOf(scene, manifests)) {
-    const EmptyFrame why = reasonOf(scene.picture.mode, volume, request);
+    const EmptyFrame why = reasonOf(volume, request);
     out = !out || *out == why ? why : EmptyFrame::kCombined;
   }
   return *out;
@@ -143,7 +144,7 @@ EmptyFrame emptinessOf(bool draws, const FrameScene& scene, const FrameRequest& 
                        const std::vector<const Manifest*>& manifests) {
   if (!draws) return reasonForNothing(scene, request, manifests);
   const auto too_small = [&](const Manifest* volume) { return isTooSmall(volume->geometry(), request.view); };
-  const bool fades = scene.picture.mode == Mode::kComposite && request.lattice != Lattice::kVoxel;
+  const bool fades = request.engine().capabilities().filters_rays;
   return fades && std::all_of(manifests.begin(), manifests.end(), too_small) ? EmptyFrame::kTooSmall
                                                                              : EmptyFrame::kShows;
 }
@@ -164,7 +165,7 @@ bool isOfOneColour(const FrameScene& scene, const std::vector<const Manifest*>& 
 // whole is not.
 EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, const FrameRequest& request,
                        const std::vector<const Manifest*>& manifests) {
-  const bool composites = scene.picture.mode == Mode::kComposite, is_part = scene.picture.clipping.part.has_value();
+  const bool composites = request.engine().capabilities().composites, is_part = scene.picture.clipping.part.has_value();
   const EmptyFrame out =
       emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
   if (out != EmptyFrame::kShows || !composites || is_part || drawn.visible) return out;

@@ -37,7 +37,7 @@ FrameDrawing::FrameDrawing(BrickCache& cache, const FrameRequest& request, Progr
 
 std::unique_ptr<Visibility> FrameDrawing::visibilityOf(const PixelRect& pixels) const {
   VisibilityOptions options = request_.visibility;
-  if (!closesPixels(request_.engine())) options.method = VisibilityMethod::kNone;
+  if (!request_.engine().capabilities().composites) options.method = VisibilityMethod::kNone;
   const bool quincunx = request_.sampling().quincunx;
   // In the quincunx pattern two neighbouring pixels share a ray.
   PixelRect known = pixels;

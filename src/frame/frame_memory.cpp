@@ -23,8 +23,6 @@
 namespace kiln {
 namespace {
 
-EngineChoice engineOf(const RenderJob& job) { return {job.picture.mode, job.picture.lattice, !job.volumes.empty()}; }
-
 // `tile`: the size of the largest tile.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   return passMemory(engineOf(job), job.picture.aovs.normal, tile, brick_size);
@@ -43,10 +41,6 @@ std::uint64_t picturesHeld(const RenderJob& job) {
   };
   const std::vector<std::filesystem::path> names = namesOf(job.output);
   return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
-}
-
-bool castsRays(const RenderJob& job) {
-  return job.picture.mode == Mode::kComposite && job.picture.lattice == Lattice::kPixel;
 }
 
 // Stacks of threads, and what the allocator and TBB keep for each. Measured: the first few, which decode, take most.
@@ -69,8 +63,8 @@ constexpr int kNoBands = 1 << 24;
 
 PixelFilter filterOf(const RenderJob& job) {
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
-  return PixelFilter(job.picture.samples.value_or(1),
-                     castsRays(job) && !panorama && !drawsPart(job.picture) && !drawsDeep(job));
+  return PixelFilter(job.picture.samples.value_or(1), engineOf(job).capabilities().filters_rays && !panorama &&
+                                                          !drawsPart(job.picture) && !drawsDeep(job));
 }
 
 // A partial image is a picture of its samples, each of them a pixel.
@@ -131,7 +125,8 @@ class FrameAccount {
   FrameMemory charged() {
     chargePixels();
     chargeFace();
-    if (closesPixels(engineOf(job_))) out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
+    if (engineOf(job_).capabilities().composites)
+      out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
     chargeIndex();
     out_.threads = threadsBytes();
     chargeFiles(0);

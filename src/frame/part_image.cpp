@@ -27,7 +27,7 @@ void layPixelBehind(const float* behind, const AovPixels& planes_behind, float o
 }
 
 PixelFilter filterOf(const PictureOptions& picture) {
-  return pixelFilterOf(picture.mode, picture.lattice, picture.samples.value_or(1));
+  return pixelFilterOf(engineOf(picture), picture.samples.value_or(1));
 }
 
 }  // namespace

@@ -107,8 +107,8 @@ PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(s
   }
 }
 
-PixelFilter pixelFilterOf(Mode mode, Lattice lattice, int samples) {
-  return PixelFilter(samples, mode == Mode::kComposite && lattice == Lattice::kPixel);
+PixelFilter pixelFilterOf(const EngineChoice& engine, int samples) {
+  return PixelFilter(samples, engine.capabilities().filters_rays);
 }
 
 PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size) const {

@@ -52,7 +52,7 @@ class PixelFilter {
   std::array<float, kMostTaps> weights_{};  // weights along a line, from the first sample that contributes
 };
 
-/// Returns the filter of a picture. throws: as PixelFilter.
-PixelFilter pixelFilterOf(Mode mode, Lattice lattice, int samples);
+/// Returns the filter of the engine's pictures. throws: as PixelFilter.
+PixelFilter pixelFilterOf(const EngineChoice& engine, int samples);
 
 }  // namespace kiln

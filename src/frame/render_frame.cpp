@@ -29,10 +29,7 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   for (const StoreReader* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
   }
-  requireInterpolation(request.lattice, request.interpolation);
-  requireSamples(request.lattice, request.samples);
-  requireMode(request.mode, request.lattice, request.interpolation, request.aovs);
-  requireSampleDistance(request.lattice, request.mode, request.sample_distance);
+  requireOptions(request.engine(), {request.interpolation, request.samples, request.sample_distance, request.aovs});
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "
@@ -49,7 +46,7 @@ BusyTimes busySince(const BusyTimes& before) {
 }
 
 PixelFilter filterOf(const FrameRequest& request) {
-  return request.filters_rays && !request.deep ? pixelFilterOf(request.mode, request.lattice, request.samples)
+  return request.filters_rays && !request.deep ? pixelFilterOf(request.engine(), request.samples)
                                                : PixelFilter(request.samples, false);
 }
 

@@ -22,9 +22,8 @@ constexpr int kMostAlongEdge = 4;
 
 // Returns whether a picture has one sample a pixel by its kind: voxel lattice, projections, deep images, panoramas.
 bool oneOnly(const RenderJob& job, const Camera& camera) {
-  const PictureOptions& picture = job.picture;
-  return picture.mode != Mode::kComposite || picture.lattice == Lattice::kVoxel ||
-         camera.projection == Projection::kEquirectangular || drawsDeep(job);
+  return !engineOf(job).capabilities().filters_rays || camera.projection == Projection::kEquirectangular ||
+         drawsDeep(job);
 }
 
 // Returns the size of a world unit at `centre`; nothing where `centre` is behind the eye. unit: pixels.

@@ -17,10 +17,11 @@ namespace kiln {
 
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest) {
-  if (picture.mode != Mode::kComposite && manifest.volume_class == VolumeClass::kLabels)
-    throw Error(ErrorCode::kUsage, "--mode: a label volume has no amounts to project; leave --mode out");
+  const EngineChoice engine = engineOf(picture);
+  if (manifest.volume_class == VolumeClass::kLabels)
+    requireCapability(engine, &EngineCapabilities::labels, "--mode: a volume of labels needs", "leave --mode out");
   const auto* const name = std::get_if<std::string>(&choice);
-  if (picture.mode == Mode::kComposite || name == nullptr || *name != "auto")
+  if (engine.capabilities().composites || name == nullptr || *name != "auto")
     return resolve(choice, picture.window, manifest);
   return resolve(displayGrey(manifest), picture.window, manifest);
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <string_view>
+
+#include "scene/interpolation.h"
+#include "scene/render_options.h"
 
 namespace kiln {
 
@@ -11,10 +13,6 @@ inline constexpr std::array<std::string_view, 3> kProjectionNames = {"perspectiv
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
-// The last is another name of the first.
-inline constexpr std::array<std::string_view, 3> kLatticeNames = {"pixel", "voxel", "ray"};
-inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
-inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
@@ -28,11 +26,5 @@ inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none",
                                                                          "piz",  "dwaa", "dwab"};
 inline constexpr std::array<std::string_view, 4> kDistributionNames = {"auto", "tiles", "frames", "bricks"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
-
-/// The word of `names` for an enumerator.
-template <class Names, class Enum>
-constexpr std::string_view nameIn(const Names& names, Enum enumerator) {
-  return names[static_cast<std::size_t>(enumerator)];
-}
 
 }  // namespace kiln

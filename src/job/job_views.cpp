@@ -19,8 +19,8 @@ void requireDeep(const RenderJob& job, const fs::path& path) {
   const PictureOptions& picture = job.picture;
   const std::string& compression = job.output.exr_compression;
   if (extensionOf(path) != ".exr") refuse(path, "the name", "ends in .exr");
-  if (picture.mode != Mode::kComposite) refuse(path, "--mode", "is composite: nothing else has a depth");
-  if (picture.lattice != Lattice::kPixel) refuse(path, "--lattice", "is pixel, whose samples lie in slabs");
+  requireCapability(engineOf(job), &EngineCapabilities::deep, path.string() + ": deep images need",
+                    "leave --mode and --lattice out");
   if (oversamples(picture)) refuse(path, "--samples", "is 1: draw it larger, and make it smaller when it is flat");
   if (compression == "piz" || compression.starts_with("dwa")) refuse(path, "--compression", "is none, rle or zips");
   if (drawsBothEyes(picture.stereo) && !hasEyePlace(path))

@@ -210,76 +210,40 @@ int subPixelsAlongEdge(int samples) {
   return samples == 1 ? 1 : samples <= 4 ? 2 : 4;
 }
 
-void requireSamples(Lattice lattice, int samples) {
-  if (samples == 2 && lattice != Lattice::kPixel)
-    throw Error(ErrorCode::kUsage, fmt::format("--samples 2: --lattice {} has 1, 4 or 16 a pixel; choose one of them, "
-                                               "or --lattice pixel",
-                                               nameIn(kLatticeNames, lattice)));
-}
+EngineChoice engineOf(const PictureOptions& picture) { return {picture.mode, picture.lattice, false}; }
 
-void requireInterpolation(Lattice lattice, Interpolation interpolation) {
-  if (lattice != Lattice::kVoxel || interpolation == Interpolation::kLinear) return;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--interpolation: --lattice voxel draws voxels without interpolation (found {}); "
-                          "leave --interpolation or --lattice out",
-                          nameIn(kInterpolationNames, interpolation)));
-}
+EngineChoice engineOf(const RenderJob& job) { return {job.picture.mode, job.picture.lattice, !job.volumes.empty()}; }
 
-void requireSampleDistance(Lattice lattice, Mode mode, double voxels) {
-  if (!legalSampleDistance(voxels))
-    throw Error(ErrorCode::kUsage, fmt::format("--sample-distance: expected a number of voxels from {} to {}, found {}",
-                                               kLeastSampleDistance, kMostSampleDistance, voxels));
-  if (voxels == kSampleDistance) return;
-  const auto refuse = [](std::string_view why) {
-    throw Error(ErrorCode::kUsage, fmt::format("--sample-distance: {}; leave it out", why));
-  };
-  if (lattice == Lattice::kVoxel) refuse("--lattice voxel draws the voxels as they are");
-  if (mode != Mode::kComposite) refuse(fmt::format("--mode {} takes values along rays", nameIn(kModeNames, mode)));
-}
-
-void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs) {
-  if (mode == Mode::kComposite) {
-    if (aovs.value)
-      throw Error(ErrorCode::kUsage,
-                  "--aov value: --mode composite shows no single value; choose mip, minip or average");
-    return;
-  }
-  const auto refuse = [&](std::string_view option, std::string_view why) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: --mode {} {}", option, nameIn(kModeNames, mode), why));
-  };
-  if (lattice != Lattice::kPixel)
-    refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, lattice)), "has samples of its own; leave --lattice out");
-  if (interpolation != Interpolation::kLinear)
-    refuse("--interpolation", "interpolates linearly; leave --interpolation out");
-  if (aovs.depth || aovs.normal) refuse("--aov", "has no depth and no normal; it has value");
+void requireEngineOptions(const PictureOptions& picture) {
+  requireOptions(engineOf(picture),
+                 {picture.interpolation, picture.samples.value_or(1), picture.sample_distance, picture.aovs});
 }
 
 bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }
 
 void requirePart(const RenderJob& job) {
-  const PictureOptions& picture = job.picture;
-  if (!drawsPart(picture)) return;
-  const auto refuse = [](std::string_view option, std::string_view why) {
-    throw Error(ErrorCode::kUsage, fmt::format("--part: {} of a partial image {}", option, why));
-  };
-  if (picture.mode != Mode::kComposite) refuse("--mode", "is composite");
-  if (!job.output.video.path.empty() || (!job.output.path.empty() && extensionOf(job.output.path) != ".exr"))
-    refuse("-o", "ends in .exr: its header says where in the picture it belongs");
-  if (!job.output.files.empty()) refuse("outputs", "are none beside -o");
+  if (!drawsPart(job.picture)) return;
+  requireCapability(engineOf(job), &EngineCapabilities::parts, "--part: needs",
+                    "draw one volume, with --mode composite");
+  const OutputOptions& output = job.output;
+  const std::filesystem::path& file = output.video.path.empty() ? output.path : output.video.path;
+  if (!file.empty() && extensionOf(file) != ".exr")
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--part: -o of a partial image ends in .exr (found {}); choose a name of "
+                            "an EXR, whose header has the image's place",
+                            file.string()));
+  if (!output.files.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("--part: a partial image is one file, -o (found {} in outputs); leave "
+                                               "outputs out",
+                                               output.files.size()));
 }
 
 void requireVolumes(const RenderJob& job) {
   if (job.volumes.empty()) return;
-  const auto refuse = [](std::string_view option, std::string_view why) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: several volumes in one picture {}", option, why));
-  };
-  const PictureOptions& picture = job.picture;
-  if (job.volumes.size() > kMostVolumesOfJob) refuse("volumes", fmt::format("are {} at most", kMostVolumesOfJob));
-  if (picture.mode != Mode::kComposite) refuse("--mode", "are composited; draw a projection of each by itself");
-  if (picture.lattice == Lattice::kVoxel)
-    refuse(fmt::format("--lattice {}", nameIn(kLatticeNames, picture.lattice)),
-           "have the pixel lattice; leave --lattice out");
-  if (drawsPart(picture)) refuse("--part", "are drawn whole; draw one volume in parts");
+  if (job.volumes.size() > kMostVolumesOfJob)
+    throw Error(ErrorCode::kUsage, fmt::format("volumes: at most {} in one picture (found {}); draw fewer",
+                                               kMostVolumesOfJob, job.volumes.size()));
+  requireOptions(engineOf(job), {});
 }
 
 void makeFirstOfSeveral(RenderJob& job) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/capabilities.h"
 #include "image/deep_samples.h"
 #include "job/animation.h"
 #include "job/stereo.h"
@@ -59,17 +60,10 @@ bool samplesKnown(int samples);
 /// Sub-pixels along a pixel's edge; of two samples a pixel, half of them are left out. throws: Error kUsage where
 /// `samples` is none of these.
 int subPixelsAlongEdge(int samples);
-/// throws: Error kUsage where a pixel cannot have so many samples.
-void requireSamples(Lattice lattice, int samples);
-
-/// throws: Error kUsage where the lattice does not interpolate so.
-void requireInterpolation(Lattice lattice, Interpolation interpolation);
-
-/// throws: Error kUsage where it is none, or another than the default for what has no such samples.
-void requireSampleDistance(Lattice lattice, Mode mode, double voxels);
-
-/// throws: Error kUsage where the mode has no use for one of them.
-void requireMode(Mode mode, Lattice lattice, Interpolation interpolation, const Aovs& aovs);
+/// Returns the engine of a picture of one volume.
+EngineChoice engineOf(const PictureOptions& picture);
+/// throws: Error kUsage if the engine of the picture lacks an option (engine/capabilities.h).
+void requireEngineOptions(const PictureOptions& picture);
 
 /// Returns whether the job draws a partial image: a part of the volume without background.
 bool drawsPart(const PictureOptions& picture);
@@ -161,6 +155,8 @@ struct RenderJob {
 bool moves(const RenderJob& job);
 /// The frames that the job draws: those it names, else the animation's.
 std::vector<int> framesOf(const RenderJob& job);
+/// Returns the engine that draws the job.
+EngineChoice engineOf(const RenderJob& job);
 /// throws: Error kUsage where the job draws a partial image that could not be composited, or not be written.
 void requirePart(const RenderJob& job);
 /// throws: Error kUsage where the job draws several volumes in a way that only one is drawn in.

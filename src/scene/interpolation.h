@@ -1,6 +1,9 @@
 // Interpolation of values between voxels.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 namespace kiln {
 
 /// Separable filters over the neighbouring voxels; beyond the volume the nearest voxel is repeated.
@@ -9,5 +12,6 @@ namespace kiln {
 /// - kCatmullRom: 4³ voxels: interpolates voxel values with a smooth first derivative, clamped to the range of its
 ///   voxels.
 enum class Interpolation { kLinear, kCubic, kCatmullRom };
+inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
 
 }  // namespace kiln

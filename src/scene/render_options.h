@@ -3,8 +3,15 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 namespace kiln {
+
+/// Returns the word of `names` for an enumerator.
+template <class Names, class Enum>
+constexpr std::string_view nameIn(const Names& names, Enum enumerator) {
+  return names[static_cast<std::size_t>(enumerator)];
+}
 
 enum class VisibilityMethod { kNone, kMask, kRangeTree, kQuadtree, kOverlay };
 /// The image rectangle of an octree node: around the projected box and footprint, or around the projected circumscribed
@@ -27,6 +34,7 @@ struct VisibilityOptions {
 /// - kPixel: intersections of pixel rays and slabs; a sample contributes to its pixel only.
 /// - kVoxel: voxels, splatted as by Lee and Ihm.
 enum class Lattice { kPixel, kVoxel };
+inline constexpr std::array<std::string_view, 3> kLatticeNames = {"pixel", "voxel", "ray"};
 /// Returns the lattice of a word of kLatticeNames; "ray" is an alias of the first word.
 constexpr Lattice latticeOfName(std::size_t word) { return word == 1 ? Lattice::kVoxel : Lattice::kPixel; }
 
@@ -37,6 +45,7 @@ constexpr Lattice latticeOfName(std::size_t word) { return word == 1 ? Lattice::
 ///   NaN; opacities, light and the opacity threshold are ignored. Values are interpolated linearly, at most a pixel and
 ///   half a voxel apart in depth, on the level that the pixel lattice uses there.
 enum class Mode { kComposite, kMip, kMinip, kAverage };
+inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
 
 /// The light behind the volume: linear, premultiplied, in equal steps from the middle of the top pixel row to the
 /// middle of the bottom row.

@@ -27,17 +27,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 void requireParts(const RenderJob& job) {
-  const PictureOptions& picture = job.picture;
   const auto refuse = [](const char* what) {
     throw Error(ErrorCode::kUsage, std::string("--distribute bricks: ") + what + "; use --distribute tiles");
   };
-  if (drawsPart(picture)) refuse("a partial image (--part) is one rank's already");
-  if (picture.mode != Mode::kComposite) refuse("values are not projected in parts");
+  if (drawsPart(job.picture)) refuse("a partial image (--part) is one rank's already");
+  requireCapability(engineOf(job), &EngineCapabilities::parts, "--distribute bricks: needs", "use --distribute tiles");
   if (const char* const view = viewWithoutTiles(job)) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));
   }
-  if (!job.volumes.empty()) refuse("several volumes are not drawn in parts");
   if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
 }
 

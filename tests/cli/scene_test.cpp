@@ -82,7 +82,7 @@ TEST_F(SceneCli, Interpolation_inTheVoxelLattice_isRefused) {
   EXPECT_NE(catmull_rom.rgba, cubic.rgba);
   expectRefused({"--interpolation", "cubical"}, "--interpolation: expected one of linear, cubic, catmull-rom");
   expectRefused({"--lattice", "voxel", "--interpolation", "cubic"},
-                "--interpolation: --lattice voxel draws voxels without interpolation (found cubic)");
+                "--interpolation cubic: needs --lattice pixel, or several volumes (found --lattice voxel)");
 }
 
 TEST_F(SceneCli, DistancesOfSamples) {

@@ -128,8 +128,10 @@ TEST_F(ViewsCli, SeveralVolumesAreDeepAndSeenByBothEyesAndAllRound) {
 TEST_F(ViewsCli, WhatIsNotDeepIsRefused) {
   const std::string deep = in("d.exr");
   refused({"-o", in("d.png"), "--deep"}, "d.png: the name of a deep image ends in .exr");
-  refused({"-o", deep, "--deep", "--mode", "mip"}, "--mode of a deep image is composite");
-  refused({"-o", deep, "--deep", "--lattice", "voxel"}, "--lattice of a deep image is pixel");
+  refused({"-o", deep, "--deep", "--mode", "mip"},
+          "d.exr: deep images need --lattice pixel, or several volumes (found --mode mip)");
+  refused({"-o", deep, "--deep", "--lattice", "voxel"},
+          "d.exr: deep images need --lattice pixel, or several volumes (found --lattice voxel)");
   refused({"-o", deep, "--deep", "--samples", "4"}, "--samples of a deep image is 1");
   refused({"-o", deep, "--deep", "--compression", "dwaa"}, "--compression of a deep image is none, rle or zips");
   refused({"-o", deep, "--deep", "--aov", "depth"}, "--aov of a deep image is none");

@@ -319,14 +319,19 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.interpolation, Interpolation::kLinear);
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "interpolation": "cubic"})", "job.json").picture.interpolation,
             Interpolation::kCubic);
-  EXPECT_NO_THROW(requireInterpolation(Lattice::kPixel, Interpolation::kCatmullRom));
-  EXPECT_NO_THROW(requireInterpolation(Lattice::kVoxel, Interpolation::kLinear));
+  PictureOptions picture;
+  picture.interpolation = Interpolation::kCatmullRom;
+  EXPECT_NO_THROW(requireEngineOptions(picture));
+  picture.lattice = Lattice::kVoxel;
+  picture.interpolation = Interpolation::kLinear;
+  EXPECT_NO_THROW(requireEngineOptions(picture));
+  picture.interpolation = Interpolation::kCatmullRom;
   try {
-    requireInterpolation(Lattice::kVoxel, Interpolation::kCatmullRom);
+    requireEngineOptions(picture);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find("found catmull-rom"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("--interpolation catmull-rom: needs"), std::string::npos) << error.what();
   }
 }
 
@@ -334,9 +339,14 @@ TEST(RenderJob, RayIsAnotherNameOfThePixelLattice) {
   const RenderJob job = parseJob(R"({"volume": "a.kiln", "lattice": "ray", "sampleDistance": 0.75})", "job.json");
   EXPECT_EQ(job.picture.lattice, Lattice::kPixel);
   EXPECT_EQ(job.picture.sample_distance, 0.75);
-  EXPECT_NO_THROW(requireSampleDistance(Lattice::kPixel, Mode::kComposite, 0.75));
-  EXPECT_THROW(requireSampleDistance(Lattice::kVoxel, Mode::kComposite, 0.75), Error);
-  EXPECT_THROW(requireMode(Mode::kMip, Lattice::kVoxel, Interpolation::kLinear, {}), Error);
+  PictureOptions picture = job.picture;
+  EXPECT_NO_THROW(requireEngineOptions(picture));
+  picture.lattice = Lattice::kVoxel;
+  EXPECT_THROW(requireEngineOptions(picture), Error);
+  picture.sample_distance = kSampleDistance;
+  EXPECT_NO_THROW(requireEngineOptions(picture));
+  picture.mode = Mode::kMip;
+  EXPECT_THROW(requireEngineOptions(picture), Error);
 }
 
 TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
@@ -394,9 +404,15 @@ TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
   EXPECT_EQ(subPixelsAlongEdge(16), 4);
   EXPECT_EQ(subPixelsAlongEdge(2), 2);
-  EXPECT_NO_THROW(requireSamples(Lattice::kPixel, 2));
-  EXPECT_NO_THROW(requireSamples(Lattice::kPixel, 4));
-  EXPECT_THROW(requireSamples(Lattice::kVoxel, 2), Error);
+  PictureOptions picture;
+  for (const int samples : {2, 4}) {
+    picture.samples = samples;
+    EXPECT_NO_THROW(requireEngineOptions(picture));
+  }
+  picture.lattice = Lattice::kVoxel;
+  EXPECT_NO_THROW(requireEngineOptions(picture));
+  picture.samples = 2;
+  EXPECT_THROW(requireEngineOptions(picture), Error);
   for (const char* wrong : {"0", "3", "9", "64", "\"4\""}) {
     try {
       parseJob(std::string(R"({"volume": "a.kiln", "samples": )") + wrong + "}", "job.json");

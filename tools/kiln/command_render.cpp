@@ -140,12 +140,9 @@ void applyPicture(const RenderArguments& a, PictureOptions& picture) {
     picture.lattice = latticeOfName(static_cast<std::size_t>(named<int>(kLatticeNames, *a.lattice, "--lattice")));
   if (a.interpolation)
     picture.interpolation = named<Interpolation>(kInterpolationNames, *a.interpolation, "--interpolation");
-  requireInterpolation(picture.lattice, picture.interpolation);
-  requireSamples(picture.lattice, picture.samples.value_or(1));
   if (a.mode) picture.mode = named<Mode>(kModeNames, *a.mode, "--mode");
-  requireMode(picture.mode, picture.lattice, picture.interpolation, picture.aovs);
   if (a.sample_distance) picture.sample_distance = *a.sample_distance;
-  requireSampleDistance(picture.lattice, picture.mode, picture.sample_distance);
+  requireEngineOptions(picture);
   if (a.part) applyPart(*a.part, picture);
   if (a.skip_damaged) picture.skip_damaged = true;
   if (a.level) {

@@ -39,8 +39,6 @@ PixelValue projectedBy(Mode mode) {
 
 }  // namespace
 
-bool closesPixels(const EngineChoice& engine) { return engine.kind() != EngineKind::kProjection; }
-
 EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSize& tile, std::int64_t brick_size) {
   EngineMemory out;
   switch (engine.kind()) {

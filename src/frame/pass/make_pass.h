@@ -15,9 +15,6 @@ namespace kiln {
 /// as FrameLevels.
 std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
-/// Whether the engine closes pixels, which hide everything behind.
-bool closesPixels(const EngineChoice& engine);
-
 /// Returns the memory of the pass and its engine. `tile` is the size of the largest tile, `normals` whether the picture
 /// has planes of normals.
 EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSize& tile, std::int64_t brick_size);

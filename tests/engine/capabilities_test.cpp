@@ -1,0 +1,86 @@
+// The table of engines: every choice has a row, refusals name constraint, found engine and remedy, and the manual
+// prints the table.
+#include "engine/capabilities.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace kiln::test {
+namespace {
+
+// Returns the message of the refusal; empty if nothing is refused.
+std::string refusalOf(const EngineChoice& engine, const EngineOptions& options) {
+  try {
+    requireOptions(engine, options);
+    return "";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    return error.what();
+  }
+}
+
+constexpr EngineChoice kVoxelEngine{Mode::kComposite, Lattice::kVoxel, false};
+constexpr EngineChoice kMip{Mode::kMip, Lattice::kPixel, false};
+
+TEST(Capabilities, EachEngine_hasOneRow) {
+  std::set<EngineKind> kinds;
+  for (const EngineCapabilities& row : engineCapabilities()) EXPECT_TRUE(kinds.insert(row.kind).second);
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+    for (const Lattice lattice : {Lattice::kPixel, Lattice::kVoxel}) {
+      for (const bool several : {false, true}) {
+        const EngineChoice engine{mode, lattice, several};
+        EXPECT_EQ(engine.capabilities().kind, engine.kind());
+      }
+    }
+  }
+  EXPECT_EQ(kinds.size(), 4u);
+}
+
+TEST(Capabilities, DefaultOptions_fitEachEngine) {
+  EXPECT_EQ(refusalOf({}, {}), "");
+  EXPECT_EQ(refusalOf(kVoxelEngine, {}), "");
+  EXPECT_EQ(refusalOf(kMip, {}), "");
+  EXPECT_EQ(refusalOf({Mode::kComposite, Lattice::kPixel, true}, {}), "");
+}
+
+TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
+  EXPECT_EQ(refusalOf(kVoxelEngine, {.interpolation = Interpolation::kCubic}),
+            "--interpolation cubic: needs --lattice pixel, or several volumes (found --lattice voxel); leave "
+            "--interpolation out");
+  EXPECT_EQ(
+      refusalOf(kMip, {.aovs = {.depth = true}}),
+      "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); choose "
+      "--aov value");
+  EXPECT_EQ(refusalOf({}, {.aovs = {.value = true}}),
+            "--aov: value needs --mode mip, minip or average (found --lattice pixel); choose one of these modes");
+}
+
+TEST(Capabilities, EngineThatContradictsItself_isRefused) {
+  EXPECT_EQ(refusalOf({Mode::kAverage, Lattice::kVoxel, false}, {}),
+            "--lattice voxel: needs --mode composite (found average); leave --lattice out");
+  EXPECT_EQ(refusalOf({Mode::kMinip, Lattice::kPixel, true}, {}),
+            "--mode minip: draws one volume (found several); leave it out, or draw each volume by itself");
+}
+
+TEST(Capabilities, DistanceOfSamples_hasARangeAndAnEngine) {
+  EXPECT_EQ(refusalOf({}, {.sample_distance = 0.75}), "");
+  for (const double wrong : {0.2, 1.1, -1.0}) {
+    EXPECT_NE(refusalOf({}, {.sample_distance = wrong}).find("from 0.25 to 1 (found "), std::string::npos) << wrong;
+  }
+  EXPECT_NE(refusalOf(kVoxelEngine, {.sample_distance = 0.75}), "");
+  EXPECT_NE(refusalOf(kMip, {.sample_distance = 0.75}), "");
+}
+
+TEST(Capabilities, Manual_printsTheTable) {
+  const std::string page = readTextFile(std::filesystem::path(KILN_SOURCE_DIR) / "tools/kiln/manual/limits.md");
+  EXPECT_NE(page.find(capabilityTable()), std::string::npos) << capabilityTable();
+}
+
+}  // namespace
+}  // namespace kiln::test
