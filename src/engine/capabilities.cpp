@@ -15,7 +15,7 @@ struct CapabilityRow {
 };
 
 // The rows of the printed table.
-constexpr CapabilityRow kRows[] = {
+constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::several_volumes, "several volumes in one picture (`--add`, `--labels`)"},
     {&EngineCapabilities::composites, "light and opacity; opaque pixels hide bricks"},
     {&EngineCapabilities::labels, "volumes of labels"},
@@ -175,7 +175,7 @@ std::string capabilityTable() {
     line += " --- |";
   }
   std::string out = head + "\n" + line + "\n";
-  for (const CapabilityRow& row : kRows) {
+  for (const CapabilityRow& row : kCapabilityRows) {
     out += fmt::format("| {} |", row.text);
     for (const EngineCapabilities& engine : engineCapabilities()) out += engine.*row.capability ? " yes |" : " no |";
     out += "\n";

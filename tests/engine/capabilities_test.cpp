@@ -15,7 +15,7 @@ namespace kiln::test {
 namespace {
 
 // Returns the message of the refusal; empty if nothing is refused.
-std::string refusalOf(const EngineChoice& engine, const EngineOptions& options) {
+std::string engineRefusal(const EngineChoice& engine, const EngineOptions& options) {
   try {
     requireOptions(engine, options);
     return "";
@@ -26,7 +26,7 @@ std::string refusalOf(const EngineChoice& engine, const EngineOptions& options) 
 }
 
 constexpr EngineChoice kVoxelEngine{Mode::kComposite, Lattice::kVoxel, false};
-constexpr EngineChoice kMip{Mode::kMip, Lattice::kPixel, false};
+constexpr EngineChoice kMipEngine{Mode::kMip, Lattice::kPixel, false};
 
 TEST(Capabilities, EachEngine_hasOneRow) {
   std::set<EngineKind> kinds;
@@ -43,38 +43,38 @@ TEST(Capabilities, EachEngine_hasOneRow) {
 }
 
 TEST(Capabilities, DefaultOptions_fitEachEngine) {
-  EXPECT_EQ(refusalOf({}, {}), "");
-  EXPECT_EQ(refusalOf(kVoxelEngine, {}), "");
-  EXPECT_EQ(refusalOf(kMip, {}), "");
-  EXPECT_EQ(refusalOf({Mode::kComposite, Lattice::kPixel, true}, {}), "");
+  EXPECT_EQ(engineRefusal({}, {}), "");
+  EXPECT_EQ(engineRefusal(kVoxelEngine, {}), "");
+  EXPECT_EQ(engineRefusal(kMipEngine, {}), "");
+  EXPECT_EQ(engineRefusal({Mode::kComposite, Lattice::kPixel, true}, {}), "");
 }
 
 TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
-  EXPECT_EQ(refusalOf(kVoxelEngine, {.interpolation = Interpolation::kCubic}),
+  EXPECT_EQ(engineRefusal(kVoxelEngine, {.interpolation = Interpolation::kCubic}),
             "--interpolation cubic: needs --lattice pixel, or several volumes (found --lattice voxel); leave "
             "--interpolation out");
   EXPECT_EQ(
-      refusalOf(kMip, {.aovs = {.depth = true}}),
+      engineRefusal(kMipEngine, {.aovs = {.depth = true}}),
       "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); choose "
       "--aov value");
-  EXPECT_EQ(refusalOf({}, {.aovs = {.value = true}}),
+  EXPECT_EQ(engineRefusal({}, {.aovs = {.value = true}}),
             "--aov: value needs --mode mip, minip or average (found --lattice pixel); choose one of these modes");
 }
 
 TEST(Capabilities, EngineThatContradictsItself_isRefused) {
-  EXPECT_EQ(refusalOf({Mode::kAverage, Lattice::kVoxel, false}, {}),
+  EXPECT_EQ(engineRefusal({Mode::kAverage, Lattice::kVoxel, false}, {}),
             "--lattice voxel: needs --mode composite (found average); leave --lattice out");
-  EXPECT_EQ(refusalOf({Mode::kMinip, Lattice::kPixel, true}, {}),
+  EXPECT_EQ(engineRefusal({Mode::kMinip, Lattice::kPixel, true}, {}),
             "--mode minip: draws one volume (found several); leave it out, or draw each volume by itself");
 }
 
 TEST(Capabilities, DistanceOfSamples_hasARangeAndAnEngine) {
-  EXPECT_EQ(refusalOf({}, {.sample_distance = 0.75}), "");
+  EXPECT_EQ(engineRefusal({}, {.sample_distance = 0.75}), "");
   for (const double wrong : {0.2, 1.1, -1.0}) {
-    EXPECT_NE(refusalOf({}, {.sample_distance = wrong}).find("from 0.25 to 1 (found "), std::string::npos) << wrong;
+    EXPECT_NE(engineRefusal({}, {.sample_distance = wrong}).find("from 0.25 to 1 (found "), std::string::npos) << wrong;
   }
-  EXPECT_NE(refusalOf(kVoxelEngine, {.sample_distance = 0.75}), "");
-  EXPECT_NE(refusalOf(kMip, {.sample_distance = 0.75}), "");
+  EXPECT_NE(engineRefusal(kVoxelEngine, {.sample_distance = 0.75}), "");
+  EXPECT_NE(engineRefusal(kMipEngine, {.sample_distance = 0.75}), "");
 }
 
 TEST(Capabilities, Manual_printsTheTable) {
