@@ -93,8 +93,10 @@ TEST_F(SceneCli, DistancesOfSamples) {
     expectRefused({"--sample-distance", wrong}, "--sample-distance: expected a number of voxels from 0.25 to 1");
   for (const char* word : {"nan", "half"})
     expectRefused({"--sample-distance", word}, "--sample-distance: expected a number");
-  expectRefused({"--lattice", "voxel", "--sample-distance", "0.6"}, "--sample-distance: --lattice voxel");
-  expectRefused({"--mode", "mip", "--sample-distance", "0.6"}, "--sample-distance: --mode mip");
+  expectRefused({"--lattice", "voxel", "--sample-distance", "0.6"},
+                "--sample-distance: needs --lattice pixel, or several volumes (found --lattice voxel)");
+  expectRefused({"--mode", "mip", "--sample-distance", "0.6"},
+                "--sample-distance: needs --lattice pixel, or several volumes (found --mode mip)");
 }
 
 // Each option changes the picture, and its effect is in the header.
@@ -199,7 +201,9 @@ TEST_F(SceneCli, SamplesOfAPixel) {
   EXPECT_NE(four.rgba, one.rgba);
   EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
   expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 2, 4 or 16");
-  expectRefused({"--samples", "2", "--lattice", "voxel"}, "--samples 2: --lattice voxel");
+  expectRefused(
+      {"--samples", "2", "--lattice", "voxel"},
+      "--samples 2: needs --lattice pixel, --mode mip, minip or average, or several volumes (found --lattice voxel)");
 }
 
 TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
@@ -232,10 +236,12 @@ TEST_F(SceneCli, ValuesAreProjected) {
   const Image grey = drawn({"--mode", "mip"});
   for (std::size_t i = 0; i < grey.rgba.size(); i += 4) EXPECT_EQ(grey.rgba[i], grey.rgba[i + 2]);
   expectRefused({"--mode", "sum"}, "--mode: expected one of composite, mip, minip, average, found 'sum'");
-  expectRefused({"--aov", "value"}, "--aov value: --mode composite");
-  expectRefused({"--mode", "mip", "--aov", "depth"}, "--aov: --mode mip");
-  expectRefused({"--mode", "mip", "--lattice", "voxel"}, "--lattice voxel: --mode mip");
-  expectRefused({"--mode", "minip", "--interpolation", "cubic"}, "--interpolation: --mode minip");
+  expectRefused({"--aov", "value"}, "--aov: value needs --mode mip, minip or average (found --lattice pixel)");
+  expectRefused({"--mode", "mip", "--aov", "depth"},
+                "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip)");
+  expectRefused({"--mode", "mip", "--lattice", "voxel"}, "--lattice voxel: needs --mode composite (found mip)");
+  expectRefused({"--mode", "minip", "--interpolation", "cubic"},
+                "--interpolation cubic: needs --lattice pixel, or several volumes (found --mode minip)");
 }
 
 TEST_F(SceneCli, APairOfEyes) {
