@@ -1,4 +1,4 @@
-// The keys of a job that stand still or change from frame to frame.
+// Reads the options of a job that stand still or change from frame to frame.
 #pragma once
 
 #include "job/job_json.h"
@@ -6,15 +6,20 @@
 
 namespace kiln {
 
-/// Each reads one key of a job's root, where it is there, into the still picture or into the animation.
+/// Each reads an object or a key that is there into the still picture or into the animation.
 /// throws: Error kUsage naming the key.
-void readCamera(const JobObject& root, RenderJob& job);
-void readStereo(const JobObject& root, RenderJob& job);
-/// `still` and `keys` are of the volume that `owner` says this of.
+void readCamera(const JobObject& camera, RenderJob& job);
+void readStereo(const JobObject& stereo, RenderJob& job);
+/// The `transferFunction` of `owner` into the choice of a volume and its keys.
 void readTransferFunction(const JobObject& owner, TransferFunctionChoice& still,
                           std::vector<Key<TransferFunctionChoice>>& keys);
 void readLights(const JobObject& root, RenderJob& job);
-void readClipping(const JobObject& root, RenderJob& job);
+void readClipPlanes(const JobObject& root, RenderJob& job);
 void readFrames(const JobObject& root, RenderJob& job);
+
+/// The paths of a camera.
+Turntable turntableFrom(const JobObject& object);
+CameraKeyframes cameraKeyframesFrom(const JobObject& camera);
+CameraMatrices matricesFrom(const JobObject& camera);
 
 }  // namespace kiln

@@ -1,5 +1,7 @@
 #include "job/job_json.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -129,6 +131,35 @@ std::string_view nearestWord(std::string_view word, std::span<const std::string_
   });
 }
 
+bool NumberRange::operator()(double value) const {
+  return (above ? value > least : value >= least) && (below ? value < most : value <= most);
+}
+
+std::string NumberRange::text() const {
+  // The limits of lengths keep computations finite; no user means numbers of that size.
+  const bool low = least > -kLongest, high = most < kLongest;
+  if (low && high && !above && !below) return fmt::format("{} to {}", least, most);
+  std::string out;
+  if (low) out += fmt::format("{} {}", above ? "above" : "at least", least);
+  if (low && high) out += " and ";
+  if (high) out += fmt::format("{} {}", below ? "below" : "at most", most);
+  return out;
+}
+
+std::string expectedNumber(const NumberRange& range, std::string_view unit) {
+  const std::string limits = range.text();
+  const bool between = limits.find(" to ") != std::string::npos;
+  return fmt::format("a number{}{}{}{}", unit.empty() ? "" : " of ", unit,
+                     limits.empty() ? ""
+                     : between      ? " from "
+                                    : " ",
+                     limits);
+}
+
+std::string expectedWhole(std::int64_t least, std::int64_t most, std::string_view unit) {
+  return fmt::format("a whole number{}{} from {} to {}", unit.empty() ? "" : " of ", unit, least, most);
+}
+
 JobObject::JobObject(Json value, Text text, std::filesystem::path path, std::string place)
     : value_(std::move(value)), text_(std::move(text)), path_(std::move(path)), place_(std::move(place)) {
   if (!value_->is_object()) complainAt(place_, "expected an object {…}, found " + shownValue(*value_));
@@ -148,9 +179,17 @@ std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const st
   return out;
 }
 
+JobObject JobObject::ofFlag(const json& value, const FlagText& flag) {
+  JobObject out(std::make_shared<const json>(value), nullptr, {}, "");
+  out.flag_ = std::make_shared<const FlagText>(flag);
+  return out;
+}
+
 JobObject JobObject::inside(const json& value, std::string place) const {
   // Shares the document's lifetime, points at the part.
-  return JobObject(Json(value_, &value), text_, path_, std::move(place));
+  JobObject out(Json(value_, &value), text_, path_, std::move(place));
+  out.flag_ = flag_;
+  return out;
 }
 
 const json* JobObject::find(std::string_view key) const {
@@ -167,11 +206,13 @@ void JobObject::complain(std::string_view key, const std::string& sentence) cons
 }
 
 void JobObject::complainAt(const std::string& place, const std::string& sentence) const {
+  if (flag_) throw Error(ErrorCode::kUsage, flag_->flag + ": " + sentence);
   const std::string line = "line " + std::to_string(lineOfPlace(*text_, place));
   throw Error(ErrorCode::kUsage, path_, place.empty() ? line : line + ", " + place, sentence);
 }
 
 void JobObject::refuse(std::string_view key, std::string_view expected) const {
+  if (flag_) complain(key, "expected " + flag_->expected + ", found '" + flag_->text + "'");
   const json* value = find(key);
   complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
 }
@@ -180,14 +221,6 @@ void JobObject::requireWithin(std::string_view key, ListLimit limit, const json&
   if (list.size() > limit.most)
     complain(key, "expected at most " + std::to_string(limit.most) + " " + std::string(limit.entries) + ", found " +
                       std::to_string(list.size()));
-}
-
-void JobObject::requireKnown(JobKeys known, JobKeys more) const {
-  std::vector<std::string_view> names;
-  for (const JobKeys keys : {known, more}) {
-    for (const JobKey& key : keys) names.push_back(key.name);
-  }
-  requireOneOf(names);
 }
 
 void JobObject::requireKnown(std::initializer_list<std::string_view> known) const {
@@ -224,20 +257,28 @@ std::optional<double> JobObject::number(std::string_view key, std::string_view e
   return value->get<double>();
 }
 
-std::optional<std::int64_t> JobObject::integer(std::string_view key, std::int64_t least, std::int64_t most) const {
+std::optional<double> JobObject::number(std::string_view key, const NumberRange& range, std::string_view unit) const {
+  const json* value = find(key);
+  if (!value) return std::nullopt;
+  if (!value->is_number() || !range(value->get<double>())) refuse(key, expectedNumber(range, unit));
+  return value->get<double>();
+}
+
+std::optional<std::int64_t> JobObject::integer(std::string_view key, std::int64_t least, std::int64_t most,
+                                               std::string_view unit) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
   const bool fits = value->is_number() && value->get<double>() >= static_cast<double>(least) &&
                     value->get<double>() <= static_cast<double>(most) &&
                     value->get<double>() == std::floor(value->get<double>());
-  if (!fits) refuse(key, "a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  if (!fits) refuse(key, expectedWhole(least, most, unit));
   return static_cast<std::int64_t>(value->get<double>());
 }
 
 std::optional<std::string> JobObject::text(std::string_view key, std::string_view expected) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
-  if (!value->is_string() || value->get_ref<const std::string&>().empty()) refuse(key, expected);
+  if (!value->is_string() || (!flag_ && value->get_ref<const std::string&>().empty())) refuse(key, expected);
   if (hasNul(*value)) refuse(key, std::string(expected) + std::string(kWithoutNul));
   return value->get<std::string>();
 }
@@ -268,9 +309,9 @@ std::optional<std::vector<std::size_t>> JobObject::choices(std::string_view key,
       return item.is_string() && item.get_ref<const std::string&>() == name;
     });
     const auto place = static_cast<std::size_t>(found - names.begin());
-    if (found == names.end() || std::find(out.begin(), out.end(), place) != out.end())
-      refuse(key, "a list of " + listOf(names) + ", none of them twice");
-    out.push_back(place);
+    const bool again = std::find(out.begin(), out.end(), place) != out.end();
+    if (found == names.end() || (again && !flag_)) refuse(key, "a list of " + listOf(names) + ", none of them twice");
+    if (!again) out.push_back(place);
   }
   return out;
 }
@@ -357,8 +398,7 @@ std::optional<std::vector<JobObject>> JobObject::objects(std::string_view key, s
   return out;
 }
 
-bool JobObject::fill(std::string_view key, std::string_view expected, bool (*legal)(double),
-                     std::span<double> out) const {
+bool JobObject::fill(std::string_view key, std::string_view expected, const Legal& legal, std::span<double> out) const {
   const json* value = find(key);
   if (!value) return false;
   if (!value->is_array() || value->size() != out.size()) refuse(key, expected);
@@ -371,12 +411,9 @@ bool JobObject::fill(std::string_view key, std::string_view expected, bool (*leg
 }
 
 namespace legal {
-bool length(double v) { return std::abs(v) <= 1e30; }
-bool positiveLength(double v) { return v > 0 && v <= 1e30; }
+bool length(double v) { return std::abs(v) <= kLongest; }
 bool fraction(double v) { return v >= 0 && v <= 1; }
 bool voxelValue(double v) { return std::abs(v) <= 1e300; }
-bool shadingWeight(double v) { return v >= 0 && v <= 1000; }
-bool shadingPower(double v) { return v >= 0 && v <= 1e4; }
 }  // namespace legal
 
 }  // namespace kiln

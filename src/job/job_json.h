@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -13,8 +14,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "job/job_keys.h"
 
 namespace kiln {
 
@@ -30,19 +29,51 @@ struct ListLimit {
   std::string_view entries;
 };
 
+/// The longest length: its square and its cube are finite. unit: world.
+inline constexpr double kLongest = 1e30;
+
+/// The legal values of a number.
+struct NumberRange {
+  double least, most;
+  bool above = false, below = false;  // `least` or `most` itself is not legal
+  bool operator()(double value) const;
+  /// "0.25 to 1"; empty where there is no limit that a user meets.
+  std::string text() const;
+};
+/// "a number of voxels from 0.25 to 1".
+std::string expectedNumber(const NumberRange& range, std::string_view unit);
+std::string expectedWhole(std::int64_t least, std::int64_t most, std::string_view unit);
+
+/// A range that several options share, and its name in the schema.
+struct SharedRange {
+  std::string_view name;
+  NumberRange range;
+};
+
+/// A flag of the command line and its text, for errors.
+struct FlagText {
+  std::string flag, text, expected;
+};
+
 /// An object inside a parsed document; it keeps the document alive.
 /// throws: every member, Error kUsage "FILE: line N, KEY: expected …, found …" where the value is not what it asks for.
 class JobObject {
  public:
+  using Legal = std::function<bool(double)>;
+
   /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
   /// or an object has a key twice; kUsage where the root is not an object.
   static JobObject parse(const std::string& text, const std::filesystem::path& path);
   /// Reads a document that is one object or a list of objects, as above.
   static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
-  /// throws: Error kUsage for a key that is in neither `known` nor `more`, naming the nearest key.
-  void requireKnown(JobKeys known, JobKeys more = {}) const;
+  /// An object that holds what a flag stands for. Errors name the flag and not a file: "FLAG: expected …, found
+  /// 'TEXT'".
+  static JobObject ofFlag(const nlohmann::json& value, const FlagText& flag);
+
+  /// throws: Error kUsage for a key that is not in `known`, naming the nearest key.
   void requireKnown(std::initializer_list<std::string_view> known) const;
+  void requireOneOf(std::span<const std::string_view> known) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
   bool isText(std::string_view key) const;
   bool isNumber(std::string_view key) const;
@@ -50,7 +81,9 @@ class JobObject {
 
   /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
   std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;
-  std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most) const;
+  std::optional<double> number(std::string_view key, const NumberRange& range, std::string_view unit) const;
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most,
+                                      std::string_view unit = {}) const;
   std::optional<std::string> text(std::string_view key, std::string_view expected) const;
   /// The place of the value in `names`.
   std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> names) const;
@@ -69,7 +102,7 @@ class JobObject {
   std::optional<std::vector<JobObject>> objects(std::string_view key, std::string_view expected, ListLimit limit) const;
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::string_view key, std::string_view expected,
-                                               bool (*legal)(double)) const {
+                                               const Legal& legal) const {
     std::array<double, N> out;
     return fill(key, expected, legal, out) ? std::optional(out) : std::nullopt;
   }
@@ -87,26 +120,22 @@ class JobObject {
   JobObject(Json value, Text text, std::filesystem::path path, std::string place);
   [[noreturn]] void complainAt(const std::string& place, const std::string& sentence) const;
   void requireWithin(std::string_view key, ListLimit limit, const nlohmann::json& list) const;
-  void requireOneOf(std::span<const std::string_view> known) const;
   const nlohmann::json* find(std::string_view key) const;
-  bool fill(std::string_view key, std::string_view expected, bool (*legal)(double), std::span<double> out) const;
+  bool fill(std::string_view key, std::string_view expected, const Legal& legal, std::span<double> out) const;
   JobObject inside(const nlohmann::json& value, std::string place) const;
 
   Json value_;
   Text text_;  // the whole document
   std::filesystem::path path_;
-  std::string place_;  // path of this object; empty for the root
+  std::string place_;                     // path of this object; empty for the root
+  std::shared_ptr<const FlagText> flag_;  // if the object stands for a flag
 };
 
 /// The ranges that keys have.
 namespace legal {
-/// Anything whose square and cube a double holds.
 bool length(double v);
-bool positiveLength(double v);
 bool fraction(double v);  // [0, 1]
 bool voxelValue(double v);
-bool shadingWeight(double v);
-bool shadingPower(double v);
 }  // namespace legal
 
 }  // namespace kiln

@@ -13,7 +13,7 @@ inline constexpr std::array<std::string_view, 3> kProjectionNames = {"perspectiv
 inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
-inline constexpr std::array<std::string_view, 2> kShadingNames = {"phong", "none"};
+inline constexpr std::array<std::string_view, 2> kShadingNames = {"none", "phong"};
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
@@ -25,6 +25,9 @@ inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "rig
 inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none", "rle",  "zips", "zip",
                                                                          "piz",  "dwaa", "dwab"};
 inline constexpr std::array<std::string_view, 4> kDistributionNames = {"auto", "tiles", "frames", "bricks"};
+inline constexpr std::array<std::string_view, 2> kColorSpaceNames = {"linear", "srgb"};
+inline constexpr std::array<std::string_view, 2> kExrTypeNames = {"half", "float"};
+inline constexpr std::array<std::string_view, 2> kSampleTestNames = {"untested", "tested"};
 inline constexpr std::array<std::string_view, 2> kProjectedAreaNames = {"box", "sphere"};
 
 }  // namespace kiln

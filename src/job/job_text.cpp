@@ -7,89 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "job/job_names.h"
-#include "job/render_job.h"
+#include "job/job_options.h"
 
 namespace kiln {
 namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json listOf(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-ordered_json jsonOf(const Camera& camera) {
-  ordered_json out;
-  out["projection"] = nameIn(kProjectionNames, camera.projection);
-  if (camera.projection == Projection::kPerspective)
-    out["fov"] = camera.fov_deg;
-  else if (camera.projection == Projection::kOrthographic)
-    out["height"] = camera.height;
-  out["eye"] = listOf(camera.eye);
-  out["target"] = listOf(camera.target);
-  out["up"] = listOf(camera.up);
-  return out;
-}
-
-ordered_json jsonOf(const TransferFunction& function) {
-  if (!function.labels.empty()) {
-    ordered_json labels = ordered_json::array();
-    for (const LabelStyle& look : function.labels) {
-      labels.push_back(
-          {{"label", static_cast<std::int64_t>(look.label)}, {"color", listOf(look.color)}, {"opacity", look.opacity}});
-      if (!look.name.empty()) labels.back()["name"] = look.name;
-    }
-    return {{"unit", function.unit}, {"colorSpace", "linear"}, {"labels", labels}};
-  }
-  ordered_json points = ordered_json::array();
-  for (const TransferPoint& point : function.points) {
-    points.push_back({{"value", point.value}, {"color", listOf(point.color)}, {"opacity", point.opacity}});
-  }
-  ordered_json out = {{"unit", function.unit}, {"colorSpace", "linear"}, {"points", points}};
-  for (const GradientPoint& point : function.gradient_opacity)
-    out["gradientOpacity"].push_back({{"gradient", point.gradient}, {"factor", point.factor}});
-  return out;
-}
-
-ordered_json jsonOf(const Background& background) {
-  if (background.top == background.bottom) return background.top;
-  return {{"top", background.top}, {"bottom", background.bottom}};
-}
-
-ordered_json jsonOf(const Light& light) {
-  ordered_json out;
-  out["type"] = nameIn(kLightNames, light.kind);
-  if (light.kind == LightKind::kDirectional) out["direction"] = listOf(light.place);
-  if (light.kind == LightKind::kPoint) out["position"] = listOf(light.place);
-  out["color"] = listOf(light.color);
-  out["intensity"] = light.intensity;
-  return out;
-}
-
-ordered_json jsonOf(const Shading& shading) {
-  return {{"model", shading.phong ? "phong" : "none"},
-          {"ambient", shading.ambient},
-          {"diffuse", shading.diffuse},
-          {"specular", shading.specular},
-          {"power", shading.power}};
-}
-
-void addClipping(const Clipping& clipping, ordered_json& out) {
-  const auto list = [](const VoxelBox& box) {
-    return ordered_json({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
-  };
-  if (clipping.region) out["region"] = list(*clipping.region);
-  if (clipping.part) out["part"] = list(*clipping.part);
-  if (clipping.planes.empty()) return;
-  out["clip"] = ordered_json::array();
-  for (const ClipPlane& plane : clipping.planes)
-    out["clip"].push_back({{"normal", listOf(plane.normal)}, {"offset", plane.offset}});
-}
-
-ordered_json jsonOf(const VolumeOptions& volume) {
-  ordered_json out = {{"volume", volume.volume.generic_string()},
-                      {"transferFunction", jsonOf(std::get<TransferFunction>(volume.transfer_function))}};
-  if (volume.shading) out["shading"] = jsonOf(*volume.shading);
-  addClipping(volume.clipping, out);
+// The camera as a job that names all of it.
+CameraSpec specOf(const Camera& camera) {
+  CameraSpec out;
+  out.projection = camera.projection;
+  if (camera.projection == Projection::kPerspective) out.fov_deg = camera.fov_deg;
+  if (camera.projection == Projection::kOrthographic) out.height = camera.height;
+  out.eye = camera.eye;
+  out.target = camera.target;
+  out.up = camera.up;
   return out;
 }
 
@@ -125,46 +58,11 @@ void addDifferences(const ordered_json& there, const ordered_json& here, const s
 }  // namespace
 
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
-  const PictureOptions& picture = job.picture;
-  ordered_json out;
-  out["kiln"] = 1;
-  for (const VolumeOptions& volume : job.volumes) out["volumes"].push_back(jsonOf(volume));
-  if (job.volumes.empty()) out["volume"] = job.volume.generic_string();
-  out["image"] = {
-      {"width", picture.size.width}, {"height", picture.size.height}, {"background", jsonOf(picture.background)}};
-  if (const auto& crop = picture.crop) out["image"]["crop"] = {crop->x0, crop->y0, crop->width(), crop->height()};
-  if (picture.aovs.depth) out["image"]["aov"].push_back(kAovNames[0]);
-  if (picture.aovs.normal) out["image"]["aov"].push_back(kAovNames[1]);
-  if (picture.aovs.value) out["image"]["aov"].push_back(kAovNames[2]);
-  if (picture.mode != Mode::kComposite) out["mode"] = nameIn(kModeNames, picture.mode);
-  out["camera"] = jsonOf(camera);
-  if (const auto& stereo = picture.stereo) {
-    out["stereo"] = {{"eye", nameIn(kStereoEyeNames, stereo->eye)}, {"interocular", stereo->interocular}};
-    if (stereo->convergence) out["stereo"]["convergence"] = *stereo->convergence;
-  }
-  if (job.volumes.empty()) out["transferFunction"] = jsonOf(transfer_function);
-  out["shading"] = jsonOf(picture.shading);
-  out["lights"] = ordered_json::array();
-  for (const Light& light : picture.shading.lights) out["lights"].push_back(jsonOf(light));
-  addClipping(picture.clipping, out);
-  if (picture.part) out["part"] = std::to_string(picture.part->index) + "/" + std::to_string(picture.part->count);
-  out["visibility"] = {{"threshold", picture.opacity_threshold}};
-  // The one method that changes the picture.
-  const VisibilityOptions& visibility = job.speed.visibility;
-  if (visibility.method == VisibilityMethod::kQuadtree) {
-    out["visibility"]["method"] = "quadtree";
-    out["visibility"]["area"] = nameIn(kProjectedAreaNames, visibility.area);
-    out["visibility"]["epsilon"] = visibility.epsilon_px;
-    out["tile"] = job.speed.tile_px;
-  }
-  out["lattice"] = nameIn(kLatticeNames, picture.lattice);
-  if (picture.lattice == Lattice::kPixel) out["interpolation"] = nameIn(kInterpolationNames, picture.interpolation);
-  if (picture.lattice != Lattice::kVoxel) out["sampleDistance"] = picture.sample_distance;
-  out["level"] = picture.level ? ordered_json(*picture.level) : ordered_json("auto");
-  out["samples"] = picture.samples ? ordered_json(*picture.samples) : ordered_json("auto");
-  if (picture.skip_damaged) out["skipDamaged"] = true;
+  RenderJob resolved = job;
+  resolved.picture.camera = specOf(camera);
+  resolved.picture.transfer_function = transfer_function;
   // A file name need not be UTF-8; JSON must be.
-  return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return resolvedJson(jobOptions(), resolved).dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string jobDifference(const std::string& there, const std::string& here) {

@@ -68,6 +68,8 @@ void requireEngineOptions(const PictureOptions& picture);
 /// Returns whether the job draws a partial image: a part of the volume without background.
 bool drawsPart(const PictureOptions& picture);
 
+inline constexpr std::int64_t kMostThreads = 4096;
+
 /// Options of speed and memory, which change no pixel.
 struct SpeedOptions {
   VisibilityOptions visibility;

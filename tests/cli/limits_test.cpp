@@ -42,7 +42,7 @@ class Limits : public ToolTest {
 
 TEST_F(Limits, TooManyOfAThing_isRefusedInOneLine) {
   refused({"render", in("h.kiln"), "-o", in("o_#.png"), "--turntable", "2147483647"}, 2,
-          "--turntable: expected 1 to 1000000 frames, found 2147483647");
+          "--turntable: expected a whole number of frames from 1 to 1000000, found '2147483647'");
   refused({"render", job("clip", R"({"normal": [1, 0, 0], "offset": 5})", 65)}, 2,
           "expected at most 64 planes, found 65");
   refused({"render", job("lights", R"({"type": "headlight"})", 65)}, 2, "expected at most 64 lights, found 65");

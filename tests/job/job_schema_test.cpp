@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "job/job_keys.h"
+#include "job/job_schema.h"
 #include "job/json_place.h"
 #include "job/render_job.h"
 

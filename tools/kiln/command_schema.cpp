@@ -1,5 +1,5 @@
 #include "commands.h"
-#include "job/job_keys.h"
+#include "job/job_schema.h"
 #include "say.h"
 
 namespace kiln::tool {

@@ -20,7 +20,7 @@ struct Context {
 };
 
 /// Adds --rank-timeout to a command that all ranks run.
-void addRankTimeout(CLI::App& command, Context& context);
+CLI::Option* addRankTimeout(CLI::App& command, Context& context);
 
 void addConvert(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);

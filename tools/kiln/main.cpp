@@ -242,11 +242,11 @@ void requireOpenFiles() {
 
 }  // namespace
 
-void kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
-  command
+CLI::Option* kiln::tool::addRankTimeout(CLI::App& command, Context& context) {
+  return command
       .add_option("--rank-timeout", context.rank_timeout_s,
-                  "under mpirun: end the run with an error once a rank has for so long neither answered nor read, "
-                  "written or computed (a stopped process, a disk that does not answer); 0 waits without end")
+                  "Under mpirun: end the run with an error once a rank has neither answered nor read, written or "
+                  "computed for this long (a stopped process, a disk that does not answer). 0 waits without end.")
       ->check(kiln::tool::numberFrom(0, 1e6))
       ->capture_default_str()
       ->type_name("SECONDS");

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <span>
 #include <vector>
 
-#include "job/job_names.h"
+#include "job/job_flags.h"
 
 namespace kiln::tool {
 namespace {
@@ -48,10 +47,16 @@ std::string namesOf(const CLI::Option& option) {
 
 std::string optionsOf(const CLI::App& command) {
   std::string arguments, options;
-  for (const CLI::Option* option : command.get_options()) {
-    const bool positional = option->get_positional();
-    const std::string names = positional ? fmt::format("\\fI{}\\fR", roff(option->get_name(true))) : namesOf(*option);
-    (positional ? arguments : options) += fmt::format(".TP\n{}\n{}\n", names, roff(option->get_description()));
+  for (const std::string& group : command.get_groups()) {
+    std::string of_group;
+    for (const CLI::Option* option :
+         command.get_options([&](const CLI::Option* option) { return option->get_group() == group; })) {
+      const bool positional = option->get_positional();
+      const std::string names = positional ? fmt::format("\\fI{}\\fR", roff(option->get_name(true))) : namesOf(*option);
+      (positional ? arguments : of_group) += fmt::format(".TP\n{}\n{}\n", names, roff(option->get_description()));
+    }
+    if (group != "Options" && !of_group.empty()) options += fmt::format(".SS {}\n", roff(group));
+    options += of_group;
   }
   return (arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments) + ".SH OPTIONS\n" + options;
 }
@@ -59,10 +64,6 @@ std::string optionsOf(const CLI::App& command) {
 constexpr const char* kExitStatus =
     ".SH EXIT STATUS\n0 where all is done, 1 for data, disk and memory, 2 for what was asked: the command line, or a "
     "job's key or value.\n";
-
-std::string wordsOfOption(const char* option, std::span<const std::string_view> words) {
-  return fmt::format("    {}) words=\"{}\" ;;\n", option, fmt::join(words, " "));
-}
 
 std::string optionWords(const CLI::App& command) {
   std::string out;
@@ -109,11 +110,9 @@ std::string bashCompletion(const CLI::App& app) {
       "  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W \"{} {}\" -- \"$current\"))\n    return\n  fi\n",
       commands, optionWords(app));
   out += "  case $before in\n";
-  out += wordsOfOption("--projection", kProjectionNames) + wordsOfOption("--view", kSideNames) +
-         wordsOfOption("--visibility", kVisibilityNames) + wordsOfOption("--projected-area", kProjectedAreaNames) +
-         wordsOfOption("--lattice", kLatticeNames) + wordsOfOption("--interpolation", kInterpolationNames) +
-         wordsOfOption("--shading", kShadingNames) + wordsOfOption("--aov", kAovNames) +
-         wordsOfOption("--mode", kModeNames) + wordsOfOption("--compression", kExrCompressionNames);
+  for (const JobFlag& flag : jobFlags()) {
+    if (!flag.words.empty()) out += fmt::format("    {}) words=\"{}\" ;;\n", flag.flag, fmt::join(flag.words, " "));
+  }
   out += "  esac\n  [[ -n $words ]] || [[ $current != -* ]] || case ${COMP_WORDS[1]} in\n" + cases + "  esac\n";
   out +=
       "  [[ -z $words ]] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n}\ncomplete -o default -F _kiln "

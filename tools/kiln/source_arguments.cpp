@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "image/pixel_rect.h"
 #include "ingest/volume_format.h"
+#include "job_arguments.h"
 
 namespace kiln::tool {
 
@@ -123,21 +124,23 @@ SourceOptions SourceArguments::resolve() const {
 }
 
 void addSourceArguments(CLI::App& command, SourceArguments& a) {
-  command.add_option("--dims", a.dims, "headerless raw: voxels along x, y, z")->type_name("X,Y,Z");
-  command.add_option("--type", a.type, "headerless raw: u8 i8 u16 i16 u32 i32 f32 f64")->type_name("TYPE");
-  command.add_option("--endian", a.endian, "headerless raw: little (default) or big")->type_name("ORDER");
-  command.add_option("--skip", a.skip, "headerless raw: bytes before the first voxel")
-      ->check(wholeNumberFrom(0))
-      ->type_name("BYTES");
-  command.add_option("--spacing", a.spacing, "spacing in world units, in place of what a file without axes says")
-      ->type_name("X,Y,Z");
-  command.add_option("--grid", a.grid, "OpenVDB: the grid to read")->type_name("NAME");
-  command.add_option("--series", a.series, "DICOM: the series to read, where there are several")->type_name("UID");
-  command.add_flag(
-      "--allow-irregular", a.allow_irregular,
-      "DICOM: take slices that are tilted, missing or unequally far apart, at their median distance, or not "
-      "rescaled as others are; TIFF: take all slices in the order of their names, whatever their numbers "
-      "and pages");
+  const std::string group = nameOf(OptionGroup::kForeign);
+  const auto add = [&](const char* name, const char* type, auto& value, const char* help) {
+    return command.add_option(name, value, help)->type_name(type)->group(group);
+  };
+  add("--dims", "X,Y,Z", a.dims, "Headerless raw file: voxels along x, y, z.");
+  add("--type", "TYPE", a.type, "Headerless raw file: u8 i8 u16 i16 u32 i32 f32 f64.");
+  add("--endian", "ORDER", a.endian, "Headerless raw file: byte order, little (default) or big.");
+  add("--skip", "BYTES", a.skip, "Headerless raw file: bytes before the first voxel.")->check(wholeNumberFrom(0));
+  add("--spacing", "X,Y,Z", a.spacing, "Spacing in world units, of a file that has no axes.");
+  add("--grid", "NAME", a.grid, "OpenVDB: grid to read.");
+  add("--series", "UID", a.series, "DICOM: series to read, if there are several.");
+  command
+      .add_flag("--allow-irregular", a.allow_irregular,
+                "DICOM: accept slices that are tilted, missing, unequally spaced (the median distance is used) or "
+                "rescaled differently. TIFF: take all slices in the order of their names, whatever their numbers and "
+                "pages.")
+      ->group(group);
 }
 
 }  // namespace kiln::tool

@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "ingest/source/volume_source.h"
+#include "job/render_job.h"
 
 namespace kiln::tool {
 
@@ -59,9 +60,6 @@ template <class T>
 CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional<T>& value, const std::string& help) {
   return command.add_option(name, value, help)->check(decimalNumber<T>());
 }
-
-/// The most that --threads and a job's "threads" may be.
-inline constexpr std::int64_t kMostThreads = 4096;
 
 struct SourceArguments {
   std::string dims, type, endian, spacing, grid, series;

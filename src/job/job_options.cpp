@@ -1,0 +1,467 @@
+// The options of a job, in the order of the resolved job, and their flags.
+#include "job/job_options.h"
+
+#include <fmt/format.h>
+
+#include "job/job_animation.h"
+#include "job/job_names.h"
+#include "job/job_parts.h"
+#include "scene/sampling.h"
+#include "scene/scene_limits.h"
+#include "scene/transfer/presets.h"
+
+namespace kiln {
+namespace {
+
+using enum OptionGroup;
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+bool ofQuadtree(const RenderJob& job) { return job.speed.visibility.method == VisibilityMethod::kQuadtree; }
+bool ofOneVolume(const RenderJob& job) { return job.volumes.empty(); }
+
+// An option that `read` reads, if `schema` is all that is known of its values.
+template <class Read>
+OptionValue<RenderJob> custom(ordered_json schema, Read read) {
+  OptionForm form;
+  form.schema = std::move(schema);
+  return OptionValue<RenderJob>::custom(
+      std::move(form), [read](const JobObject& object, std::string_view, RenderJob& job) { read(object, job); });
+}
+
+OptionForm functionForm() {
+  OptionForm form;
+  form.schema["anyOf"] = {{{"$ref", "text"}}, {{"$ref", "transferFunction"}}, {{"$ref", "functionKeyframes"}}};
+  form.value_name = "PRESET|FILE[#NAME]";
+  form.words.assign(presetNames().begin(), presetNames().end());
+  // A text with a dot or a slash is a file.
+  form.parse = [](const std::string& text) -> json {
+    return isPreset(text) || text.find_first_of("./") != std::string::npos ? text : "./" + text;
+  };
+  return form;
+}
+
+ordered_json functionJson(const TransferFunctionChoice& choice) {
+  if (const auto* const name = std::get_if<std::string>(&choice)) return *name;
+  if (const auto* const file = std::get_if<std::filesystem::path>(&choice)) return file->generic_string();
+  return resolvedJson(transferFunctionOptions(), std::get<TransferFunction>(choice));
+}
+
+ordered_json listSchema(const ordered_json& items, std::size_t least, std::size_t most) {
+  return {{"type", "array"}, {"items", items}, {"minItems", least}, {"maxItems", most}};
+}
+
+ordered_json matricesSchema() {
+  return listSchema(listSchema(listSchema({{"$ref", "length"}}, 4, 4), 4, 4), 1, kMostMatrices);
+}
+
+constexpr std::string_view kRegionHelp = "Show this box of voxels only; X0 is inside, X1 outside.";
+constexpr std::string_view kWorldRegionHelp = "Show this box of the world only.";
+constexpr std::string_view kWindowHelp =
+    "Stretch the transfer function so that its first and last points lie at the ends of this window of values.";
+constexpr std::string_view kFunctionHelp =
+    "Transfer function: a preset, or a file of Kiln's, of ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's "
+    "labels. iso:VALUE is a preset, too: solid from VALUE on.";
+
+OptionForm sizeForm() {
+  OptionForm form;
+  form.value_name = "WIDTHxHEIGHT";
+  form.expected = fmt::format("WIDTHxHEIGHT, each side from 1 to {} pixels", kLargestSide_px);
+  form.parse = [](const std::string& text) -> json {
+    const json sides = numbersOfText(text, text.find('x') != std::string::npos ? 'x' : ',');
+    if (sides.size() != 2) return {};
+    return {{"width", sides[0]}, {"height", sides[1]}};
+  };
+  return form;
+}
+
+Options<RenderJob> imageOptions() {
+  using Row = Option<RenderJob>;
+  return {
+      Row("", "--size", kOutput, OptionValue<RenderJob>::custom(sizeForm(), nullptr),
+          "Width and height in pixels. Default: 1024x1024; of a panorama 2048x1024."),
+      Row("width", {KILN_MEMBER(picture.size.width), Whole{1, kLargestSide_px, "pixels"}, kAlways},
+          "Width of the picture."),
+      Row("height", {KILN_MEMBER(picture.size.height), Whole{1, kLargestSide_px, "pixels"}, kAlways},
+          "Height of the picture."),
+      Row("background", "--background", kLight, {KILN_MEMBER(picture.background), BackgroundColors{}, kAlways},
+          "Background in linear light: transparent (default), one colour, or two from top to bottom."),
+      Row("crop", "--crop", kOutput, {KILN_MEMBER(picture.crop), PixelBox{}, kAlways},
+          "Draw these pixels of the picture only. Each is equal to that of the whole picture, except with --visibility "
+          "quadtree."),
+      Row("aov", "--aov", kOutput, {KILN_MEMBER(picture.aovs), AovList{}, kAlways},
+          "Add channels to the EXR: depth (Z, where alpha passes one half, and depth.mean; along the view, infinite "
+          "where nothing is seen), normal (N.X, N.Y, N.Z in the world), or value of --mode mip, minip or average (NaN "
+          "where there is none)."),
+  };
+}
+
+Options<RenderJob> stereoObjectOptions() {
+  using Row = Option<RenderJob>;
+  Options<RenderJob> out = optionsIn<RenderJob>(stereoOptions(), KILN_MEMBER(picture.stereo));
+  out.push_back(Row("keyframes", custom(keyframesSchema("stereoKeyframe"), [](const JobObject&, RenderJob&) {}),
+                    "Distances of the eyes at some frames."));
+  return out;
+}
+
+Options<RenderJob> visibilityOptions() {
+  using Row = Option<RenderJob>;
+  return {
+      Row("threshold", "--opacity-threshold", kQuality,
+          {KILN_MEMBER(picture.opacity_threshold), Number{{0, 1, true}}, kAlways},
+          "Alpha at which a pixel takes no more light."),
+      Row("method", "--visibility", kCost, {KILN_MEMBER(speed.visibility.method), Word{kVisibilityNames}, ofQuadtree},
+          "Method that finds hidden bricks. All but quadtree give the same picture."),
+      Row("area", "--projected-area", kCost,
+          {KILN_MEMBER(speed.visibility.area), Word{kProjectedAreaNames}, ofQuadtree},
+          "Shape whose projection is tested for a node of the octree: its box, the tightest, or its sphere, as by Lee "
+          "and Ihm."),
+      Row("epsilon", "--quadtree-epsilon", kCost,
+          {KILN_MEMBER(speed.visibility.epsilon_px), Whole{0, kLargestEpsilon, "pixels"}, ofQuadtree},
+          "Enlarge projected areas on every side, for --visibility quadtree."),
+      Row("samples", "--test-nodes-only", kCost,
+          {KILN_MEMBER(speed.visibility.test_samples), WordOfFlag{{kSampleTestNames}, kSampleTestNames[0]}},
+          "Test nodes of the octree, and not each sample, as by Lee and Ihm."),
+  };
+}
+
+Options<RenderJob> exrOptions() {
+  using Row = Option<RenderJob>;
+  return {
+      Row("type", "--exr-type", kOutput, {KILN_MEMBER(output.exr_float), Word{kExrTypeNames}}, "Numbers of an EXR."),
+      Row("compression", "--compression", kOutput, {KILN_MEMBER(output.exr_compression), Word{kExrCompressionNames}},
+          "Compression of an EXR. dwaa and dwab are lossy."),
+      Row("owner", "--owner", kOutput, {KILN_MEMBER(output.owner), Text{"a name"}}, "Attribute owner of an EXR."),
+      Row("comments", "--comments", kOutput, {KILN_MEMBER(output.comments), Text{"a text"}},
+          "Attribute comments of an EXR."),
+      Row("statistics", "--exr-statistics", kOutput, {KILN_MEMBER(output.statistics_in_header), Switch{}},
+          "Write the statistics of --stats as attribute kiln:statistics of the EXR."),
+      Row("deep", "--deep", kOutput, {KILN_MEMBER(output.deep), Switch{}},
+          "Write a deep EXR: RGBA, Z and ZBack of each slab, without background, for compositing."),
+      Row("deepSamples", "--deep-samples", kOutput,
+          {KILN_MEMBER(output.deep_bound.samples), Whole{1, DeepBound::kMostSamples, "samples"}},
+          "Most deep samples of a pixel; neighbours that differ least are merged."),
+      Row("deepError", "--deep-error", kOutput, {KILN_MEMBER(output.deep_bound.error), Number{{0, 1}}},
+          "Merge neighbouring deep samples while a cut at any depth changes the colour by at most this."),
+  };
+}
+
+Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& inside) {
+  return {name, objectValue(name, inside)};
+}
+
+// An object whose keys depend on each other.
+Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& inside,
+                            void (*read)(const JobObject& object, RenderJob& job)) {
+  Option<RenderJob> out = objectRow(name, inside);
+  out.value.read = [read](const JobObject& root, std::string_view key, RenderJob& job) {
+    read(*root.object(key), job);
+  };
+  return out;
+}
+
+Options<RenderJob> rootOptions() {
+  using Row = Option<RenderJob>;
+  Options<RenderJob> out;
+  const auto add = [&](Option<RenderJob> option) { out.push_back(std::move(option)); };
+  OptionValue<RenderJob> format = custom({{"const", 1}}, [](const JobObject& root, RenderJob&) {
+    root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
+  });
+  format.write = [](const RenderJob&) { return 1; };
+  add(Row("kiln", std::move(format).resolvedIf(kAlways), "Version of the job format."));
+  OptionValue<RenderJob> volumes = custom(volumeList().form().schema, readVolumes);
+  volumes.write = [](const RenderJob& job) {
+    ordered_json list = ordered_json::array();
+    for (const VolumeOptions& volume : job.volumes) list.push_back(resolvedJson(volumeOptions(), volume));
+    return list;
+  };
+  add(Row("volumes", std::move(volumes).resolvedIf([](const RenderJob& job) { return !ofOneVolume(job); }),
+          "Several volumes in one picture, each placed by its own affine; instead of volume."));
+  add(Row("volume", {KILN_MEMBER(volume), FileName{}, ofOneVolume},
+          "A store, or a volume file that is converted to a store beside it first."));
+  OptionValue<RenderJob> output = {KILN_MEMBER(output.path), FileName{}};
+  output.read = [](const JobObject& root, std::string_view key, RenderJob& job) {
+    std::filesystem::path path;
+    FileName{}.read(root, key, path);
+    job.output.path.clear();
+    job.output.video.path.clear();
+    job.output.files.clear();
+    putOutput(path, job.output);
+  };
+  add(Row("output", "-o,--output", kOutput, std::move(output),
+          "Picture to write, .exr or .png, or video, .mp4, .mov, .mkv or .webm (made by ffmpeg). In the name of a "
+          "picture a run of # becomes the frame's number."));
+  static const ListOf<OutputFile> kFiles{.options = outputFileOptions(),
+                                         .name = "output",
+                                         .limit = {kMostOutputs, "files"},
+                                         .expected = "a list of files [{path, content}, …]"};
+  add(Row("outputs", {KILN_MEMBER(output.files), kFiles}, "More files of each frame."));
+  add(objectRow("video", {Row("rate", "--rate", kFrames, {KILN_MEMBER(output.video.rate), Rate{}},
+                              "Frames a second of a video, such as 25, 23.976 or 24000/1001.")}));
+  OptionValue<RenderJob> frames = custom(
+      {{"type", "string"}, {"pattern", "^ *[0-9]+(-[0-9]+)?(x[0-9]+)?(, *[0-9]+(-[0-9]+)?(x[0-9]+)?)*$"}}, readFrames);
+  frames.form.value_name = "FRAMES";
+  frames.form.parse = [](const std::string& text) -> json { return text; };
+  add(Row("frames", "--frames", kFrames, std::move(frames), "Draw these frames: 7, 1-100, 1-100x2 or 1-10,20."));
+  add(objectRow("image", imageOptions()));
+  add(Row("mode", "--mode", kQuality,
+          {KILN_MEMBER(picture.mode), Word{kModeNames},
+           [](const RenderJob& job) { return job.picture.mode != Mode::kComposite; }},
+          "Value of a pixel: the light of the volume (composite), or the greatest, least or mean value along the ray, "
+          "in the colours of the transfer function (grey without --tf)."));
+  add(objectRow("camera", cameraObjectOptions(), readCamera));
+  add(objectRow("stereo", stereoObjectOptions(), readStereo));
+  add(Row("transferFunction", "--tf", kTransferFunction,
+          OptionValue<RenderJob>::custom(
+              functionForm(),
+              [](const JobObject& root, std::string_view, RenderJob& job) {
+                readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
+              },
+              [](const RenderJob& job) { return functionJson(job.picture.transfer_function); })
+              .resolvedIf(ofOneVolume),
+          kFunctionHelp));
+  add(Row("window", "--window", kTransferFunction, {KILN_MEMBER(picture.window), ValueWindow{}}, kWindowHelp));
+  add(objectRow("shading", optionsIn<RenderJob>(shadingOptions(), KILN_MEMBER(picture.shading))));
+  OptionValue<RenderJob> lights = {KILN_MEMBER(picture.shading.lights), lightList()};
+  lights.form.schema = {{"anyOf", {lights.form.schema, {{"$ref", "lightsKeyframes"}}}}};
+  lights.read = [](const JobObject& root, std::string_view, RenderJob& job) { readLights(root, job); };
+  add(Row("lights", "--light", kLight, std::move(lights).resolvedIf(kAlways),
+          "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, or point:x,y,z; each may "
+          "end in :r,g,b, its colour. Repeatable."));
+  add(Row("region", "--region", kShown, {KILN_MEMBER(picture.clipping.region), VoxelBounds{}, kAlways}, kRegionHelp));
+  add(Row("worldRegion", "--world-region", kShown, {KILN_MEMBER(picture.clipping), WorldBounds{}}, kWorldRegionHelp));
+  OptionForm part;
+  part.schema["anyOf"] = {{{"type", "string"}, {"pattern", "^[0-9]+/[0-9]+$"}}, VoxelBounds{}.form().schema};
+  part.value_name = "I/N|X0,Y0,Z0,X1,Y1,Z1";
+  part.expected = "I/N, I from 1 to N, or x0,y0,z0,x1,y1,z1";
+  part.parse = [](const std::string& text) {
+    return text.find('/') != std::string::npos ? json(text) : numbersOfText(text);
+  };
+  add(Row(
+      "part", "--part", kRanks,
+      OptionValue<RenderJob>::custom(
+          std::move(part), [](const JobObject& root, std::string_view, RenderJob& job) { readPart(root, job.picture); },
+          [](const RenderJob& job) -> ordered_json {
+            if (const auto& number = job.picture.part) return fmt::format("{}/{}", number->index, number->count);
+            return VoxelBounds{}.write(job.picture.clipping.part);
+          })
+          .resolvedIf(kAlways),
+      "Draw a partial image for kiln composite: part I of N boxes that fill the volume, or a box of voxels. Unlike "
+      "--region, a part cuts nothing."));
+  OptionValue<RenderJob> clip = {KILN_MEMBER(picture.clipping.planes), clipPlaneList()};
+  clip.form.schema = {{"anyOf", {clip.form.schema, {{"$ref", "clipKeyframes"}}}}};
+  clip.read = [](const JobObject& root, std::string_view, RenderJob& job) { readClipPlanes(root, job); };
+  add(Row("clip", "--clip", kShown,
+          std::move(clip).resolvedIf([](const RenderJob& job) { return !job.picture.clipping.planes.empty(); }),
+          "Show the half-space nx·x + ny·y + nz·z + d >= 0 of the world. Repeatable."));
+  add(objectRow("visibility", visibilityOptions()));
+  add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), Whole{0, kLargestSide_px, "pixels"}, ofQuadtree},
+          "Edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
+  add(Row("lattice", "--lattice", kQuality, {KILN_MEMBER(picture.lattice), Word{kLatticeNames}, kAlways},
+          "Positions of samples: on the rays of pixels (pixel; ray is another name), or the voxels themselves, as by "
+          "Lee and Ihm."));
+  add(Row("interpolation", "--interpolation", kQuality,
+          {KILN_MEMBER(picture.interpolation), Word{kInterpolationNames},
+           [](const RenderJob& job) { return job.picture.lattice == Lattice::kPixel; }},
+          "Interpolation between voxels. cubic (B-spline) is smooth and blurs a little; catmull-rom is smooth and "
+          "keeps the values of voxels."));
+  add(Row("sampleDistance", "--sample-distance", kQuality,
+          {KILN_MEMBER(picture.sample_distance), Number{{kLeastSampleDistance, kMostSampleDistance}, "voxels"},
+           [](const RenderJob& job) { return job.picture.lattice != Lattice::kVoxel; }},
+          "Distance between samples along a ray, at least half a pixel. More is faster, less is more faithful."));
+  add(Row("level", "--level", kQuality, {KILN_MEMBER(picture.level), WholeOrAuto{0, 64}, kAlways},
+          "Level of the pyramid; 0 is the finest. auto draws each region with voxels of about a pixel."));
+  add(Row("samples", "--samples", kQuality,
+          {KILN_MEMBER(picture.samples), WholeChoice{.numbers = {1, 2, 4, 16}, .or_auto = true}, kAlways},
+          "Rays of a pixel (sub-pixels with --lattice voxel). auto takes more than one where voxels are small or the "
+          "camera moves."));
+  add(Row("skipDamaged", "--skip-damaged", kShown,
+          {KILN_MEMBER(picture.skip_damaged), Switch{}, [](const RenderJob& job) { return job.picture.skip_damaged; }},
+          "Draw bricks that are damaged or missing as empty, warn about each, and succeed."));
+  add(Row("memory", "--memory", kCost, {KILN_MEMBER(speed.memory_bytes), Bytes{}},
+          "Most memory for image, index and bricks, and for the conversion of INPUT."));
+  add(Row("threads", "--threads", kCost, {KILN_MEMBER(speed.threads), Whole{0, kMostThreads}},
+          "Threads; 0 uses all processors."));
+  add(Row("trace", "--trace", kCost, {KILN_MEMBER(trace), FileName{}},
+          "Write the work of each thread over time, in Chrome's trace format, for Perfetto or chrome://tracing."));
+  add(Row("distribute", "--distribute", kRanks, {KILN_MEMBER(distribution), Word{kDistributionNames}},
+          "Under mpirun, the ranks share tiles of frames, whole frames, or bricks (each rank draws its own bricks of "
+          "every frame). auto takes tiles or frames, whichever reads less."));
+  add(Row("shareReads", "--share-reads", kRanks, {KILN_MEMBER(share_reads), Switch{.on_off = true}},
+          "Under mpirun, with tiles or frames: one rank reads each brick file and sends it to the ranks that need it. "
+          "off: each rank reads for itself, for example from a fast local copy of the store."));
+  add(objectRow("exr", exrOptions()));
+  add(objectRow("png",
+                {Row("bits", "--png-bits", kOutput, {KILN_MEMBER(output.png_bits), WholeChoice{.numbers = {8, 16}}},
+                     "Bits per channel of a PNG.")}));
+  return out;
+}
+
+// The legal range and the default, in parentheses.
+std::string helpOf(const Option<RenderJob>& option) {
+  const OptionForm& form = option.value.form;
+  std::string notes = form.limits;
+  const ordered_json value = option.value.write ? option.value.write(RenderJob()) : ordered_json();
+  std::string otherwise;
+  if (value.is_boolean() && !form.words.empty())
+    otherwise = value.get<bool>() ? "on" : "off";
+  else if (value.is_string() && form.arguments != JobFlag::Arguments::kNone)
+    otherwise = value.get<std::string>();
+  else if (value.is_number())
+    otherwise = fmt::format("{}", value.get<double>());
+  if (!otherwise.empty()) notes += (notes.empty() ? "default " : "; default ") + otherwise;
+  return std::string(option.help) + (notes.empty() ? "" : " (" + notes + ")");
+}
+
+json valueOfTexts(const Option<RenderJob>& option, const std::vector<std::string>& texts) {
+  const OptionForm& form = option.value.form;
+  if (form.arguments == JobFlag::Arguments::kNone) return form.present;
+  json out = json::array();
+  for (const std::string& text : texts) {
+    const json value = valueOfText(form, text, option.flag);
+    if (form.arguments == JobFlag::Arguments::kOne) return value;
+    out.insert(out.end(), value.begin(), value.end());
+  }
+  return out;
+}
+
+void addFlags(const Options<RenderJob>& options, std::vector<JobFlag>& out) {
+  for (const Option<RenderJob>& option : options) {
+    addFlags(option.value.inside, out);
+    if (option.flag.empty()) continue;
+    const OptionForm& form = option.value.form;
+    const auto apply = [&option, &options](const std::vector<std::string>& texts, RenderJob& job) {
+      const json value = valueOfTexts(option, texts);
+      const FlagText flag{std::string(option.flag), fmt::format("{}", fmt::join(texts, " ")),
+                          option.value.form.expected};
+      if (option.key.empty())
+        readKnown(options, JobObject::ofFlag(value, flag), job);
+      else
+        option.value.read(JobObject::ofFlag({{std::string(option.key), value}}, flag), option.key, job);
+    };
+    JobFlag row{std::string(option.flag), option.group, form.arguments, form.value_name,
+                helpOf(option),           form.words,   nullptr,        apply};
+    if (form.number) row.refusal = [&form](const std::string& text) { return refusalOfText(form, text); };
+    out.push_back(std::move(row));
+  }
+}
+
+}  // namespace
+
+const Options<RenderJob>& cameraObjectOptions() {
+  using Row = Option<RenderJob>;
+  static const Options<RenderJob> kOptions = [] {
+    Options<RenderJob> out = optionsIn<RenderJob>(cameraOptions(), KILN_MEMBER(picture.camera));
+    OptionValue<RenderJob> turntable = custom({{"$ref", "turntable"}}, [](const JobObject& camera, RenderJob& job) {
+      job.animation.camera = turntableFrom(*camera.object("turntable"));
+    });
+    const OptionForm frames = turntableOptions().front().value.form;
+    turntable.form.number = frames.number;
+    turntable.form.value_name = frames.value_name;
+    turntable.form.expected = frames.expected;
+    turntable.form.parse = [frames](const std::string& text) -> json {
+      const json number = frames.parse(text);
+      return number.is_null() ? number : json{{"frames", number}};
+    };
+    out.push_back(Row("turntable", "--turntable", kFrames, std::move(turntable),
+                      "Turn the camera once around its target in this many frames."));
+    out.push_back(
+        Row("keyframes",
+            custom(keyframesSchema("cameraKeyframe"),
+                   [](const JobObject& camera, RenderJob& job) { job.animation.camera = cameraKeyframesFrom(camera); }),
+            "Cameras at some frames."));
+    out.push_back(Row("pivot",
+                      OptionValue<RenderJob>::custom(Word{kPivotNames}.form(),
+                                                     // Read with the keyframes.
+                                                     [](const JobObject&, std::string_view, RenderJob&) {}),
+                      "Between keyframes, the point that the orientation turns around."));
+    out.push_back(Row("matrices",
+                      custom(matricesSchema(), [](const JobObject& camera,
+                                                  RenderJob& job) { job.animation.camera = matricesFrom(camera); }),
+                      "Camera to world, 4 rows of 4 numbers, for frame 1 and the frames after it."));
+    return out;
+  }();
+  return kOptions;
+}
+
+ordered_json keyframesSchema(std::string_view key) { return listSchema({{"$ref", key}}, 1, kMostKeys); }
+
+const ListOf<VolumeOptions>& volumeList() {
+  static const ListOf<VolumeOptions> kList{
+      .options = volumeOptions(),
+      .name = "volume",
+      .limit = {kMostVolumesOfJob, "volumes"},
+      .expected = "a list of at least one volume [{volume, transferFunction, …}, …]",
+      .least = 1};
+  return kList;
+}
+
+const Options<OutputFile>& outputFileOptions() {
+  using Row = Option<OutputFile>;
+  static const Options<OutputFile> kOptions = {
+      Row("path",
+          OptionValue<OutputFile>::custom(FileName{}.form(),
+                                          [](const JobObject& object, std::string_view key, OutputFile& file) {
+                                            FileName{}.read(object, key, file.path);
+                                            if (isVideo(file.path))
+                                              object.complain(key, "a video is what \"output\" names");
+                                          }),
+          "File name; a run of # becomes the frame's number.", "an output has the name of its file"),
+      Row("content", {KILN_MEMBER(content), Word{kContentNames}}, "Part of the frame that the file holds."),
+  };
+  return kOptions;
+}
+
+const Options<VolumeOptions>& volumeOptions() {
+  using Row = Option<VolumeOptions>;
+  static const Options<VolumeOptions> kOptions = [] {
+    Options<VolumeOptions> out = {
+        Row("volume", {KILN_MEMBER(volume), FileName{}, kAlways}, "A store, or a volume file.",
+            "each of several volumes names its store or volume file"),
+        Row("labels", {KILN_MEMBER(labels), Switch{}}, "The values of a volume file are labels."),
+        Row("transferFunction",
+            OptionValue<VolumeOptions>::custom(
+                functionForm(),
+                [](const JobObject& object, std::string_view, VolumeOptions& volume) {
+                  readTransferFunction(object, volume.transfer_function, volume.functions);
+                },
+                [](const VolumeOptions& volume) { return functionJson(volume.transfer_function); })
+                .resolvedIf(kAlways),
+            kFunctionHelp),
+        Row("window", {KILN_MEMBER(window), ValueWindow{}}, kWindowHelp)};
+    OptionValue<VolumeOptions> shading =
+        objectValue("shading", optionsIn<VolumeOptions>(shadingOptions(), KILN_MEMBER(shading)));
+    shading.read = [](const JobObject& object, std::string_view key, VolumeOptions& volume) {
+      volume.shading = shadingFrom(*object.object(key));
+    };
+    out.push_back(Row("shading", std::move(shading)));
+    out.push_back(Row("region", {KILN_MEMBER(clipping.region), VoxelBounds{}, kAlways}, kRegionHelp));
+    out.push_back(Row("worldRegion", {KILN_MEMBER(clipping), WorldBounds{}}, kWorldRegionHelp));
+    OptionValue<VolumeOptions> clip = {KILN_MEMBER(clipping.planes), clipPlaneList()};
+    clip.read = [](const JobObject& object, std::string_view, VolumeOptions& volume) {
+      replaceClipPlanes(object, volume.clipping);
+    };
+    out.push_back(Row(
+        "clip", std::move(clip).resolvedIf([](const VolumeOptions& volume) { return !volume.clipping.planes.empty(); }),
+        "Half-spaces that are shown."));
+    return out;
+  }();
+  return kOptions;
+}
+
+const Options<RenderJob>& jobOptions() {
+  static const Options<RenderJob> kOptions = rootOptions();
+  return kOptions;
+}
+
+const std::vector<JobFlag>& jobFlags() {
+  static const std::vector<JobFlag> kFlags = [] {
+    std::vector<JobFlag> out;
+    addFlags(jobOptions(), out);
+    return out;
+  }();
+  return kFlags;
+}
+
+}  // namespace kiln

@@ -1,0 +1,46 @@
+// The tables of options, one for each object of a job. job/README.md says how to add a row.
+#pragma once
+
+#include "job/option_kinds.h"
+#include "job/render_job.h"
+
+namespace kiln {
+
+/// The job itself, with the objects that it holds once.
+const Options<RenderJob>& jobOptions();
+
+/// The camera of a job, with its path.
+const Options<RenderJob>& cameraObjectOptions();
+
+/// Objects that a job holds several times, or that other documents hold too.
+const Options<CameraSpec>& cameraOptions();
+const Options<Turntable>& turntableOptions();
+const Options<Stereo>& stereoOptions();
+const Options<Shading>& shadingOptions();
+const Options<Light>& lightOptions();
+const Options<ClipPlane>& clipPlaneOptions();
+const ListOf<VolumeOptions>& volumeList();
+const ListOf<Light>& lightList();
+const ListOf<ClipPlane>& clipPlaneList();
+const Options<TransferFunction>& transferFunctionOptions();
+const Options<TransferPoint>& pointOptions();
+const Options<GradientPoint>& gradientPointOptions();
+const Options<LabelStyle>& labelOptions();
+const Options<VolumeOptions>& volumeOptions();
+const Options<OutputFile>& outputFileOptions();
+
+/// Ends an error.
+inline constexpr std::string_view kMissingInterocular = "it is the distance between both eyes";
+
+/// The ranges that the schema names.
+std::vector<SharedRange> sharedRanges();
+
+/// Keyframes, and the schema of their list.
+nlohmann::ordered_json keyframesSchema(std::string_view key);
+const Options<Key<CameraSpec>>& cameraKeyOptions();
+const Options<Key<Stereo>>& stereoKeyOptions();
+const Options<Key<TransferFunctionChoice>>& functionKeyOptions();
+const Options<Key<std::vector<Light>>>& lightsKeyOptions();
+const Options<Key<std::vector<ClipPlane>>>& clipKeyOptions();
+
+}  // namespace kiln

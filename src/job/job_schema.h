@@ -1,0 +1,11 @@
+// The published schema of a job.
+#pragma once
+
+#include <string>
+
+namespace kiln {
+
+/// JSON Schema (draft 2020-12) of a job. Jobs may also have comments, which a schema cannot describe.
+std::string jobSchemaText();
+
+}  // namespace kiln

@@ -1,0 +1,139 @@
+// A flag is another spelling of a key of a job. Known: both give the same job, and refuse the same values.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+#include "job/job_flags.h"
+#include "job/job_options.h"
+#include "job/render_job.h"
+
+namespace kiln {
+namespace {
+
+const JobFlag& flagNamed(const std::string& name) {
+  for (const JobFlag& flag : jobFlags()) {
+    if (flag.flag == name || flag.flag.ends_with("," + name)) return flag;
+  }
+  throw std::out_of_range(name);
+}
+
+RenderJob jobOfFlag(const std::string& name, const std::vector<std::string>& texts) {
+  RenderJob job = parseJob(R"({"volume": "a.kiln"})", "job.json");
+  flagNamed(name).apply(texts, job);
+  return job;
+}
+
+// The value of every option, whether the resolved job has it or not.
+nlohmann::ordered_json allValues(const Options<RenderJob>& options, const RenderJob& job) {
+  nlohmann::ordered_json out;
+  for (const Option<RenderJob>& option : options) {
+    if (!option.value.inside.empty())
+      out[std::string(option.key)] = allValues(option.value.inside, job);
+    else if (option.value.write)
+      out[std::string(option.key)] = option.value.write(job);
+  }
+  return out;
+}
+
+struct Pair {
+  const char* flag;
+  std::vector<std::string> texts;
+  const char* json;
+};
+
+const Pair kPairs[] = {
+    {"--size", {"640x480"}, R"("image": {"width": 640, "height": 480})"},
+    {"--crop", {"1,2,3,4"}, R"("image": {"crop": [1, 2, 3, 4]})"},
+    {"--background",
+     {"0.1,0.2,0.3:1,1,1"},
+     R"("image": {"background": {"top": [0.1, 0.2, 0.3, 1], "bottom": [1, 1, 1, 1]}})"},
+    {"--aov", {"normal", "depth", "depth"}, R"("image": {"aov": ["depth", "normal"]})"},
+    {"--fov", {"33.5"}, R"("camera": {"fov": 33.5})"},
+    {"--eye", {"1,-2,3e2"}, R"("camera": {"eye": [1, -2, 300]})"},
+    {"--view", {"left"}, R"("camera": {"view": "left"})"},
+    {"--turntable", {"36"}, R"("camera": {"turntable": {"frames": 36}})"},
+    {"--tf", {"ct-bone"}, R"("transferFunction": "ct-bone")"},
+    {"--window", {"40,400"}, R"("window": [40, 400])"},
+    {"--shading", {"none"}, R"("shading": {"model": "none"})"},
+    {"--power", {"3"}, R"("shading": {"power": 3})"},
+    {"--light",
+     {"point:1,2,3:1,0.5,0", "headlight", "dir:0,0,1"},
+     R"("lights": [{"type": "point", "position": [1, 2, 3], "color": [1, 0.5, 0]}, {"type": "headlight"},
+        {"type": "directional", "direction": [0, 0, 1]}])"},
+    {"--region", {"0,1,2,3,4,5"}, R"("region": [0, 1, 2, 3, 4, 5])"},
+    {"--world-region", {"0,0,0,1,1,1.5"}, R"("worldRegion": [0, 0, 0, 1, 1, 1.5])"},
+    {"--clip",
+     {"1,0,0,-8", "0,0,-1,9"},
+     R"("clip": [{"normal": [1, 0, 0], "offset": -8}, {"normal": [0, 0, -1], "offset": 9}])"},
+    {"--part", {"2/8"}, R"("part": "2/8")"},
+    {"--part", {"0,1,2,3,4,5"}, R"("part": [0, 1, 2, 3, 4, 5])"},
+    {"--opacity-threshold", {"0.9"}, R"("visibility": {"threshold": 0.9})"},
+    {"--visibility", {"quadtree"}, R"("visibility": {"method": "quadtree"})"},
+    {"--test-nodes-only", {}, R"("visibility": {"samples": "untested"})"},
+    {"--tile", {"128"}, R"("tile": 128)"},
+    {"--lattice", {"ray"}, R"("lattice": "ray")"},
+    {"--sample-distance", {"0.75"}, R"("sampleDistance": 0.75)"},
+    {"--level", {"auto"}, R"("level": "auto")"},
+    {"--level", {"3"}, R"("level": 3)"},
+    {"--samples", {"16"}, R"("samples": 16)"},
+    {"--skip-damaged", {}, R"("skipDamaged": true)"},
+    {"--memory", {"512M"}, R"("memory": "512M")"},
+    {"--share-reads", {"off"}, R"("shareReads": false)"},
+    {"--rate", {"23.976"}, R"("video": {"rate": 23.976})"},
+    {"--exr-type", {"float"}, R"("exr": {"type": "float"})"},
+    {"--compression", {"dwab"}, R"("exr": {"compression": "dwab"})"},
+    {"--deep-error", {"0.25"}, R"("exr": {"deepError": 0.25})"},
+    {"--png-bits", {"16"}, R"("png": {"bits": 16})"},
+};
+
+TEST(Options, FlagAndKey_giveTheSameJob) {
+  const nlohmann::ordered_json plain = allValues(jobOptions(), parseJob(R"({"volume": "a.kiln"})", "job.json"));
+  for (const Pair& pair : kPairs) {
+    const RenderJob by_key = parseJob(fmt::format(R"({{"volume": "a.kiln", {}}})", pair.json), "job.json");
+    const RenderJob by_flag = jobOfFlag(pair.flag, pair.texts);
+    EXPECT_EQ(allValues(jobOptions(), by_flag), allValues(jobOptions(), by_key)) << pair.flag;
+    EXPECT_EQ(by_flag.animation.any(), by_key.animation.any()) << pair.flag;
+    EXPECT_EQ(by_flag.picture.clipping, by_key.picture.clipping) << pair.flag;
+  }
+  EXPECT_EQ(allValues(jobOptions(), jobOfFlag("--output", {"a.mp4"})), plain);  // a video, which is no picture
+}
+
+TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
+  const Pair wrong[] = {
+      {"--fov", {"180"}, ""},          {"--fov", {"6o"}, ""},           {"--fov", {"nan"}, ""},
+      {"--threads", {"4097"}, ""},     {"--threads", {"010"}, ""},      {"--threads", {"1e3"}, ""},
+      {"--size", {"0x5"}, ""},         {"--size", {"5"}, ""},           {"--up", {"0,0,0"}, ""},
+      {"--up", {"0,0"}, ""},           {"--light", {"sun"}, ""},        {"--light", {"dir:0,0,0"}, ""},
+      {"--clip", {"0,0,0,1"}, ""},     {"--samples", {"8"}, ""},        {"--level", {"fine"}, ""},
+      {"--lattice", {"hex"}, ""},      {"--aov", {"depth,hue"}, ""},    {"--memory", {"lots"}, ""},
+      {"--share-reads", {"true"}, ""}, {"--background", {"0,0,2"}, ""}, {"--part", {"4/3"}, ""},
+      {"--window", {"3,0"}, ""}};
+  for (const Pair& pair : wrong) {
+    try {
+      jobOfFlag(pair.flag, pair.texts);
+      ADD_FAILURE() << pair.flag << " " << pair.texts[0];
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find(std::string(pair.flag) + ": expected "), 0u) << error.what();
+      EXPECT_NE(std::string(error.what()).find("found '" + pair.texts[0] + "'"), std::string::npos) << error.what();
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    }
+  }
+}
+
+// Each word that help and completion name is legal, and each flag is described once.
+TEST(Options, EveryFlag_hasHelpAndLegalWords) {
+  std::set<std::string> names;
+  for (const JobFlag& flag : jobFlags()) {
+    EXPECT_TRUE(names.insert(flag.flag).second) << flag.flag;
+    EXPECT_FALSE(flag.help.empty()) << flag.flag;
+    for (const std::string& word : flag.words) {
+      RenderJob job;
+      EXPECT_NO_THROW(flag.apply({word}, job)) << flag.flag << " " << word;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln
