@@ -175,7 +175,7 @@ std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const st
   if (!root->is_array()) return {JobObject(root, shared_text, path, "")};
   std::vector<JobObject> out;
   for (std::size_t i = 0; i < root->size(); ++i)
-    out.push_back(JobObject(Json(root, &(*root)[i]), shared_text, path, "[" + std::to_string(i) + "]"));
+    out.push_back(JobObject(Json(root, &(*root)[i]), shared_text, path, fmt::format("[{}]", i)));
   return out;
 }
 
@@ -393,7 +393,7 @@ std::optional<std::vector<JobObject>> JobObject::objects(std::string_view key, s
   requireWithin(key, limit, *value);
   std::vector<JobObject> out;
   for (std::size_t i = 0; i < value->size(); ++i) {
-    out.push_back(inside((*value)[i], placeOf(key) + "[" + std::to_string(i) + "]"));
+    out.push_back(inside((*value)[i], placeOf(key) + fmt::format("[{}]", i)));
   }
   return out;
 }

@@ -1,12 +1,13 @@
 // The schema is generated from the parser's own tables. Still tested: its references resolve, and a place in a job maps
 // to its line.
+#include "job/job_schema.h"
+
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "job/job_schema.h"
 #include "job/json_place.h"
 #include "job/render_job.h"
 
